@@ -186,6 +186,54 @@ static void what_is_cut_off_is_read_as_far_as_it_goes(void **state)
 	assert_string_equal(out, "");
 }
 
+static void members_are_found_whatever_they_are_called(void **state)
+{
+	static const char json[] =
+		"{\"time\":3,\"expectations\":[{\"text\":\"\\\"results\\\":{\"}],"
+		"\"results\":{\"probes\":{\"value\":1,\"unit\":\"}\"},"
+		"\"a \\\"}\\\" b\":{\"value\":null,\"unit\":\"m\"}},"
+		"\"probes\":{\"time\":{\"last\":-2.5,\"unit\":\"\"}},\"films\":[]}";
+	char name[32];
+	(void)state;
+
+	const char *at = rb_told_member(json, "results", NULL, name, sizeof name);
+	assert_non_null(at);
+	assert_string_equal(name, "probes");
+	assert_true(rb_told_number(at, "value") == 1);
+	at = rb_told_member(json, "results", at, name, sizeof name);
+	assert_non_null(at);
+	assert_string_equal(name, "a \"}\" b");
+	assert_true(isnan(rb_told_number(at, "value")));
+	assert_null(rb_told_member(json, "results", at, name, sizeof name));
+	at = rb_told_member(json, "probes", NULL, name, sizeof name);
+	assert_non_null(at);
+	assert_string_equal(name, "time");
+	assert_true(rb_told_number(at, "last") == -2.5);
+	assert_null(rb_told_member(json, "probes", at, name, sizeof name));
+}
+
+static void what_is_cut_off_has_no_more_members(void **state)
+{
+	static const char json[] =
+		"{\"results\":{\"first\":{\"value\":1},\"second\":{\"value\":2}}}";
+	char part[sizeof json], name[16];
+	(void)state;
+
+	for (size_t size = 0; size < sizeof json; size++) {
+		int count = 0;
+		memcpy(part, json, size);
+		part[size] = '\0';
+		for (const char *at = NULL;
+		     (at = rb_told_member(part, "results", at, name, sizeof name)) != NULL;)
+			count++;
+		assert_true(count <= 2 &&
+		            (count == 2) == (size >= strlen("{\"results\":{\"first\":{"
+		                                            "\"value\":1},\"second\":{")));
+	}
+	assert_null(rb_told_member("{\"results\":{}}", "results", NULL, name, sizeof name));
+	assert_null(rb_told_member("{}", "results", NULL, name, sizeof name));
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -194,6 +242,8 @@ int main(void)
 		cmocka_unit_test(random_texts_come_back_as_far_as_there_is_room),
 		cmocka_unit_test(expectations_are_counted_from_nought),
 		cmocka_unit_test(what_is_cut_off_is_read_as_far_as_it_goes),
+		cmocka_unit_test(members_are_found_whatever_they_are_called),
+		cmocka_unit_test(what_is_cut_off_has_no_more_members),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

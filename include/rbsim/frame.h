@@ -109,6 +109,8 @@ struct rb_frame {
 	double *torque;               /* [body_count][3] N m; NULL when nothing can turn */
 
 	struct rb_frame_numbers numbers;
+	double *probes; /* [probe_count] of the scene, in its order; NULL: it has none */
+	int probe_count;
 
 	struct rb_event *events; /* since the frame before, in order of time */
 	int event_count, event_capacity;

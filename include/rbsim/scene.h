@@ -345,6 +345,16 @@ struct rb_expect_def {
 	int function; /* the script's number of it */
 };
 
+/* A number of the scene's own: of the end of a run (`result`), or of every frame (`probe`). */
+struct rb_measure_def {
+	const char *name;  /* unique among the results, or among the probes */
+	const char *units; /* "" of a pure number */
+	const char *description;
+	int line;
+	int function; /* the script's number of it */
+};
+enum { RB_MEASURES_MAX = 256, RB_MEASURE_NAME_MAX = 63, RB_MEASURE_UNITS_MAX = 31 };
+
 /* A file that the scene is made of: the scene itself first, then all that it required. */
 struct rb_source_file {
 	const char
@@ -400,6 +410,8 @@ struct rb_scene {
 	int param_count;
 	struct rb_expect_def *expects;
 	int expect_count;
+	struct rb_measure_def *results, *probes;
+	int result_count, probe_count; /* each RB_MEASURES_MAX at most */
 	struct rb_source_file *files;
 	int file_count;
 	unsigned hooks;     /* RB_HOOK_* */
@@ -471,6 +483,9 @@ RB_CHECKED enum rb_status rb_scene_add_param(struct rb_scene *scene, const struc
 RB_CHECKED enum rb_status rb_scene_add_expect(struct rb_scene *scene,
                                               const struct rb_expect_def *def,
                                               struct rb_error *err);
+RB_CHECKED enum rb_status rb_scene_add_measure(struct rb_scene *scene, bool probe,
+                                               const struct rb_measure_def *def,
+                                               struct rb_error *err);
 RB_CHECKED enum rb_status rb_scene_add_file(struct rb_scene *scene, const char *name,
                                             const char *text, size_t size_bytes, const char *sha256,
                                             struct rb_error *err);

@@ -24,8 +24,9 @@ struct rb_outcome {
 	enum rb_status
 		/* RB_OK: complete; RB_ERR_INTERRUPT, RB_ERR_TERMINATE: interrupted; else failed */
 		status;
-	const char *reason;  /* never NULL, "" when complete */
-	uint64_t state_hash; /* of the last state */
+	const char *reason;    /* never NULL, "" when complete */
+	uint64_t state_hash;   /* of the last state */
+	const double *results; /* [result_count] of the scene; NULL: not known, or none */
 };
 
 struct rb_sink {

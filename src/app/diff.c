@@ -30,10 +30,11 @@ static const struct {
 };
 enum { COLUMN_COUNT = sizeof columns / sizeof *columns };
 
-enum kind { SAME, BODIES, FIELDS, TIMES, VALUES, FRAME_COUNTS, HASHES };
+enum kind { SAME, BODIES, FIELDS, TIMES, VALUES, PROBES, FRAME_COUNTS, HASHES, RESULTS };
 static const char *const kind_names[] = {
-	[SAME] = "none",     [BODIES] = "bodies",       [FIELDS] = "columns",    [TIMES] = "times",
-	[VALUES] = "values", [FRAME_COUNTS] = "frames", [HASHES] = "state_hash",
+	[SAME] = "none",         [BODIES] = "bodies", [FIELDS] = "columns",
+	[TIMES] = "times",       [VALUES] = "values", [FRAME_COUNTS] = "frames",
+	[HASHES] = "state_hash", [PROBES] = "probes", [RESULTS] = "results",
 };
 
 /* What was found first. */
@@ -46,6 +47,7 @@ struct difference {
 	double largest;          /* of VALUES: |a - b| of that body's column */
 	double largest_in_frame; /* over all bodies of that column */
 	unsigned only[2];        /* of FIELDS: columns that the other one has not */
+	const char *name;        /* of PROBES and RESULTS, with value[][0]; a reader's */
 };
 
 struct side {
@@ -117,6 +119,50 @@ static bool compare_frames(const struct side *side, struct difference *found)
 	return true;
 }
 
+/* Names and numbers of both sides: results, or probes of the frames that were read. */
+struct measures {
+	const char **name[2];
+	const double *value[2];
+	int count[2];
+};
+
+/* The first number that both have, by name, and that differs. */
+static bool compare_measures(const struct measures *m, enum kind kind, struct difference *found)
+{
+	for (int i = 0; i < m->count[0]; i++)
+		for (int k = 0; k < m->count[1]; k++) {
+			if (strcmp(m->name[0][i], m->name[1][k]) != 0 ||
+			    memcmp(&m->value[0][i], &m->value[1][k], sizeof(double)) == 0)
+				continue;
+			found->kind = kind;
+			found->name = m->name[0][i];
+			found->value[0][0] = m->value[0][i];
+			found->value[1][0] = m->value[1][k];
+			return true;
+		}
+	return false;
+}
+
+static bool compare_probes(const struct side *side, struct difference *found)
+{
+	const struct measures probes = {
+		{side[0].reading->probe_names, side[1].reading->probe_names},
+		{side[0].frame.probes, side[1].frame.probes},
+		{side[0].frame.probe_count, side[1].frame.probe_count}};
+
+	return compare_measures(&probes, PROBES, found);
+}
+
+static bool compare_results(const struct side *side, struct difference *found)
+{
+	const struct measures results = {
+		{side[0].reading->result_names, side[1].reading->result_names},
+		{side[0].reading->results, side[1].reading->results},
+		{side[0].reading->result_count, side[1].reading->result_count}};
+
+	return compare_measures(&results, RESULTS, found);
+}
+
 /*
  * Finds the first difference of two recordings; frames in the order of rows, then what only one of
  * them has.
@@ -145,7 +191,7 @@ static enum rb_status compare(const struct rb_hdf5_module *module, struct side *
 			found->kind = TIMES;
 			return RB_OK;
 		}
-		if (compare_frames(side, found))
+		if (compare_frames(side, found) || compare_probes(side, found))
 			return RB_OK;
 	}
 	found->only[0] = a->fields & ~b->fields;
@@ -156,6 +202,8 @@ static enum rb_status compare(const struct rb_hdf5_module *module, struct side *
 		found->kind = FRAME_COUNTS;
 	else if (strcmp(a->state_hash, b->state_hash) != 0 && strcmp(a->status, b->status) == 0)
 		found->kind = HASHES;
+	else if (strcmp(a->status, b->status) == 0)
+		(void)compare_results(side, found);
 	return RB_OK;
 }
 
@@ -235,6 +283,20 @@ static void print_text(const struct side *side, const struct difference *found)
 		print_vector(side, found, 0);
 		print_vector(side, found, 1);
 		break;
+	case PROBES:
+		rb_print(stdout,
+		         "frame %" PRIu64 " (%.9g s): probe '%s' is %.17g in '%s' and %.17g in "
+		         "'%s'\n",
+		         found->row, found->time[0], found->name, plain_nan(found->value[0][0]),
+		         side[0].path, plain_nan(found->value[1][0]), side[1].path);
+		break;
+	case RESULTS:
+		rb_print(stdout,
+		         "the frames are the same, but result '%s' is %.17g in '%s' and %.17g in "
+		         "'%s'\n",
+		         found->name, plain_nan(found->value[0][0]), side[0].path,
+		         plain_nan(found->value[1][0]), side[1].path);
+		break;
 	case FRAME_COUNTS:
 		rb_print(stdout,
 		         "the same as far as both go, but '%s' has %" PRIu64
@@ -262,9 +324,14 @@ static void print_json(const struct side *side, const struct difference *found)
 	rb_json_count(&json, "frames_b", side[1].reading->frame_count);
 	rb_json_count(&json, "bodies_a", (uint64_t)side[0].reading->body_count);
 	rb_json_count(&json, "bodies_b", (uint64_t)side[1].reading->body_count);
-	if (found->kind == TIMES || found->kind == VALUES) {
+	if (found->kind == TIMES || found->kind == VALUES || found->kind == PROBES) {
 		rb_json_count(&json, "frame", found->row);
 		rb_json_vector(&json, "time", found->time, 2);
+	}
+	if (found->kind == PROBES || found->kind == RESULTS) {
+		rb_json_text(&json, "name", found->name);
+		rb_json_number(&json, "value_a", found->value[0][0]);
+		rb_json_number(&json, "value_b", found->value[1][0]);
 	}
 	if (found->kind == VALUES) {
 		const int id = side[0].reading->id[found->body];

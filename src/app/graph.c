@@ -6,11 +6,13 @@
 #include <string.h>
 
 #include "app/plot.h"
+#include "app/quantity.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/outfile.h"
-#include "math/vec3.h"
 #include "sink/module.h"
+
+enum { LABEL_SIZE = 256 };
 
 /* All of one call of the verb. */
 struct graph {
@@ -23,7 +25,11 @@ struct graph {
 	struct rb_plot_series *series; /* owned */
 	uint64_t count;
 	int quantity_count;
-	const char *x_label;
+	const char *x_name, *x_units;
+	const char **units;                  /* owned: of each quantity, the texts borrowed */
+	char (*texts)[RB_COLUMN_UNITS_SIZE]; /* owned: of a sweep's columns, x last */
+	char (*names)[LABEL_SIZE];           /* owned: of each series */
+	char x_label[LABEL_SIZE], y_label[LABEL_SIZE];
 };
 
 /* Fails. */
@@ -39,146 +45,27 @@ static const char *quantity(const struct graph *graph, int k)
 	return graph->options->words[1 + k];
 }
 
-/* ---- a run: quantities against time ---- */
-
-/* What of a body can be told, behind its name and a point. */
-#define VECTOR(x, y, z, length, column)                                                       \
-	{x, 0, offsetof(struct rb_frame, column)}, {y, 1, offsetof(struct rb_frame, column)}, \
-		{z, 2, offsetof(struct rb_frame, column)},                                    \
-	{                                                                                     \
-		length, -1, offsetof(struct rb_frame, column)                                 \
-	}
-static const struct {
-	const char *name;
-	int axis;      /* -1: the length */
-	size_t column; /* of struct rb_frame */
-} parts[] = {{"x", 0, offsetof(struct rb_frame, position)},
-             {"y", 1, offsetof(struct rb_frame, position)},
-             {"z", 2, offsetof(struct rb_frame, position)},
-             VECTOR("vx", "vy", "vz", "speed", velocity),
-             VECTOR("wx", "wy", "wz", "spin", angular_velocity),
-             VECTOR("ax", "ay", "az", "acceleration", acceleration),
-             VECTOR("fx", "fy", "fz", "force", force),
-             VECTOR("tx", "ty", "tz", "torque", torque)};
-enum { PART_COUNT = sizeof parts / sizeof *parts };
-
-/* What messages call a body: its name, or "#ID". */
-static const char *label_of(const struct rb_reading *reading, int id, char out[16])
-{
-	if (*reading->names[id])
-		return reading->names[id];
-	snprintf(out, 16, "#%d", id);
-	return out;
-}
-
-/*
- * Takes "NAME.z" or "#ID.z" apart; false: it is not of that form, or there is no such body that
- * moves.
- */
-static bool find_body(const struct rb_reading *reading, const char *text, int *body, int *part)
-{
-	const char *const dot = strrchr(text, '.');
-
-	if (!dot)
-		return false;
-	for (int k = 0; k < PART_COUNT; k++)
-		for (int i = 0; i < reading->body_count; i++) {
-			char number[16];
-			const char *const name = label_of(reading, reading->id[i], number);
-			if (strcmp(dot + 1, parts[k].name) != 0 ||
-			    strlen(name) != (size_t)(dot - text) ||
-			    strncmp(name, text, (size_t)(dot - text)) != 0)
-				continue;
-			*body = i;
-			*part = k;
-			return true;
-		}
-	return false;
-}
-
-/* Reads a quantity of a body at all frames. */
-static enum rb_status read_body(struct graph *graph, int body, int part, double *out,
-                                struct rb_error *err)
-{
-	struct rb_frame frame;
-
-	for (uint64_t row = 0; row < graph->count; row++) {
-		const enum rb_status status = graph->module->reader_frame(graph->reader, row,
-		                                                          &frame, err);
-		if (status)
-			return status;
-		const double *from;
-		memcpy(&from, (const char *)&frame + parts[part].column, sizeof from);
-		if (!from)
-			return RB_FAIL(err, RB_ERR_INPUT, "'%s' does not record what '%s' needs",
-			               graph->file, parts[part].name);
-		out[row] = parts[part].axis < 0 ? rb_vec3_length(rb_vec3_from(from + 3 * body))
-		                                : from[3 * body + parts[part].axis];
-	}
-	return RB_OK;
-}
-
-/* Reads a number for each frame; of vectors their length; the energy is the sum of both. */
-static enum rb_status read_observable(struct graph *graph, const char *name, double *out,
-                                      struct rb_error *err)
-{
-	const struct rb_hdf5_module *const module = graph->module;
-	double *const more = rb_memory_take(graph->count, 3 * sizeof *more);
-	enum rb_status status;
-
-	if (!more)
-		return no_memory(err);
-	if (strcmp(name, "energy") == 0) {
-		status = module->reader_observable(graph->reader, "kinetic_energy", 1, out, err);
-		if (!status)
-			status = module->reader_observable(graph->reader, "potential_energy", 1,
-			                                   more, err);
-		for (uint64_t i = 0; i < graph->count && !status; i++)
-			out[i] += more[i];
-	} else if (module->reader_observable(graph->reader, name, 1, out, NULL) == RB_OK) {
-		status = RB_OK;
-	} else {
-		status = module->reader_observable(graph->reader, name, 3, more, NULL);
-		for (uint64_t i = 0; i < graph->count && !status; i++)
-			out[i] = rb_vec3_length(rb_vec3_from(more + 3 * i));
-		if (status)
-			status = RB_FAIL(
-				err, RB_ERR_USAGE,
-				"'%s' has no quantity '%s' (wanted: energy, kinetic_energy, "
-				"momentum, max_penetration, ..., or BODY.x, .vx, .wx, .ax, .fx, "
-				".tx and so for y and z, .speed, .spin, .acceleration, .force, "
-				".torque; BODY: a name, or #ID of one without)",
-				graph->file, name);
-	}
-	rb_memory_free(more);
-	return status;
-}
+/* ---- a run: quantities against time, or against each other ---- */
 
 /* Reads all quantities of a recording. */
 static enum rb_status read_run(struct graph *graph, struct rb_error *err)
 {
 	const struct rb_reading *const reading = graph->module->reader_reading(graph->reader);
+	const struct rb_quantity_source source = {graph->module, graph->reader, graph->file};
 	enum rb_status status = RB_OK;
-	int body, part;
 
 	graph->count = reading->frame_count;
-	graph->x_label = "time [s]";
+	graph->x_name = graph->options->against ? graph->options->against : "time";
 	graph->x = rb_memory_take(graph->count + 1, sizeof *graph->x);
 	if (!graph->x)
 		return no_memory(err);
-	for (uint64_t row = 0; row < graph->count && !status; row++) {
-		struct rb_frame frame;
-		status = graph->module->reader_frame(graph->reader, row, &frame, err);
-		graph->x[row] = frame.time_s;
-	}
+	status = rb_quantity_read(&source, graph->x_name, graph->x, &graph->x_units, err);
 	for (int k = 0; k < graph->quantity_count && !status; k++) {
 		graph->y[k] = rb_memory_take(graph->count + 1, sizeof *graph->y[k]);
 		if (!graph->y[k])
 			return no_memory(err);
-		if (find_body(reading, quantity(graph, k), &body, &part))
-			status = read_body(graph, body, part, graph->y[k], err);
-		else
-			status = read_observable(graph, quantity(graph, k), graph->y[k], err);
+		status = rb_quantity_read(&source, quantity(graph, k), graph->y[k],
+		                          &graph->units[k], err);
 	}
 	return status;
 }
@@ -186,15 +73,17 @@ static enum rb_status read_run(struct graph *graph, struct rb_error *err)
 /* ---- a collected sweep: results against a parameter ---- */
 
 /* Reads a column of a collected sweep, looked for in its groups one after the other. */
-static enum rb_status read_column(struct graph *graph, const char *name, double **out,
+static enum rb_status read_column(struct graph *graph, const char *name, double **out, char *units,
                                   struct rb_error *err)
 {
-	static const char *const groups[] = {"results", "parameters", "expectations", "points"};
+	static const char *const groups[] = {"results", "probes", "parameters", "expectations",
+	                                     "points"};
 	uint64_t count;
 
 	for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) {
-		const enum rb_status status = graph->module->column(graph->file, groups[i], name,
-		                                                    out, &count, err);
+		const struct rb_column_name column = {graph->file, groups[i], name};
+		const enum rb_status status = graph->module->column(&column, out, &count, units,
+		                                                    err);
 		if (status != RB_ERR_INPUT || i + 1 == sizeof groups / sizeof *groups) {
 			if (!status && graph->count != 0 && count != graph->count)
 				return RB_FAIL(err, RB_ERR_INPUT,
@@ -211,11 +100,18 @@ static enum rb_status read_column(struct graph *graph, const char *name, double 
 static enum rb_status read_sweep(struct graph *graph, struct rb_error *err)
 {
 	const char *const against = graph->options->against ? graph->options->against : "index";
-	enum rb_status status = read_column(graph, against, &graph->x, err);
+	const int count = graph->quantity_count;
 
-	graph->x_label = against;
-	for (int k = 0; k < graph->quantity_count && !status; k++)
-		status = read_column(graph, quantity(graph, k), &graph->y[k], err);
+	graph->texts = rb_memory_take((size_t)count + 1, sizeof *graph->texts);
+	if (!graph->texts)
+		return no_memory(err);
+	graph->x_name = against;
+	graph->x_units = graph->texts[count];
+	enum rb_status status = read_column(graph, against, &graph->x, graph->texts[count], err);
+	for (int k = 0; k < count && !status; k++) {
+		graph->units[k] = graph->texts[k];
+		status = read_column(graph, quantity(graph, k), &graph->y[k], graph->texts[k], err);
+	}
 	return status;
 }
 
@@ -242,6 +138,36 @@ static void add_room(double *low, double *high)
 	*high += room;
 }
 
+/* "height [m]", "bounces", "[m]", "". */
+static const char *label_of(const char *name, const char *units, char out[LABEL_SIZE])
+{
+	snprintf(out, LABEL_SIZE, "%s%s%s%s%s", name, *name && *units ? " " : "", *units ? "[" : "",
+	         units, *units ? "]" : "");
+	return out;
+}
+
+/* Units that all quantities share; NULL: they differ. */
+static const char *common_units(const struct graph *graph)
+{
+	for (int k = 1; k < graph->quantity_count; k++)
+		if (strcmp(graph->units[k], graph->units[0]) != 0)
+			return NULL;
+	return graph->units[0];
+}
+
+/* Writes the labels: the units at the axis where all share them, else at each name. */
+static void write_labels(struct graph *graph)
+{
+	const char *const units = common_units(graph);
+
+	label_of(graph->x_name, graph->x_units, graph->x_label);
+	label_of(graph->quantity_count == 1 ? quantity(graph, 0) : "", units ? units : "",
+	         graph->y_label);
+	for (int k = 0; k < graph->quantity_count; k++)
+		graph->series[k].name = label_of(quantity(graph, k), units ? "" : graph->units[k],
+		                                 graph->names[k]);
+}
+
 /* Draws the diagram to where it is wanted. */
 static enum rb_status draw(const struct graph *graph, struct rb_error *err)
 {
@@ -251,7 +177,7 @@ static enum rb_status draw(const struct graph *graph, struct rb_error *err)
 	const bool png = size > 4 && strcmp(output + size - 4, ".png") == 0;
 	struct rb_plot plot = {.title = graph->file,
 	                       .x_label = graph->x_label,
-	                       .y_label = graph->quantity_count == 1 ? quantity(graph, 0) : "",
+	                       .y_label = graph->y_label,
 	                       .x_low = (double)NAN,
 	                       .x_high = (double)NAN,
 	                       .y_low = (double)NAN,
@@ -268,7 +194,7 @@ static enum rb_status draw(const struct graph *graph, struct rb_error *err)
 			return RB_FAIL(err, RB_ERR_INPUT, "'%s' has no values of '%s'", graph->file,
 			               quantity(graph, k));
 	}
-	if (!graph->reader) {
+	if (!graph->reader || graph->options->against) {
 		widen(graph->x, graph->count, &plot.x_low, &plot.x_high);
 		for (int k = 0; k < graph->quantity_count; k++)
 			widen(graph->y[k], graph->count, &plot.y_low, &plot.y_high);
@@ -302,28 +228,26 @@ static enum rb_status read_all(struct graph *graph, struct rb_error *err)
 		return status;
 	graph->y = rb_memory_take((size_t)graph->quantity_count, sizeof *graph->y);
 	graph->series = rb_memory_take((size_t)graph->quantity_count, sizeof *graph->series);
-	if (!graph->y || !graph->series)
+	graph->units = rb_memory_take((size_t)graph->quantity_count, sizeof *graph->units);
+	graph->names = rb_memory_take((size_t)graph->quantity_count, sizeof *graph->names);
+	if (!graph->y || !graph->series || !graph->units || !graph->names)
 		return no_memory(err);
-	const bool sweep = graph->module->column(graph->file, "points", "index", &index, &count,
-	                                         &other) == RB_OK;
+	const struct rb_column_name first = {graph->file, "points", "index"};
+	const bool sweep = graph->module->column(&first, &index, &count, NULL, &other) == RB_OK;
 	if (sweep)
 		rb_memory_free(index);
-	if (!sweep && graph->options->against)
-		return RB_FAIL(
-			err, RB_ERR_USAGE,
-			"option '--against' is for collected sweeps; '%s' is plotted against time",
-			graph->file);
 	status = sweep ? RB_OK : graph->module->reader_open(&graph->reader, graph->file, err);
 	if (!status)
 		status = sweep ? read_sweep(graph, err) : read_run(graph, err);
 	for (int k = 0; k < graph->quantity_count && !status; k++)
-		graph->series[k] = (struct rb_plot_series){.name = quantity(graph, k),
-		                                           .x = graph->x,
+		graph->series[k] = (struct rb_plot_series){.x = graph->x,
 		                                           .y = graph->y[k],
 		                                           .count = (int)graph->count,
 		                                           .crosses = sweep,
 		                                           .plain = !sweep,
 		                                           .like = k};
+	if (!status)
+		write_labels(graph);
 	return status;
 }
 
@@ -343,6 +267,9 @@ int rb_graph_main(const struct rb_options *options)
 	rb_memory_free(graph.y);
 	rb_memory_free(graph.x);
 	rb_memory_free(graph.series);
+	rb_memory_free(graph.units);
+	rb_memory_free(graph.texts);
+	rb_memory_free(graph.names);
 	if (graph.reader)
 		graph.module->reader_close(graph.reader);
 	return rb_app_finish(options, status ? rb_app_refuse(options, &err) : 0);

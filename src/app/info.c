@@ -153,6 +153,45 @@ static const struct {
 };
 enum { FIELD_COUNT = sizeof field_names / sizeof *field_names };
 
+/* The scene's results by name, and the names and units of its probes. */
+static void json_measures(struct rb_json *json, const struct rb_reading *reading)
+{
+	rb_json_open(json, "results", '{');
+	for (int i = 0; i < reading->result_count; i++) {
+		rb_json_open(json, reading->result_names[i], '{');
+		rb_json_number(json, "value", reading->results[i]);
+		rb_json_text(json, "unit", reading->result_units[i]);
+		rb_json_close(json, '}');
+	}
+	rb_json_close(json, '}');
+	rb_json_open(json, "probes", '{');
+	for (int i = 0; i < reading->probe_count; i++) {
+		rb_json_open(json, reading->probe_names[i], '{');
+		rb_json_text(json, "unit", reading->probe_units[i]);
+		rb_json_close(json, '}');
+	}
+	rb_json_close(json, '}');
+}
+
+/* The same in lines. */
+static void print_measures(const struct rb_reading *reading)
+{
+	for (int i = 0; i < reading->result_count; i++) {
+		const char *const units = reading->result_units[i];
+
+		rb_print(stdout, "  %-11s %s: ", i == 0 ? "results" : "", reading->result_names[i]);
+		if (isnan(reading->results[i]))
+			rb_print(stdout, "no value\n");
+		else
+			rb_print(stdout, "%.9g%s%s\n", reading->results[i], *units ? " " : "",
+			         units);
+	}
+	for (int i = 0; i < reading->probe_count; i++)
+		rb_print(stdout, "  %-11s %s%s%s%s\n", i == 0 ? "probes" : "",
+		         reading->probe_names[i], *reading->probe_units[i] ? " [" : "",
+		         reading->probe_units[i], *reading->probe_units[i] ? "]" : "");
+}
+
 static void print_json(const char *path, const struct rb_reading *reading,
                        const struct course *course)
 {
@@ -208,6 +247,7 @@ static void print_json(const char *path, const struct rb_reading *reading,
 	for (int i = 0; i < reading->file_count; i++)
 		rb_json_count(&json, NULL, reading->file_sizes[i]);
 	rb_json_close(&json, ']');
+	json_measures(&json, reading);
 	rb_json_number(&json, "energy_first", course->energy_first);
 	rb_json_number(&json, "energy_last", course->energy_last);
 	rb_json_number(&json, "kinetic_energy_max", course->kinetic_max);
@@ -290,6 +330,7 @@ static void print_text(const char *path, const struct rb_reading *reading,
 		rb_print(stdout, "  %-11s %s, %s%s\n", i == 0 ? "files" : "",
 		         reading->file_names[i], rb_text_bytes(reading->file_sizes[i], size),
 		         i == 0 ? " (see --scene)" : "");
+	print_measures(reading);
 	if (reading->frame_count == 0)
 		return;
 	print_changes(course);

@@ -107,6 +107,7 @@ const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
                  "a recording against time, or results of a sweep against a parameter",
                  "rbsim plot bounce.h5 energy kinetic_energy\tin the terminal\n"
                  "rbsim plot bounce.h5 ball.z -o height.svg\tthe height of body 'ball'\n"
+                 "rbsim plot bounce.h5 ball.vz --against ball.z\ta phase plot\n"
                  "rbsim plot bounces/sweep.h5 energy_drift --against e\ta cross for each run\n"},
 };
 
@@ -126,7 +127,8 @@ const struct rb_option_row rb_option_rows[] = {
 	{"output", 'o', "PICTURE", RB_OPTION_TEXT, AT(output), VERB(PLOT), 0, 0, false, NULL,
          "draw to PICTURE (.svg, .png) instead of the terminal"},
 	{"against", 0, "NAME", RB_OPTION_TEXT, AT(against), VERB(PLOT), 0, 0, false, NULL,
-         "parameter or result of the sweep that the horizontal axis shows (default: the index)"},
+         "what the horizontal axis shows: a quantity of the recording (default: the time), a "
+         "parameter or result of the sweep (default: the index)"},
 	{"csv", 0, NULL, RB_OPTION_FLAG, AT(csv), VERB(COLLECT), 0, 0, false, NULL,
          "a table of comma-separated values, without --output on standard output"},
 	{"param", 'p', "NAME=VALUES", RB_OPTION_LIST, AT(params), VERB(SWEEP), 0, 0, false, NULL,

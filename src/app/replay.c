@@ -97,6 +97,25 @@ static void compare(struct replay *replay, const struct rb_frame *then)
 	}
 }
 
+/* Compares the scene's probes; NAN is the same as NAN, for all are recorded in one form. */
+static void compare_probes(struct replay *replay, const struct rb_frame *then)
+{
+	const int count = then->probe_count < replay->frame.probe_count ? then->probe_count
+	                                                                : replay->frame.probe_count;
+
+	for (int i = 0; i < count && !replay->differs; i++) {
+		const double now = replay->frame.probes[i], was = then->probes[i];
+
+		if (memcmp(&now, &was, sizeof now) == 0)
+			continue;
+		replay->differs = true;
+		replay->first = then->index;
+		snprintf(replay->what, sizeof replay->what,
+		         "probe '%.60s': %.17g recorded, %.17g now",
+		         replay->loaded.scene.probes[i].name, was, now);
+	}
+}
+
 /*
  * Compares the frame of the run with the next row, if that is of it, and calls the script's
  * callbacks.
@@ -107,10 +126,14 @@ static enum rb_status look(struct replay *replay, struct rb_error *err)
 	const uint64_t k = rb_world_frame(replay->world);
 	enum rb_status status = rb_world_fill_frame(replay->world, &replay->frame, err);
 
+	if (!status && replay->frame.probes)
+		status = rb_script_probes(replay->loaded.script, replay->world,
+		                          replay->frame.probes, err);
 	if (!status)
 		status = replay->module->reader_frame(replay->reader, replay->row, &then, err);
 	if (!status && then.index == k) {
 		compare(replay, &then);
+		compare_probes(replay, &then);
 		replay->row++;
 	}
 	if (!status)
@@ -146,6 +169,32 @@ static void compare_hash(struct replay *replay)
 	replay->hash_differs = !replay->differs &&
 	                       strcmp(replay->reading->status, "complete") == 0 &&
 	                       strcmp(text, replay->reading->state_hash) != 0;
+}
+
+/* Compares the scene's results, of a run that came to its end. */
+static enum rb_status compare_results(struct replay *replay, struct rb_error *err)
+{
+	const struct rb_scene *const scene = &replay->loaded.scene;
+	double now[RB_MEASURES_MAX];
+
+	if (replay->differs || replay->hash_differs || scene->result_count == 0 ||
+	    scene->result_count != replay->reading->result_count ||
+	    strcmp(replay->reading->status, "complete") != 0)
+		return RB_OK;
+	const enum rb_status status = rb_script_results(replay->loaded.script, replay->world, now,
+	                                                err);
+	for (int i = 0; !status && i < scene->result_count && !replay->differs; i++) {
+		const double was = replay->reading->results[i];
+
+		if (memcmp(&now[i], &was, sizeof was) == 0)
+			continue;
+		replay->differs = true;
+		replay->first = rb_world_frame(replay->world);
+		snprintf(replay->what, sizeof replay->what,
+		         "result '%.60s': %.17g recorded, %.17g now", scene->results[i].name, was,
+		         now[i]);
+	}
+	return status;
 }
 
 /* Opens the recording, loads its scene, makes the world. */
@@ -230,8 +279,10 @@ int rb_replay_main(const struct rb_options *options)
 
 	if (!status)
 		status = run(&replay, &err);
-	if (!status)
+	if (!status) {
 		compare_hash(&replay);
+		status = compare_results(&replay, &err);
+	}
 	const int exit_code = status ? rb_app_refuse(options, &err) : tell(&replay, options);
 	rb_world_destroy(replay.world);
 	rb_frame_release(&replay.frame);

@@ -360,6 +360,7 @@ static void pack_result(void *user, struct rb_pack *pack)
 	rb_fields_pack(rb_frame_numbers_fields(), &result->first, 1, NULL, pack);
 	rb_fields_pack(rb_frame_numbers_fields(), &result->last, 1, NULL, pack);
 	rb_balance_pack(&result->balance, pack);
+	rb_measured_pack(&result->measured, pack);
 	rb_films_pack(run->films, pack);
 }
 
@@ -467,6 +468,9 @@ static enum rb_status emit(struct run *run, bool *ended, struct rb_error *err)
 	enum rb_status status = rb_world_fill_frame(run->world, frame, err);
 	if (!status)
 		status = rb_films_shoot(run->films, frame, err);
+	if (!status && frame->probes)
+		status = rb_measured_take(&run->result->measured, run->loaded->script, run->world,
+		                          frame->probes, err);
 	if (status)
 		return status;
 	take_numbers(run->result, frame);
@@ -582,6 +586,22 @@ static enum rb_status expect(struct run *run, struct rb_error *err)
 	return RB_OK;
 }
 
+/* Expectations, then results. One whose function fails is told, and leaves the run whole. */
+static enum rb_status judge(struct run *run, struct rb_error *err)
+{
+	struct rb_run_result *const result = run->result;
+	const enum rb_status status = expect(run, err);
+
+	if (status || result->expect_status)
+		return status;
+	result->expect_status = rb_measured_end(&result->measured, run->loaded->script, run->world,
+	                                        &result->expect_error);
+	if (result->expect_status == RB_ERR_SCENE)
+		return RB_OK;
+	*err = result->expect_error;
+	return result->expect_status;
+}
+
 static enum rb_status tell_signal(struct rb_run_result *result, int signal, const char *why,
                                   struct rb_error *err)
 {
@@ -630,7 +650,7 @@ static enum rb_status simulate(struct run *run, struct rb_error *err)
 		               rb_world_time(run->world));
 	}
 	if (run->result->frames == rb_world_frame_count(run->world))
-		return expect(run, err);
+		return judge(run, err);
 	if (run->verdict == RB_PLAYER_QUIT)
 		return RB_FAIL(err, RB_ERR_INTERRUPT, "ended by the command 'quit' at %g s",
 		               rb_world_time(run->world));
@@ -689,6 +709,7 @@ static void finish(struct run *run)
 		.status = result->status,
 		.reason = result->status ? result->error.text : "",
 		.state_hash = result->state_hash,
+		.results = result->measured.has_results ? result->measured.results : NULL,
 	};
 	if (run->ring)
 		rb_ring_close(run->ring);
@@ -731,7 +752,9 @@ enum rb_status rb_simulate(struct rb_run_result *result, struct rb_loaded *loade
 	pthread_mutex_init(&run.films_lock, NULL);
 	pthread_cond_init(&run.films_joined, NULL);
 	*result = (struct rb_run_result){.frame_count = loaded->model->frame_count};
-	result->status = start(&run, &result->error);
+	result->status = rb_measured_init(&result->measured, &loaded->scene, &result->error);
+	if (!result->status)
+		result->status = start(&run, &result->error);
 	if (!result->status)
 		result->status = simulate(&run, &result->error);
 	finish(&run);
@@ -747,5 +770,6 @@ enum rb_status rb_simulate(struct rb_run_result *result, struct rb_loaded *loade
 void rb_run_result_release(struct rb_run_result *result)
 {
 	rb_memory_free(result->expects);
+	rb_measured_release(&result->measured);
 	*result = (struct rb_run_result){0};
 }

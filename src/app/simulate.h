@@ -17,6 +17,7 @@
 #include "app/common.h"
 #include "app/films.h"
 #include "app/listen.h"
+#include "app/measured.h"
 #include "app/resume.h"
 #include "base/field_list.h"
 #include "flow/run_info.h"
@@ -66,6 +67,7 @@ struct rb_run_result {
 	struct rb_expect_result
 		*expects; /* owned; [expect_count] of the scene, NULL: not reached */
 	int expect_count, expect_failures;
+	struct rb_measured measured; /* results and probes */
 };
 
 /* Texts that a struct rb_run_info borrows. */

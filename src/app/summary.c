@@ -145,6 +145,7 @@ void rb_summary_print(FILE *file, const struct rb_run_result *result,
 	         loaded->model->rollback == RB_ROLLBACK_NONE ? ", not promised" : "");
 	print_changes(file, result);
 	rb_balance_print(file, &result->balance, &result->last.ledger);
+	rb_measured_print(file, &result->measured);
 	if (result->expect_count > 0) {
 		rb_print(file, "  expectations  %d of %d hold\n",
 		         result->expect_count - result->expect_failures, result->expect_count);
@@ -288,6 +289,7 @@ void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
 	json_numbers(&json, "last", &result->last);
 	rb_json_text(&json, "state_hash", hash);
 	json_expects(&json, result);
+	rb_measured_print_json(&json, &result->measured);
 	rb_films_print_json(&json, films);
 	json_checkpoints(&json, &result->checkpoints);
 	rb_json_close(&json, '}');

@@ -50,6 +50,12 @@ unsigned rb_frame_fields(const struct rb_model *model, unsigned fields)
 	return fields;
 }
 
+/* Probes of the scene; a model of a test may have none. */
+static size_t probe_count(const struct rb_model *model)
+{
+	return model->scene ? (size_t)model->scene->probe_count : 0;
+}
+
 size_t rb_frame_bytes(const struct rb_model *model, unsigned fields)
 {
 	const unsigned wanted = rb_frame_fields(model, fields);
@@ -59,7 +65,8 @@ size_t rb_frame_bytes(const struct rb_model *model, unsigned fields)
 #define X(field, name, width) doubles += wanted & (field) ? (size_t)(width) : 0;
 	COLUMNS(X)
 #undef X
-	return doubles * (size_t)model->body_count * sizeof(double);
+	return doubles * (size_t)model->body_count * sizeof(double) +
+	       probe_count(model) * sizeof(double);
 }
 
 enum rb_status rb_frame_init(struct rb_frame *frame, const struct rb_model *model, unsigned fields,
@@ -75,6 +82,11 @@ enum rb_status rb_frame_init(struct rb_frame *frame, const struct rb_model *mode
 		failed |= !(frame->name = rb_memory_take(count, (width) * sizeof(double)));
 	COLUMNS(X)
 #undef X
+	if (probe_count(model) > 0) {
+		frame->probe_count = (int)probe_count(model);
+		frame->probes = rb_memory_take(probe_count(model), sizeof *frame->probes);
+		failed |= !frame->probes;
+	}
 	if (wanted & RB_FIELD_EVENTS) {
 		frame->events = rb_memory_take(EVENTS_AT_START, sizeof *frame->events);
 		frame->event_capacity = EVENTS_AT_START;
@@ -98,6 +110,7 @@ void rb_frame_release(struct rb_frame *frame)
 #define X(field, name, width) rb_memory_free(frame->name);
 	COLUMNS(X)
 #undef X
+	rb_memory_free(frame->probes);
 	rb_memory_free(frame->events);
 	rb_memory_free(frame->contacts);
 	rb_memory_free(frame->shots);

@@ -41,6 +41,8 @@ enum {
 	ARRAY_CAMERAS,
 	ARRAY_PARAMS,
 	ARRAY_EXPECTS,
+	ARRAY_RESULTS,
+	ARRAY_PROBES,
 	ARRAY_FILES,
 	ARRAY_COUNT
 };
@@ -195,6 +197,8 @@ void rb_scene_release(struct rb_scene *scene)
 	rb_memory_free(scene->cameras);
 	rb_memory_free(scene->params);
 	rb_memory_free(scene->expects);
+	rb_memory_free(scene->results);
+	rb_memory_free(scene->probes);
 	rb_memory_free(scene->files);
 	rb_memory_free(scene->memory);
 	*scene = (struct rb_scene){0};
@@ -406,6 +410,22 @@ enum rb_status rb_scene_add_expect(struct rb_scene *scene, const struct rb_expec
 	    !room(scene, &scene->expects, ARRAY_EXPECTS, scene->expect_count, sizeof expect))
 		return out_of_memory("expectations", err);
 	scene->expects[scene->expect_count++] = expect;
+	return RB_OK;
+}
+
+enum rb_status rb_scene_add_measure(struct rb_scene *scene, bool probe,
+                                    const struct rb_measure_def *def, struct rb_error *err)
+{
+	struct rb_measure_def measure = *def;
+	struct rb_measure_def **const list = probe ? &scene->probes : &scene->results;
+	int *const count = probe ? &scene->probe_count : &scene->result_count;
+
+	RB_ASSERT(*count < RB_MEASURES_MAX && def->name && def->units && def->description);
+	if (!own(scene, &measure.name) || !own(scene, &measure.units) ||
+	    !own(scene, &measure.description) ||
+	    !room(scene, list, probe ? ARRAY_PROBES : ARRAY_RESULTS, *count, sizeof measure))
+		return out_of_memory(probe ? "probes" : "results", err);
+	(*list)[(*count)++] = measure;
 	return RB_OK;
 }
 

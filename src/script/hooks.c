@@ -20,6 +20,7 @@
 #include "script/expects.h"
 #include "script/functions.h"
 #include "script/handles.h"
+#include "script/measures.h"
 #include "script/vector.h"
 
 /* ---- while loading ---- */
@@ -76,6 +77,10 @@ struct request {
 	const struct rb_event *event;
 	struct rb_expect_result *result;
 	int expect;
+	const struct rb_measure_def *measures; /* `measure_count` of them are asked for */
+	int measure_count;
+	const char *kind; /* what they are: "result", "probe" */
+	double *values;   /* [measure_count] */
 };
 
 /* One protected call: `serve` gets the request as a light userdata. */
@@ -324,4 +329,44 @@ enum rb_status rb_script_expects(struct rb_script *script, struct rb_world *worl
 		script->sandbox.traceback = traceback;
 	}
 	return first;
+}
+
+/* ---- results and probes ---- */
+
+/* In protected mode: asks for all measures of the request. */
+static int serve_measures(lua_State *L)
+{
+	const struct request *request = lua_touserdata(L, 1);
+
+	for (int i = 0; i < request->measure_count; i++)
+		request->values[i] = rb_measure_ask(L, &request->measures[i], request->kind);
+	return 0;
+}
+
+enum rb_status rb_script_probes(struct rb_script *script, struct rb_world *world, double *values,
+                                struct rb_error *err)
+{
+	struct request request = {.measures = script->scene->probes,
+	                          .measure_count = script->scene->probe_count,
+	                          .kind = "probe",
+	                          .values = values};
+
+	return request.measure_count > 0
+	               ? ask(script, world, serve_measures, &request, RB_PHASE_LOOK, err)
+	               : RB_OK;
+}
+
+enum rb_status rb_script_results(struct rb_script *script, struct rb_world *world, double *values,
+                                 struct rb_error *err)
+{
+	struct request request = {.measures = script->scene->results,
+	                          .measure_count = script->scene->result_count,
+	                          .kind = "result",
+	                          .values = values};
+
+	for (int i = 0; i < request.measure_count; i++)
+		values[i] = (double)NAN;
+	return request.measure_count > 0
+	               ? ask(script, world, serve_measures, &request, RB_PHASE_LOOK, err)
+	               : RB_OK;
 }

@@ -37,4 +37,15 @@ RB_CHECKED enum rb_status rb_script_on_frame(struct rb_script *script, struct rb
 RB_CHECKED enum rb_status rb_script_expects(struct rb_script *script, struct rb_world *world,
                                             struct rb_expect_result *results, struct rb_error *err);
 
+/*
+ * The scene's probes at this moment, [probe_count] in its order; before rb_script_on_frame, which
+ * may change bodies. And its results, [result_count], at the end of the run: those from the first
+ * one on whose function fails are NAN, and the status is RB_ERR_SCENE. Both cost nothing where the
+ * scene has none.
+ */
+RB_CHECKED enum rb_status rb_script_probes(struct rb_script *script, struct rb_world *world,
+                                           double *values, struct rb_error *err);
+RB_CHECKED enum rb_status rb_script_results(struct rb_script *script, struct rb_world *world,
+                                            double *values, struct rb_error *err);
+
 #endif

@@ -34,6 +34,7 @@
 #include "script/functions.h"
 #include "script/hooks.h"
 #include "script/library.h"
+#include "script/measures.h"
 #include "script/advice.h"
 #include "script/nearest.h"
 #include "script/params.h"
@@ -59,6 +60,8 @@ static const struct {
 	{"expect_always", "expect_always(text, function() ... end)"},
 	{"expect_refused", "expect_refused(status, pattern)"},
 	{"reference", "reference(function(t) ... end)"},
+	{"result", "result(name, function() ... end)"},
+	{"probe", "probe(name, function() ... end)"},
 	{"sphere", "sphere { ... }"},
 	{"plane", "plane { ... }"},
 	{"material", "material { ... }"},
@@ -217,6 +220,7 @@ static int run_scene(lua_State *L)
 	rb_library_open(L);
 	rb_bind_open(L);
 	rb_expects_open(L);
+	rb_measures_open(L);
 	rb_hooks_open(L);
 	rb_files_open(L);
 	keep_originals(L);

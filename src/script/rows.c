@@ -303,6 +303,13 @@ static const struct rb_row param_rows[] = {
 	{"choices", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "any", "", "a list of the values allowed"},
 };
 
+static const struct rb_row measure_rows[] = {
+	{"unit", RB_ROW_TEXT, 0, 0, AT(rb_measure_def, units), NULL, NULL, "none", "",
+         "shown behind the number and recorded; a text like \"m/s\""},
+	{"description", RB_ROW_TEXT, 0, 0, AT(rb_measure_def, description), NULL, NULL, "none", "",
+         "recorded"},
+};
+
 const struct rb_row_table rb_rows_world = {"world", ROWS(world_rows), NULL};
 const struct rb_row_table rb_rows_material = {"material", ROWS(material_rows), NULL};
 const struct rb_row_table rb_rows_contact_pair = {"contact_pair", ROWS(contact_pair_rows), NULL};
@@ -315,6 +322,7 @@ const struct rb_row_table rb_rows_camera = {"camera", ROWS(camera_rows), NULL};
 const struct rb_row_table rb_rows_light = {"lights", ROWS(light_rows), NULL};
 const struct rb_row_table rb_rows_record = {"record", ROWS(record_rows), NULL};
 const struct rb_row_table rb_rows_param = {"param", ROWS(param_rows), NULL};
+const struct rb_row_table rb_rows_measure = {"result", ROWS(measure_rows), NULL};
 
 const struct rb_row *rb_row_find(const struct rb_row_table *table, const char *key, int *index)
 {
@@ -505,7 +513,7 @@ void rb_fields_print(FILE *file)
 	                                                    &rb_rows_contact_pair};
 	static const struct rb_row_table *const after[] = {
 		&rb_rows_body,  &rb_rows_force,  &rb_rows_particle, &rb_rows_camera,
-		&rb_rows_light, &rb_rows_record, &rb_rows_param};
+		&rb_rows_light, &rb_rows_record, &rb_rows_param,    &rb_rows_measure};
 
 	for (size_t t = 0; t < sizeof before / sizeof *before; t++)
 		print_table(file, before[t]);

@@ -573,10 +573,44 @@ void rb_about_write(struct rb_h5 *h5, const struct rb_run_info *info)
 	put_scene(h5, info->scene);
 }
 
-void rb_about_write_changing(struct rb_h5 *h5)
+const char *rb_about_result_path(const char *name, char out[RB_ABOUT_PATH_SIZE])
+{
+	static const char folder[] = "/results/";
+
+	memcpy(out, folder, sizeof folder);
+	rb_h5_escape(name, out + sizeof folder - 1, RB_ABOUT_PATH_SIZE - sizeof folder);
+	return out;
+}
+
+/* Makes the datasets of the scene's results. */
+static void put_results(struct rb_h5 *h5, const struct rb_scene *scene)
+{
+	char path[RB_ABOUT_PATH_SIZE];
+
+	if (scene->result_count > 0)
+		rb_h5_group_ordered(h5, "/results");
+	for (int i = 0; i < scene->result_count; i++) {
+		rb_about_result_path(scene->results[i].name, path);
+		rb_h5_put_f64(h5, path, (double)NAN);
+		rb_h5_units(h5, path, scene->results[i].units);
+		rb_h5_attribute_text(h5, path, "description", scene->results[i].description);
+	}
+}
+
+void rb_about_rewrite_results(struct rb_h5 *h5, const struct rb_scene *scene, const double *results)
+{
+	char path[RB_ABOUT_PATH_SIZE];
+
+	for (int i = 0; i < scene->result_count; i++)
+		rb_h5_rewrite_f64(h5, rb_about_result_path(scene->results[i].name, path),
+		                  results[i]);
+}
+
+void rb_about_write_changing(struct rb_h5 *h5, const struct rb_scene *scene)
 {
 	rb_h5_text(h5, "/rbsim/status", "running", RB_ABOUT_STATUS_ROOM);
 	rb_h5_text(h5, "/rbsim/reason", "", RB_ABOUT_REASON_ROOM);
 	rb_h5_text(h5, "/rbsim/state_hash", "", RB_ABOUT_HASH_ROOM);
 	rb_h5_text(h5, "/rbsim/ended", "", RB_ABOUT_ENDED_ROOM);
+	put_results(h5, scene);
 }

@@ -123,6 +123,8 @@ static void put_tables(struct collect *collect)
 		else
 			rb_h5_put(&collect->h5, path, RB_H5_F64, (rb_h5_shape){1, {table->rows}},
 			          column->numbers);
+		if (column->units && *column->units)
+			rb_h5_units(&collect->h5, path, column->units);
 	}
 }
 
@@ -246,7 +248,7 @@ enum rb_status rb_h5_collect(const struct rb_collection *collection, uint64_t *l
 /* Writes "e, small: ok, small: measured, frames, ...", as far as there is room. */
 static char *list_columns(hid_t file, char *out, size_t size)
 {
-	static const char *const groups[] = {"/parameters", "/expectations", "/results"};
+	static const char *const groups[] = {"/parameters", "/expectations", "/results", "/probes"};
 	const char *comma = "";
 	char name[256];
 	size_t at = 0;
@@ -269,9 +271,20 @@ static char *list_columns(hid_t file, char *out, size_t size)
 	return out;
 }
 
-enum rb_status rb_h5_column(const char *file, const char *group, const char *name, double **values,
-                            uint64_t *count, struct rb_error *err)
+/* Copies the units of a column, "" where it has none. */
+static void read_units(const struct rb_input *input, const char *path, char *out)
 {
+	struct rb_arena arena = {0};
+	const char *const text = rb_input_attribute(input, path, "units", &arena);
+
+	snprintf(out, RB_COLUMN_UNITS_SIZE, "%s", text ? text : "");
+	rb_arena_release(&arena);
+}
+
+enum rb_status rb_h5_column(const struct rb_column_name *column, double **values, uint64_t *count,
+                            char *units, struct rb_error *err)
+{
+	const char *const file = column->file, *const name = column->name;
 	struct rb_input input;
 	char escaped[700], path[800], names[120];
 	rb_h5_shape row = {0};
@@ -283,7 +296,8 @@ enum rb_status rb_h5_column(const char *file, const char *group, const char *nam
 	enum rb_status status = rb_input_open(&input, file, err);
 	if (status)
 		return status;
-	snprintf(path, sizeof path, "/%s/%s", group, rb_h5_escape(name, escaped, sizeof escaped));
+	snprintf(path, sizeof path, "/%s/%s", column->group,
+	         rb_h5_escape(name, escaped, sizeof escaped));
 	const hid_t dataset = rb_input_dataset(&input, path, true, &row, &rows);
 	if (dataset < 0)
 		status = RB_FAIL(err, RB_ERR_INPUT, "'%s' has no numbers '%s' (wanted: %s)", file,
@@ -296,6 +310,8 @@ enum rb_status rb_h5_column(const char *file, const char *group, const char *nam
 		*values = NULL;
 	}
 	*count = status ? 0 : rows;
+	if (!status && units)
+		read_units(&input, path, units);
 	rb_h5_done(dataset);
 	rb_input_close(&input);
 	return status;

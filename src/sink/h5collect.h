@@ -12,7 +12,7 @@
 RB_CHECKED enum rb_status rb_h5_collect(const struct rb_collection *collection, uint64_t *linked,
                                         struct rb_error *err);
 /* A column of numbers of such a file; see sink/module.h. */
-RB_CHECKED enum rb_status rb_h5_column(const char *file, const char *group, const char *name,
-                                       double **values, uint64_t *count, struct rb_error *err);
+RB_CHECKED enum rb_status rb_h5_column(const struct rb_column_name *column, double **values,
+                                       uint64_t *count, char *units, struct rb_error *err);
 
 #endif

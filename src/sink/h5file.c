@@ -351,6 +351,18 @@ void rb_h5_retext(struct rb_h5 *h5, const char *path, const char *text)
 	rb_h5_done(dataset);
 }
 
+void rb_h5_rewrite_f64(struct rb_h5 *h5, const char *path, double value)
+{
+	if (h5->status)
+		return;
+	const hid_t dataset = H5Dopen2(h5->file, path, H5P_DEFAULT);
+
+	if (dataset < 0 ||
+	    H5Dwrite(dataset, rb_h5_type(RB_H5_F64), H5S_ALL, H5S_ALL, H5P_DEFAULT, &value) < 0)
+		rb_h5_fail(h5, "write", path);
+	rb_h5_done(dataset);
+}
+
 /* Makes an attribute of the object at `path`; closes `space`. */
 static void put_attribute(struct rb_h5 *h5, const char *path, const char *name, const hid_t type[2],
                           hid_t space, const void *data)

@@ -90,6 +90,8 @@ enum { RB_H5_RETEXT_MAX = 512 };
  * characters. Works while others read.
  */
 void rb_h5_retext(struct rb_h5 *h5, const char *path, const char *text);
+/* Overwrites a scalar of that type. Works while others read. */
+void rb_h5_rewrite_f64(struct rb_h5 *h5, const char *path, double value);
 
 /* Attributes of the object at `path`. */
 void rb_h5_attribute(struct rb_h5 *h5, const char *path, const char *name, enum rb_h5_kind kind,

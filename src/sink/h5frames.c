@@ -215,7 +215,8 @@ static struct rb_frames_column *add_column(struct rb_h5 *h5, struct rb_frames *f
 {
 	struct rb_frames_column *const column = &frames->columns[frames->column_count++];
 
-	RB_ASSERT(frames->column_count <= RB_FRAMES_COLUMNS_MAX);
+	RB_ASSERT(frames->column_count <=
+	          RB_FRAMES_COLUMNS_MAX + frames->model->scene->probe_count);
 	snprintf(column->path, sizeof column->path, "%s/%s", element, name);
 	rb_h5_column_create(h5, &column->column, column->path, layout);
 	return column;
@@ -255,18 +256,52 @@ static void add_source(struct rb_h5 *h5, struct rb_frames *frames,
 	rb_h5_units(h5, column->path, source->units);
 }
 
+const char *rb_frames_probe_path(const char *name, char out[RB_FRAMES_PATH_SIZE])
+{
+	static const char folder[] = "/observables/probes/";
+
+	memcpy(out, folder, sizeof folder);
+	rb_h5_escape(name, out + sizeof folder - 1, RB_FRAMES_PATH_SIZE - sizeof folder - 8);
+	return out;
+}
+
+/* Makes the datasets of the scene's probes. */
+static void add_probes(struct rb_h5 *h5, struct rb_frames *frames, const struct cut *cut)
+{
+	const struct rb_scene *const scene = frames->model->scene;
+	const struct rb_h5_layout layout = {.kind = RB_H5_F64, .chunk_rows = cut->numbers_rows};
+	char path[RB_FRAMES_PATH_SIZE];
+
+	if (scene->probe_count > 0 && !h5->there)
+		rb_h5_group_ordered(h5, "/observables/probes");
+	for (int i = 0; i < scene->probe_count; i++) {
+		rb_frames_probe_path(scene->probes[i].name, path);
+		struct rb_frames_column *const column = add_column(h5, frames, path, "value",
+		                                                   &layout);
+		column->of_probe = true;
+		column->probe = i;
+		rb_h5_units(h5, column->path, scene->probes[i].units);
+		rb_h5_attribute_text(h5, column->path, "description", scene->probes[i].description);
+	}
+}
+
 /* Every element has its step and time: one dataset each under many names. */
 static void link_steps(struct rb_h5 *h5, const struct rb_frames *frames)
 {
-	char path[RB_FRAMES_PATH_SIZE + 8];
+	char element[RB_FRAMES_PATH_SIZE], path[RB_FRAMES_PATH_SIZE + 8];
 
 	for (int i = 0; i < frames->column_count; i++) {
-		const struct rb_frames_source *source = frames->columns[i].source;
-		if (!source || strncmp(frames->step->path, source->path, strlen(source->path)) == 0)
+		const struct rb_frames_column *const column = &frames->columns[i];
+		if (!column->source && !column->of_probe)
 			continue;
-		snprintf(path, sizeof path, "%s/step", source->path);
+		snprintf(element, sizeof element, "%s", column->path);
+		*strrchr(element, '/') = '\0';
+		if (strncmp(frames->step->path, element, strlen(element)) == 0 &&
+		    frames->step->path[strlen(element)] == '/')
+			continue;
+		snprintf(path, sizeof path, "%s/step", element);
 		rb_h5_link(h5, frames->step->path, path);
-		snprintf(path, sizeof path, "%s/time", source->path);
+		snprintf(path, sizeof path, "%s/time", element);
 		rb_h5_link(h5, frames->time->path, path);
 	}
 }
@@ -332,6 +367,14 @@ void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct r
 	frames->every = info->scene->record.every > 1 ? (uint64_t)info->scene->record.every : 1;
 	if (model->body_count == 0)
 		frames->fields &= ~(unsigned)(RB_FIELD_DEFAULT | RB_FIELD_LOADS);
+	frames->columns = rb_memory_take(RB_FRAMES_COLUMNS_MAX + (size_t)model->scene->probe_count,
+	                                 sizeof *frames->columns);
+	if (!frames->columns) {
+		if (!h5->status)
+			h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY,
+			                     "cannot record frames: out of memory");
+		return;
+	}
 
 	const char *first = NULL; /* the element that step and time are made in */
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++) {
@@ -342,6 +385,7 @@ void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct r
 		add_source(h5, frames, &sources[i], info, &cut);
 		first = first ? first : sources[i].path;
 	}
+	add_probes(h5, frames, &cut);
 	const struct rb_h5_layout end = {.kind = RB_H5_U64, .chunk_rows = cut.numbers_rows};
 	if (frames->fields & RB_FIELD_EVENTS) {
 		frames->events.row_size = sizeof(struct rb_event);
@@ -486,6 +530,7 @@ void rb_frames_release(struct rb_frames *frames)
 	each_column(frames, close_column, NULL);
 	for (int i = 0; i < frames->column_count; i++)
 		rb_memory_free(frames->columns[i].buffer);
+	rb_memory_free(frames->columns);
 	rb_memory_free(frames->events.rows);
 	rb_memory_free(frames->events.cells_out);
 	rb_memory_free(frames->contacts.rows);
@@ -523,6 +568,17 @@ static enum rb_status copy_bodies(const struct rb_frames *frames, struct rb_fram
 		for (size_t i = 0; i < count; i++)
 			single[i] = (float)from[i];
 	}
+	return RB_OK;
+}
+
+/* Copies a probe of a frame. */
+static enum rb_status copy_probe(const struct rb_frames *frames, struct rb_frames_column *column,
+                                 const struct rb_frame *frame, struct rb_error *err)
+{
+	if (!frame->probes || column->probe >= frame->probe_count)
+		return RB_FAIL(err, RB_ERR_BUG, "frame %llu has no number for '%s'",
+		               (unsigned long long)frame->index, column->path);
+	memcpy(row_of(frames, column), &frame->probes[column->probe], sizeof(double));
 	return RB_OK;
 }
 
@@ -590,6 +646,8 @@ enum rb_status rb_frames_take(struct rb_frames *frames, const struct rb_frame *f
 
 	for (int i = 0; i < frames->column_count && status == RB_OK; i++) {
 		struct rb_frames_column *const column = &frames->columns[i];
+		if (column->of_probe)
+			status = copy_probe(frames, column, frame, err);
 		if (!column->source)
 			continue;
 		if (column->source->field != 0)

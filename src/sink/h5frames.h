@@ -51,12 +51,19 @@ enum { RB_EVENT_CELL_COUNT = 8, RB_CONTACT_CELL_COUNT = 7 };
 const struct rb_table_cell *rb_event_cells(void);
 const struct rb_table_cell *rb_contact_cells(void);
 
-enum { RB_FRAMES_COLUMNS_MAX = 40, RB_TABLE_COLUMNS_MAX = 10, RB_FRAMES_PATH_SIZE = 64 };
+enum { RB_FRAMES_COLUMNS_MAX = 40, RB_TABLE_COLUMNS_MAX = 10 };
+/* A name of RB_MEASURE_NAME_MAX bytes, each of which may be escaped, has room. */
+enum { RB_FRAMES_PATH_SIZE = 240 };
+
+/* "/observables/probes/NAME", the name as HDF5 can hold it; written to `out`, which is returned. */
+const char *rb_frames_probe_path(const char *name, char out[RB_FRAMES_PATH_SIZE]);
 
 struct rb_frames_column {
 	struct rb_h5_column column;
 	const struct rb_frames_source
 		*source; /* NULL: step, time and ends, which are no part of a frame's columns */
+	bool of_probe;   /* the `probe`-th number of a frame's probes; it has no source */
+	int probe;
 	unsigned char *buffer; /* owned, [capacity] rows; NULL: none is needed */
 	bool borrows;          /* rows are written from the frame itself */
 	const double
@@ -82,10 +89,10 @@ struct rb_frames {
 	const struct rb_model *model; /* borrowed */
 	unsigned fields;              /* RB_FIELD_*: stored per frame */
 	uint64_t every;
-	struct rb_frames_column columns[RB_FRAMES_COLUMNS_MAX];
+	struct rb_frames_column *columns; /* owned: [RB_FRAMES_COLUMNS_MAX + probes] */
 	int column_count;
 	struct rb_frames_column *time, *event_end, *contact_end,
-		*step; /* in columns; step is the last */
+		*step; /* in columns; step is the last. NULL: there was no memory */
 	struct rb_frames_table events, contacts;
 
 	hsize_t capacity;              /* rows that the buffers hold */

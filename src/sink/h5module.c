@@ -31,6 +31,7 @@ const struct rb_hdf5_module rb_hdf5_module = {
 	.reader_refresh = rb_reader_refresh,
 	.reader_frame = rb_reader_frame,
 	.reader_observable = rb_reader_observable,
+	.reader_units = rb_reader_units,
 	.collect = rb_h5_collect,
 	.column = rb_h5_column,
 	.libraries = libraries,

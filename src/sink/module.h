@@ -62,11 +62,15 @@ struct rb_reading {
 	const char **file_names, **file_texts; /* [0] is the scene; zero-terminated */
 	const size_t *file_sizes;              /* bytes; textures hold zero bytes */
 	uint64_t event_count;
+	int result_count, probe_count; /* of the scene; results are NAN until the run has ended */
+	const char **result_names, **result_units, **probe_names, **probe_units;
+	const double *results;
 };
 
 /* A table in memory (sweep/table): columns of numbers, NAN where there is none, or of texts. */
 struct rb_table_column {
 	const char *group; /* "parameters" and the like */
+	char *units;       /* owned; NULL: none */
 	char *name;        /* owned */
 	double *numbers;   /* owned: [rows]; NULL: texts */
 	char **texts;      /* owned, each too: [rows] */
@@ -92,6 +96,12 @@ struct rb_collection {
 	const char *(*link)(void *user, uint64_t row);
 	void *user;
 };
+
+/* A column of a collected sweep; borrowed. */
+struct rb_column_name {
+	const char *file, *group, *name;
+};
+enum { RB_COLUMN_UNITS_SIZE = RB_MEASURE_UNITS_MAX + 1 };
 
 /* The module's one exported object is `const struct rb_hdf5_module rb_hdf5_module`. */
 struct rb_hdf5_module {
@@ -129,23 +139,28 @@ struct rb_hdf5_module {
 	enum rb_status (*reader_frame)(struct rb_reader *reader, uint64_t row,
 	                               struct rb_frame *frame, struct rb_error *err);
 	/*
-	 * A per-frame observable "kinetic_energy", ...: `values` has room for frame_count * width
-	 * doubles.
+	 * A per-frame observable "kinetic_energy", "probes/NAME", ...: `values` has room for
+	 * frame_count * width doubles.
 	 */
 	enum rb_status (*reader_observable)(struct rb_reader *reader, const char *name, int width,
 	                                    double *values, struct rb_error *err);
+	/* Units of an observable, "" of a pure number or where there is none; the reader's. */
+	const char *(*reader_units)(const struct rb_reader *reader, const char *name);
 	/* One file of virtual datasets over them; `*linked` receives how many. */
 	enum rb_status (*collect)(const struct rb_collection *collection, uint64_t *linked,
 	                          struct rb_error *err);
-	/* A column of numbers in such a file, to be freed; RB_ERR_INPUT where there is none. */
-	enum rb_status (*column)(const char *file, const char *group, const char *name,
-	                         double **values, uint64_t *count, struct rb_error *err);
+	/*
+	 * A column of numbers in such a file, to be freed; RB_ERR_INPUT where there is none.
+	 * `units` (may be NULL) has room for RB_COLUMN_UNITS_SIZE bytes.
+	 */
+	enum rb_status (*column)(const struct rb_column_name *column, double **values,
+	                         uint64_t *count, char *units, struct rb_error *err);
 
 	/* Names and versions of the libraries underneath, as they are loaded: "HDF5 1.10.8". */
 	void (*libraries)(char *out, size_t size);
 };
 
-enum { RB_HDF5_MODULE_VERSION = 5 };
+enum { RB_HDF5_MODULE_VERSION = 6 };
 
 RB_CHECKED enum rb_status rb_module_hdf5(const struct rb_hdf5_module **module,
                                          struct rb_error *err);
@@ -221,7 +236,7 @@ struct rb_film_module {
 	void (*libraries)(char *out, size_t size);
 };
 
-enum { RB_FILM_MODULE_VERSION = 5 };
+enum { RB_FILM_MODULE_VERSION = 6 };
 
 RB_CHECKED enum rb_status rb_module_film(const struct rb_film_module **module,
                                          struct rb_error *err);
@@ -244,7 +259,7 @@ struct rb_console_module {
 	void (*libraries)(char *out, size_t size);
 };
 
-enum { RB_CONSOLE_MODULE_VERSION = 2 };
+enum { RB_CONSOLE_MODULE_VERSION = 3 };
 
 RB_CHECKED enum rb_status rb_module_console(const struct rb_console_module **module,
                                             struct rb_error *err);

@@ -2,18 +2,19 @@
 #include "sink/reader.h"
 
 #include "base/arena.h"
-#include "base/hash.h"
 #include "base/memory.h"
-#include "model/element.h"
+#include "sink/h5about.h"
 #include "sink/h5frames.h"
 #include "sink/h5input.h"
-#include "sink/h5solids.h"
+#include "sink/h5reading.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { MEMBERS_MAX = 100000, PATH_SIZE = 600 };
+enum { PATH_SIZE = 600 };
+/* Columns of a frame: the known ones and the scene's probes. */
+enum { COLUMNS_MAX = RB_FRAMES_COLUMNS_MAX + RB_MEASURES_MAX };
 static const double block_bytes = 1 << 20; /* of a frame's columns, read in one go */
 
 /* A column as it stands in the file. */
@@ -45,6 +46,9 @@ struct rb_reader {
 	size_t room[4];
 
 	struct column sources[RB_FRAMES_SOURCE_COUNT];
+	struct column probes[RB_MEASURES_MAX]; /* [reading.probe_count] */
+	double probe_values[RB_MEASURES_MAX];  /* of the frame that was read last */
+	double result_values[RB_MEASURES_MAX]; /* of reading */
 	struct column step, time, event_end, contact_end;
 	struct table events, contacts;
 
@@ -52,26 +56,28 @@ struct rb_reader {
 	hsize_t block_first, block_count;
 };
 
+static struct rb_reading_source source_of(struct rb_reader *reader)
+{
+	return (struct rb_reading_source){.path = reader->path,
+	                                  .input = &reader->input,
+	                                  .arena = &reader->arena,
+	                                  .reading = &reader->reading};
+}
+
 static enum rb_status no_memory(const struct rb_reader *reader, struct rb_error *err)
 {
 	return RB_FAIL(err, RB_ERR_MEMORY, "cannot read '%s': out of memory", reader->path);
 }
 
-/* For texts that are there only for information. */
-static const char *text_or_empty(struct rb_reader *reader, const char *path)
+/* The scene's results as they are now; NAN those that cannot be read. */
+static void read_results(struct rb_reader *reader)
 {
-	const char *const text = rb_input_text(&reader->input, path, &reader->arena, NULL);
+	const struct rb_reading_source from = source_of(reader);
+	char path[RB_ABOUT_PATH_SIZE];
 
-	return text ? text : "";
-}
-
-static double number_or_nan(struct rb_reader *reader, const char *path)
-{
-	double value;
-
-	if (!rb_input_numbers(&reader->input, path, RB_H5_F64, (rb_h5_shape){0}, &value))
-		value = (double)NAN;
-	return value;
+	for (int i = 0; i < reader->reading.result_count; i++)
+		reader->result_values[i] = rb_reading_number(
+			&from, rb_about_result_path(reader->reading.result_names[i], path));
 }
 
 static enum rb_status read_changing(struct rb_reader *reader, struct rb_error *err)
@@ -91,192 +97,11 @@ static enum rb_status read_changing(struct rb_reader *reader, struct rb_error *e
 		if (!*texts[i])
 			return rb_input_no_text(&reader->input, paths[i], reader->path, err);
 	}
+	read_results(reader);
 	reader->reading.status = reader->status;
 	reader->reading.reason = reader->reason;
 	reader->reading.state_hash = reader->state_hash;
 	reader->reading.ended = reader->ended;
-	return RB_OK;
-}
-
-static void read_run(struct rb_reader *reader)
-{
-	struct rb_reading *const reading = &reader->reading;
-	int64_t threads = 0;
-
-	reading->build = text_or_empty(reader, "/rbsim/build");
-	reading->command = text_or_empty(reader, "/rbsim/command");
-	reading->host = text_or_empty(reader, "/rbsim/host");
-	reading->started = text_or_empty(reader, "/rbsim/started");
-	reading->method = text_or_empty(reader, "/rbsim/method");
-	reading->rollback = text_or_empty(reader, "/rbsim/rollback");
-	reading->title = text_or_empty(reader, "/rbsim/title");
-	reading->time_step_s = number_or_nan(reader, "/rbsim/time_step");
-	reading->tolerance_m = number_or_nan(reader, "/rbsim/tolerance");
-	reading->frame_rate = number_or_nan(reader, "/rbsim/frame_rate");
-	reading->duration_s = number_or_nan(reader, "/rbsim/duration");
-	if (!rb_input_numbers(&reader->input, "/rbsim/seed", RB_H5_U64, (rb_h5_shape){0},
-	                      &reading->seed))
-		reading->seed = 0;
-	if (rb_input_numbers(&reader->input, "/rbsim/threads", RB_H5_I64, (rb_h5_shape){0},
-	                     &threads) &&
-	    threads > 0 && threads < 1000000)
-		reading->threads = (int)threads;
-}
-
-static enum rb_status read_params(struct rb_reader *reader, struct rb_error *err)
-{
-	struct rb_reading *const reading = &reader->reading;
-	const char **names;
-	char path[PATH_SIZE];
-
-	const int count = rb_input_members(&reader->input, "/rbsim/parameters", MEMBERS_MAX, &names,
-	                                   &reader->arena);
-	reading->param_names = names;
-	reading->param_values = rb_arena_take(&reader->arena, (size_t)count + 1,
-	                                      sizeof *reading->param_values);
-	if (!reading->param_values)
-		return no_memory(reader, err);
-	for (int i = 0; i < count; i++) {
-		snprintf(path, sizeof path, "/rbsim/parameters/%s", names[i]);
-		const char *text = rb_input_attribute(&reader->input, path, "text", &reader->arena);
-		reading->param_values[i] = text ? text : text_or_empty(reader, path);
-		rb_h5_unescape((char *)(uintptr_t)names[i]); /* ours, in the arena */
-	}
-	reading->param_count = count;
-	return RB_OK;
-}
-
-/* A file of the scene: a text, or bytes where it holds zeros, then those that were recorded. */
-static enum rb_status read_file(struct rb_reader *reader, const char *path, const char **text,
-                                size_t *size, struct rb_error *err)
-{
-	char sha256[65];
-
-	*text = rb_input_text(&reader->input, path, &reader->arena, NULL);
-	*size = *text ? strlen(*text) : 0;
-	if (*text)
-		return RB_OK;
-	*text = rb_input_bytes(&reader->input, path, &reader->arena, size);
-	if (!*text) {
-		*text = "";
-		return RB_OK;
-	}
-	const char *const stated = rb_input_attribute(&reader->input, path, "sha256",
-	                                              &reader->arena);
-	rb_hash_sha256(*text, *size, sha256);
-	if (stated && strcmp(stated, sha256) == 0)
-		return RB_OK;
-	return RB_FAIL(err, RB_ERR_INPUT,
-	               "'%s' in '%s' is damaged: its bytes are not those of its 'sha256'", path,
-	               reader->path);
-}
-
-static enum rb_status read_files(struct rb_reader *reader, struct rb_error *err)
-{
-	struct rb_reading *const reading = &reader->reading;
-	const char **names;
-	char path[PATH_SIZE];
-
-	const int count = rb_input_members(&reader->input, "/rbsim/files", MEMBERS_MAX, &names,
-	                                   &reader->arena);
-	const size_t room = (size_t)count + 1;
-	size_t *const sizes = rb_arena_take(&reader->arena, room, sizeof *sizes);
-	reading->file_names = rb_arena_take(&reader->arena, room, sizeof *reading->file_names);
-	reading->file_texts = rb_arena_take(&reader->arena, room, sizeof *reading->file_texts);
-	reading->file_sizes = sizes;
-	if (!sizes || !reading->file_names || !reading->file_texts)
-		return no_memory(reader, err);
-	const char *const scene = rb_input_attribute(&reader->input, "/rbsim/scene", "name",
-	                                             &reader->arena);
-	reading->file_names[0] = scene ? scene : "";
-	enum rb_status status = read_file(reader, "/rbsim/scene", &reading->file_texts[0],
-	                                  &sizes[0], err);
-	for (int i = 0; i < count && status == RB_OK; i++) {
-		snprintf(path, sizeof path, "/rbsim/files/%s", names[i]);
-		status = read_file(reader, path, &reading->file_texts[i + 1], &sizes[i + 1], err);
-		rb_h5_unescape((char *)(uintptr_t)names[i]);
-		reading->file_names[i + 1] = names[i];
-	}
-	reading->file_count = count + 1;
-	return status;
-}
-
-/* Who is who. */
-static enum rb_status read_bodies(struct rb_reader *reader, struct rb_error *err)
-{
-	static const char *const paths[] = {"/particles/bodies/id", "/particles/statics/id"};
-	struct rb_reading *const reading = &reader->reading;
-	int *const counts[] = {&reading->body_count, &reading->static_count};
-
-	for (int i = 0; i < 2; i++) {
-		rb_h5_shape shape = {1, {0}};
-		hsize_t rows = 0;
-		const hid_t dataset = rb_input_dataset(&reader->input, paths[i], false, &shape,
-		                                       &rows);
-		rb_h5_done(dataset);
-		if (dataset < 0 || rows > INT32_MAX / 4)
-			return RB_FAIL(
-				err, RB_ERR_INPUT,
-				"'%s' is not a recording of rbsim: '%s' is missing or misshapen",
-				reader->path, paths[i]);
-		*counts[i] = (int)rows;
-	}
-	const size_t bodies = (size_t)reading->body_count;
-	int *const id = rb_arena_take(&reader->arena, bodies + 1, sizeof *id);
-	reading->id = id;
-	reading->names = rb_input_texts(&reader->input, "/rbsim/names",
-	                                bodies + (size_t)reading->static_count, &reader->arena);
-	if (!id || !reading->names)
-		return no_memory(reader, err);
-	if (bodies > 0 &&
-	    !rb_input_numbers(&reader->input, paths[0], RB_H5_I32, (rb_h5_shape){1, {bodies}}, id))
-		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s' in '%s'", paths[0],
-		               reader->path);
-	for (size_t i = 0; i < bodies; i++)
-		if (id[i] < 0 || id[i] >= reading->body_count + reading->static_count)
-			return RB_FAIL(err, RB_ERR_INPUT,
-			               "'%s' in '%s' is damaged: body %zu has id %d", paths[0],
-			               reader->path, i, id[i]);
-	return RB_OK;
-}
-
-/* Elements of a kind: rows of the first of its keys that is one number. */
-static int element_rows(const struct rb_reader *reader, const struct rb_element_kind *kind)
-{
-	const struct rb_row *key = kind->keys.rows;
-	char path[160];
-
-	while (key->type == RB_ROW_VECTOR && key + 1 < kind->keys.rows + kind->keys.count)
-		key++;
-	snprintf(path, sizeof path, "/rbsim/%ss/%s", kind->name, key->key);
-	return rb_input_row_count(&reader->input, path);
-}
-
-static enum rb_status read_forces(struct rb_reader *reader, struct rb_error *err)
-{
-	static const char path[] = "/rbsim/shapes/driven", fields[] = "/rbsim/fields";
-	struct rb_reading *const reading = &reader->reading;
-	const size_t count = (size_t)reading->body_count + (size_t)reading->static_count;
-	int64_t field_count = 0;
-
-	int *const kind = rb_arena_take(&reader->arena, count + 1, sizeof *kind);
-	if (!kind)
-		return no_memory(reader, err);
-	if (!rb_solids_tally(&reader->input, count, kind, reading->shape_counts))
-		return RB_FAIL(err, RB_ERR_INPUT, "cannot read the shapes in '%s'", reader->path);
-	for (int place = 0; place < rb_element_kind_count; place++)
-		reading->element_counts[place] = element_rows(reader, rb_element_kinds[place]);
-	if (rb_input_has(&reader->input, fields) &&
-	    rb_input_numbers(&reader->input, fields, RB_H5_I64, (rb_h5_shape){0}, &field_count) &&
-	    field_count > 0 && field_count < INT32_MAX)
-		reading->field_count = (int)field_count;
-	if (!rb_input_has(&reader->input, path))
-		return RB_OK;
-	signed char *driven = (signed char *)kind; /* which are no longer needed */
-	if (!rb_input_numbers(&reader->input, path, RB_H5_I8, (rb_h5_shape){1, {count}}, driven))
-		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s' in '%s'", path, reader->path);
-	for (size_t i = 0; i < count; i++)
-		reading->driven_count += driven[i] != 0;
 	return RB_OK;
 }
 
@@ -315,6 +140,41 @@ static enum rb_status open_table(struct rb_reader *reader, struct table *table,
 	}
 	table->count = count;
 	return RB_OK;
+}
+
+/* Which results and probes the scene has; opens the latter. */
+static enum rb_status open_measures(struct rb_reader *reader, struct rb_error *err)
+{
+	static const char probes[] = "/observables/probes";
+	const struct rb_reading_source from = source_of(reader);
+	struct rb_reading *const reading = &reader->reading;
+	enum rb_status status = RB_OK;
+	char path[PATH_SIZE];
+
+	const int results = rb_reading_measures(&from, "/results", "", &reading->result_names,
+	                                        &reading->result_units);
+	const int count = rb_reading_measures(&from, probes, "/value", &reading->probe_names,
+	                                      &reading->probe_units);
+	if (!reading->result_units || !reading->probe_units)
+		return no_memory(reader, err);
+	for (int i = 0; i < count && !status; i++) {
+		struct column *const column = &reader->probes[i];
+
+		snprintf(path, sizeof path, "%s/%s/value", probes, reading->probe_names[i]);
+		status = open_column(reader, column, path, err);
+		if (!status && column->dataset < 0)
+			status = RB_FAIL(err, RB_ERR_INPUT, "'%s' is missing in '%s'", path,
+			                 reader->path);
+		reading->probe_count = i + (column->dataset >= 0);
+	}
+	for (int i = 0; i < results; i++)
+		rb_h5_unescape((char *)(uintptr_t)reading->result_names[i]); /* in the arena */
+	for (int i = 0; i < count; i++)
+		rb_h5_unescape((char *)(uintptr_t)reading->probe_names[i]);
+	reading->result_count = results;
+	reading->results = reader->result_values;
+	read_results(reader);
+	return status;
 }
 
 static enum rb_status open_sources(struct rb_reader *reader, struct rb_error *err)
@@ -376,7 +236,7 @@ static enum rb_status open_columns(struct rb_reader *reader, struct rb_error *er
 }
 
 /* All columns of a frame, for what is done to each. */
-static int frame_columns(struct rb_reader *reader, struct column *list[RB_FRAMES_COLUMNS_MAX])
+static int frame_columns(struct rb_reader *reader, struct column *list[COLUMNS_MAX])
 {
 	struct column *const others[] = {&reader->event_end, &reader->contact_end, &reader->time,
 	                                 &reader->step};
@@ -385,6 +245,8 @@ static int frame_columns(struct rb_reader *reader, struct column *list[RB_FRAMES
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++)
 		if (reader->sources[i].dataset >= 0)
 			list[count++] = &reader->sources[i];
+	for (int i = 0; i < reader->reading.probe_count; i++)
+		list[count++] = &reader->probes[i];
 	for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
 		if (others[i]->dataset >= 0)
 			list[count++] = others[i];
@@ -418,7 +280,7 @@ static hsize_t covered(const struct column *ends, const struct table *table, hsi
 /* A killed writer may leave columns of different length: what all of them have counts. */
 static void count_frames(struct rb_reader *reader)
 {
-	struct column *list[RB_FRAMES_COLUMNS_MAX];
+	struct column *list[COLUMNS_MAX];
 	const int count = frame_columns(reader, list);
 	hsize_t frames = HSIZE_UNDEF;
 
@@ -443,7 +305,7 @@ static void count_frames(struct rb_reader *reader)
 
 static enum rb_status take_blocks(struct rb_reader *reader, struct rb_error *err)
 {
-	struct column *list[RB_FRAMES_COLUMNS_MAX];
+	struct column *list[COLUMNS_MAX];
 	const int count = frame_columns(reader, list);
 	double bytes = 1;
 
@@ -465,6 +327,8 @@ static void forget_columns(struct rb_reader *reader)
 
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++)
 		reader->sources[i].dataset = -1;
+	for (int i = 0; i < RB_MEASURES_MAX; i++)
+		reader->probes[i].dataset = -1;
 	for (int i = 0; i < 4; i++)
 		singles[i]->dataset = -1;
 	for (int i = 0; i < RB_TABLE_COLUMNS_MAX; i++)
@@ -473,6 +337,7 @@ static void forget_columns(struct rb_reader *reader)
 
 static enum rb_status open_recording(struct rb_reader *reader, struct rb_error *err)
 {
+	const struct rb_reading_source from = source_of(reader);
 	enum rb_status status = rb_input_open(&reader->input, reader->path, err);
 	if (status)
 		return status;
@@ -482,19 +347,21 @@ static enum rb_status open_recording(struct rb_reader *reader, struct rb_error *
 		return rb_input_no_text(&reader->input, "/rbsim/version", reader->path, err);
 	status = read_changing(reader, err);
 	if (status == RB_OK)
-		status = read_bodies(reader, err);
+		status = rb_reading_bodies(&from, err);
 	if (!status)
-		status = read_forces(reader, err);
+		status = rb_reading_forces(&from, err);
 	if (status == RB_OK)
 		status = open_columns(reader, err);
+	if (status == RB_OK)
+		status = open_measures(reader, err);
 	if (status == RB_OK)
 		status = take_blocks(reader, err);
 	if (status)
 		return status;
 	count_frames(reader);
-	read_run(reader);
-	status = read_params(reader, err);
-	return status ? status : read_files(reader, err);
+	rb_reading_run(&from);
+	status = rb_reading_params(&from, err);
+	return status ? status : rb_reading_files(&from, err);
 }
 
 enum rb_status rb_reader_open(struct rb_reader **reader, const char *path, struct rb_error *err)
@@ -534,6 +401,8 @@ void rb_reader_close(struct rb_reader *reader)
 	                                  &reader->contact_end};
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++)
 		close_column(&reader->sources[i]);
+	for (int i = 0; i < RB_MEASURES_MAX; i++)
+		close_column(&reader->probes[i]);
 	for (int i = 0; i < 4; i++)
 		close_column(singles[i]);
 	struct table *const tables[] = {&reader->events, &reader->contacts};
@@ -575,7 +444,7 @@ static bool look_again(struct column *column)
 
 enum rb_status rb_reader_refresh(struct rb_reader *reader, struct rb_error *err)
 {
-	struct column *list[RB_FRAMES_COLUMNS_MAX];
+	struct column *list[COLUMNS_MAX];
 	bool good = true;
 
 	if (!reader->input.shared)
@@ -600,7 +469,7 @@ enum rb_status rb_reader_refresh(struct rb_reader *reader, struct rb_error *err)
 
 static enum rb_status load_block(struct rb_reader *reader, uint64_t row, struct rb_error *err)
 {
-	struct column *list[RB_FRAMES_COLUMNS_MAX];
+	struct column *list[COLUMNS_MAX];
 	const int count = frame_columns(reader, list);
 	const hsize_t first = row - row % reader->block_rows;
 	const hsize_t left = reader->reading.frame_count - first;
@@ -759,6 +628,11 @@ enum rb_status rb_reader_frame(struct rb_reader *reader, uint64_t row, struct rb
 			frame->numbers.has_ledger |= sources[i].of_ledger;
 		}
 	}
+	for (int i = 0; i < reader->reading.probe_count; i++)
+		memcpy(&reader->probe_values[i], row_of(reader, &reader->probes[i], row),
+		       sizeof(double));
+	frame->probe_count = reader->reading.probe_count;
+	frame->probes = frame->probe_count > 0 ? reader->probe_values : NULL;
 	const enum rb_status status = fill_rows(reader, row, frame, err);
 	if (status)
 		*frame = (struct rb_frame){0};
@@ -785,6 +659,10 @@ enum rb_status rb_reader_observable(struct rb_reader *reader, const char *name, 
 	rb_h5_quiet();
 	if (strcmp(name, "time") == 0 && width == 1)
 		return read_whole(reader, &reader->time, name, values, err);
+	for (int i = 0; i < reader->reading.probe_count && width == 1; i++)
+		if (strncmp(name, "probes/", 7) == 0 &&
+		    strcmp(reader->reading.probe_names[i], name + 7) == 0)
+			return read_whole(reader, &reader->probes[i], name, values, err);
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++) {
 		if (sources[i].field != 0 || strcmp(sources[i].path + strlen(folder), name) != 0)
 			continue;
@@ -796,4 +674,20 @@ enum rb_status rb_reader_observable(struct rb_reader *reader, const char *name, 
 	}
 	return RB_FAIL(err, RB_ERR_INPUT, "'%s' has no observable '%s' of width %d", reader->path,
 	               name, width);
+}
+
+const char *rb_reader_units(const struct rb_reader *reader, const char *name)
+{
+	static const char folder[] = "/observables/";
+	const struct rb_frames_source *const sources = rb_frames_sources();
+
+	for (int i = 0; i < reader->reading.probe_count; i++)
+		if (strncmp(name, "probes/", 7) == 0 &&
+		    strcmp(reader->reading.probe_names[i], name + 7) == 0)
+			return reader->reading.probe_units[i];
+	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++)
+		if (sources[i].field == 0 && sources[i].units &&
+		    strcmp(sources[i].path + strlen(folder), name) == 0)
+			return sources[i].units;
+	return strcmp(name, "time") == 0 ? "s" : "";
 }

@@ -21,4 +21,6 @@ RB_CHECKED enum rb_status rb_reader_frame(struct rb_reader *reader, uint64_t row
 RB_CHECKED enum rb_status rb_reader_observable(struct rb_reader *reader, const char *name,
                                                int width, double *values, struct rb_error *err);
 
+const char *rb_reader_units(const struct rb_reader *reader, const char *name);
+
 #endif

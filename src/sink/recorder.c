@@ -289,7 +289,7 @@ static void make_growing(struct rb_recorder *recorder)
 		return;
 	}
 	recorder->file_open = true;
-	rb_about_write_changing(h5);
+	rb_about_write_changing(h5, recorder->info->scene);
 	rb_frames_create(h5, &recorder->frames, recorder->info, true);
 	rb_frames_detach(&recorder->frames);
 	if (!h5->status && H5Fstart_swmr_write(h5->file) < 0)
@@ -506,6 +506,8 @@ static void write_end(struct rb_recorder *recorder, const struct rb_outcome *out
 		snprintf(text, sizeof text, "%016llx", (unsigned long long)outcome->state_hash);
 		rb_h5_retext(h5, "/rbsim/state_hash", text);
 	}
+	if (outcome->results)
+		rb_about_rewrite_results(h5, recorder->info->scene, outcome->results);
 	rb_clock_utc(text);
 	rb_h5_retext(h5, "/rbsim/ended", text);
 	rb_h5_retext(h5, "/rbsim/status",
@@ -772,11 +774,13 @@ uint64_t rb_recorder_estimate(const struct rb_run_info *info)
 	if (about.file >= 0 && growing.file >= 0) {
 		rb_about_write(&about, info);
 		const uint64_t expected = rb_frames_expected(info);
-		rb_about_write_changing(&growing);
+		rb_about_write_changing(&growing, info->scene);
 		rb_frames_create(&growing, &frames, info, false);
 		const uint64_t rows = rb_frames_pretend(&growing, &frames, expected);
 		const uint64_t plain = rb_frames_plain(&frames, expected);
-		rb_vtk_write(&growing, info->model, frames.fields, expected, frames.time->path);
+		if (frames.time)
+			rb_vtk_write(&growing, info->model, frames.fields, expected,
+			             frames.time->path);
 		rb_frames_release(&frames);
 		const uint64_t fixed = memory_size(about.file), moving = memory_size(growing.file);
 		size = about.status || growing.status || fixed == 0 || moving == 0

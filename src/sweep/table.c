@@ -27,23 +27,23 @@ static const size_t result_bytes_max = (size_t)64 << 20;
 
 /* Numbers that a run tells at its end, and the object in which they are; NULL: the top level. */
 static const struct {
-	const char *name, *key, *object;
+	const char *name, *key, *object, *units;
 } told[] = {
-	{"frames", "frames", NULL},
-	{"time", "time", NULL},
-	{"wall_time", "wall_time", NULL},
-	{"collisions", "collisions", NULL},
-	{"rollbacks", "rollbacks", NULL},
-	{"substeps", "substeps", NULL},
-	{"smallest_step", "smallest_step", NULL},
-	{"stepped", "stepped", NULL},
-	{"max_penetration", "max_penetration", NULL},
-	{"kinetic_energy_max", "kinetic_energy_max", NULL},
-	{"energy_drift", "energy_drift", NULL},
-	{"momentum_drift", "momentum_drift", NULL},
-	{"angular_momentum_drift", "angular_momentum_drift", NULL},
-	{"kinetic_energy", "kinetic_energy", "last"},
-	{"potential_energy", "potential_energy", "last"},
+	{"frames", "frames", NULL, NULL},
+	{"time", "time", NULL, "s"},
+	{"wall_time", "wall_time", NULL, "s"},
+	{"collisions", "collisions", NULL, NULL},
+	{"rollbacks", "rollbacks", NULL, NULL},
+	{"substeps", "substeps", NULL, NULL},
+	{"smallest_step", "smallest_step", NULL, "s"},
+	{"stepped", "stepped", NULL, "s"},
+	{"max_penetration", "max_penetration", NULL, "m"},
+	{"kinetic_energy_max", "kinetic_energy_max", NULL, "J"},
+	{"energy_drift", "energy_drift", NULL, "J"},
+	{"momentum_drift", "momentum_drift", NULL, "kg m/s"},
+	{"angular_momentum_drift", "angular_momentum_drift", NULL, "kg m^2/s"},
+	{"kinetic_energy", "kinetic_energy", "last", "J"},
+	{"potential_energy", "potential_energy", "last", "J"},
 };
 enum { TOLD_COUNT = sizeof told / sizeof *told };
 
@@ -160,6 +160,57 @@ static enum rb_status take_expectations(struct rb_table *table, uint64_t row, co
 }
 
 /*
+ * A column of numbers by name, made when first met, with its units. `told` has names of its own: a
+ * result of the scene that has one of these is told apart.
+ */
+static struct rb_table_column *measure_column(struct rb_table *table, const char *group,
+                                              const char *name, const char *json)
+{
+	char own[NAME_SIZE + 16], units[RB_COLUMN_UNITS_SIZE];
+	bool taken = false;
+
+	for (int i = 0; strcmp(group, "results") == 0 && i < TOLD_COUNT; i++)
+		taken = taken || strcmp(told[i].name, name) == 0;
+	snprintf(own, sizeof own, "%s%s", name, taken ? ": result" : "");
+	struct rb_table_column *column = column_named(table, group, own);
+	if (!column)
+		column = add_column(table, group, own, false);
+	if (column && !column->units) {
+		rb_told_text(json, "unit", units, sizeof units);
+		column->units = rb_memory_copy_text(units);
+	}
+	return column && column->units ? column : NULL;
+}
+
+/* Reads the scene's results, a column each, and its probes, three columns each. */
+static enum rb_status take_measures(struct rb_table *table, uint64_t row, const char *json,
+                                    struct rb_error *err)
+{
+	static const char *const parts[] = {"last", "smallest", "largest"};
+	char name[NAME_SIZE], own[NAME_SIZE + 16];
+
+	RB_ASSERT(row < table->rows);
+	for (const char *at = NULL;
+	     (at = rb_told_member(json, "results", at, name, sizeof name)) != NULL;) {
+		struct rb_table_column *const column = measure_column(table, "results", name, at);
+		if (!column)
+			return no_memory(err);
+		column->numbers[row] = rb_told_number(at, "value");
+	}
+	for (const char *at = NULL;
+	     (at = rb_told_member(json, "probes", at, name, sizeof name)) != NULL;)
+		for (int i = 0; i < 3; i++) {
+			snprintf(own, sizeof own, "%s: %s", name, parts[i]);
+			struct rb_table_column *const column = measure_column(table, "probes", own,
+			                                                      at);
+			if (!column)
+				return no_memory(err);
+			column->numbers[row] = rb_told_number(at, parts[i]);
+		}
+	return RB_OK;
+}
+
+/*
  * Reads the numbers of `told` into their columns, which rb_table_init has made; absent ones become
  * NAN.
  */
@@ -212,7 +263,9 @@ static enum rb_status take_row(struct rb_table *table, const char *folder,
 	if (status)
 		return status;
 	take_numbers(table, row, json);
-	status = take_expectations(table, row, json, err);
+	status = take_measures(table, row, json, err);
+	if (!status)
+		status = take_expectations(table, row, json, err);
 	rb_memory_free(json);
 	/* failed expectations or a run that broke off: there is a recording all the same */
 	table->has_recording[row] = plan->records &&
@@ -236,9 +289,14 @@ enum rb_status rb_table_init(struct rb_table *table, const char *folder, const s
 		return no_memory(err);
 	for (int i = 0; i < plan->axis_count && !status; i++)
 		status = take_parameter(table, plan, i, err);
-	for (int i = 0; i < TOLD_COUNT && !status; i++)
-		if (!add_column(table, "results", told[i].name, false))
+	for (int i = 0; i < TOLD_COUNT && !status; i++) {
+		struct rb_table_column *const column = add_column(table, "results", told[i].name,
+		                                                  false);
+		if (column && told[i].units)
+			column->units = rb_memory_copy_text(told[i].units);
+		if (!column || (told[i].units && !column->units))
 			return no_memory(err);
+	}
 	for (uint64_t i = 0; i < plan->count && !status; i++)
 		status = take_row(table, folder, plan, i, err);
 	return status;
@@ -253,6 +311,7 @@ void rb_table_release(struct rb_table *table)
 		rb_memory_free(column->texts);
 		rb_memory_free(column->numbers);
 		rb_memory_free(column->name);
+		rb_memory_free(column->units);
 	}
 	rb_memory_free(table->columns);
 	rb_memory_free(table->has_recording);

@@ -23,28 +23,73 @@ const char *rb_told_value(const char *json, const char *key)
 	return at ? at + strlen(name) : NULL;
 }
 
-void rb_told_text(const char *json, const char *key, char *out, size_t size)
+/*
+ * Copies the text behind the quote at `at`, as much as fits; the quote at its end, NULL: it has
+ * none. A line break becomes a space: the text goes into tables and one-line messages.
+ */
+static const char *copy_text(const char *at, char *out, size_t size)
 {
-	const char *at = rb_told_value(json, key);
 	size_t used = 0;
 
-	RB_ASSERT(size > 0);
-	if (at && *at == '"')
-		for (at++; *at && *at != '"' && used + 1 < size; at++) {
-			/*
-			 * a line break becomes a space: the text goes into tables and one-line
-			 * messages
-			 */
-			if (*at == '\\' && at[1] == 'n') {
-				out[used++] = ' ';
-				at++;
-				continue;
-			}
-			if (*at == '\\' && at[1])
-				at++;
-			out[used++] = *at;
-		}
+	RB_ASSERT(size > 0 && *at == '"');
+	for (at++; *at && *at != '"'; at++) {
+		const bool escaped = *at == '\\' && at[1];
+
+		at += escaped;
+		if (used + 1 < size)
+			out[used++] = escaped && *at == 'n' ? ' ' : *at;
+	}
 	out[used] = '\0';
+	return *at == '"' ? at : NULL;
+}
+
+void rb_told_text(const char *json, const char *key, char *out, size_t size)
+{
+	const char *const at = rb_told_value(json, key);
+
+	out[0] = '\0';
+	if (at && *at == '"')
+		(void)copy_text(at, out, size);
+}
+
+/* The end of the flat object that begins at `at`; NULL: it has none. */
+static const char *object_end(const char *at)
+{
+	bool inside = false; /* a text */
+
+	for (; *at; at++) {
+		if (inside && *at == '\\' && at[1])
+			at++;
+		else if (*at == '"')
+			inside = !inside;
+		else if (!inside && *at == '}')
+			return at;
+	}
+	return NULL;
+}
+
+/* The member that begins at a quote: its name, and the object behind it; NULL: it has none. */
+static const char *member_at(const char *at, char *name, size_t size)
+{
+	const char *const end = *at == '"' ? copy_text(at, name, size) : NULL;
+
+	return end && end[1] == ':' && end[2] == '{' ? end + 2 : NULL;
+}
+
+const char *rb_told_member(const char *json, const char *key, const char *at, char *name,
+                           size_t size)
+{
+	if (at) {
+		const char *const end = object_end(at);
+		return end && end[1] == ',' ? member_at(end + 2, name, size) : NULL;
+	}
+	/* a result may be called "probes": it holds no objects */
+	for (const char *from = json; (from = rb_told_value(from, key)) != NULL;) {
+		const char *const first = *from == '{' ? member_at(from + 1, name, size) : NULL;
+		if (first)
+			return first;
+	}
+	return NULL;
 }
 
 double rb_told_number(const char *json, const char *key)

@@ -16,6 +16,13 @@ const char *rb_told_value(const char *json, const char *key);
 void rb_told_text(const char *json, const char *key, char *out, size_t size);
 /* A number, 1 and 0 for true and false; NAN where there is none. */
 double rb_told_number(const char *json, const char *key);
+/*
+ * Objects by name in the object `KEY` ("results", "probes"): `at` is NULL at first, then what the
+ * call before returned. The next one's name, cut where it does not fit, and where its values are;
+ * NULL: there are no more.
+ */
+const char *rb_told_member(const char *json, const char *key, const char *at, char *name,
+                           size_t size);
 /* The k-th expectation's object, from 0; NULL: there are fewer. */
 const char *rb_told_expectation(const char *json, int k);
 

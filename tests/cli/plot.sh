@@ -54,6 +54,45 @@ awk '/^\$data1/ { inside = 1; next } /^END/ { if (inside) exit } inside { print 
 exits 0 plot d/sweep.h5 frames --against e -o s.png
 awk '/^\$data0/ { inside = 1; next } /^END/ { if (inside) exit } inside { print }' script | cut -d ' ' -f 2 | sort -u >frames
 [ "$(cat frames)" = 31 ] || fail "frames: $(cat frames)"
+points()
+{
+	awk '/^\$data0/ { inside = 1; next } /^END/ { if (inside) exit } inside { print }' script
+}
+# a phase plot, with units at both axes
+exits 0 plot run.h5 left.vz --against left.z -o phase.svg
+says script 'set xlabel .left.z \[m\]'
+says script 'set ylabel .left.vz \[m/s\]'
+points | awk 'NR == 1 && ($1 != 0.3 || $2 != 0) { exit 1 } END { exit NR != 31 }' ||
+	fail "another first point: $(sed -n 1,40p script)"
+# units that differ stand at the names, shared ones at the axis
+exits 0 plot run.h5 left.z left.vz -o z.svg --force
+says script 'left.vz \[m/s\]'
+exits 0 plot run.h5 left.z right.z -o z.svg --force
+says script "set ylabel .\[m\]"
+
+# a wheel that spins five radians a second about a fixed axis: its angle grows beyond half a turn and is exact
+cat >spin.lua <<'END'
+world { duration = 4, frame_rate = 10 }
+local w = cylinder { name = "wheel", radius = 0.2, length = 0.1, mass = 1, angular_velocity = {0, 0, -5} }
+sphere { radius = 0.1, mass = 1, position = {0, 3, 0}, velocity = {1, 0, 0} }
+probe("phase", function() return math.sin(5 * time()) end, {unit = "1"})
+probe("none", function() return 0/0 end)
+END
+exits 0 spin.lua -q
+exits 0 plot spin.h5 wheel.rz -o a.svg
+says script 'wheel.rz \[rad\]'
+points | awk '{ d = $2 + 5 * $1; if (d * d > 1e-20) exit 1 } END { exit NR != 41 }' || fail "other angles: $(points | tail -n 2)"
+exits 0 plot spin.h5 wheel.angle -o a.svg --force
+points | awk '{ d = $2 - 5 * $1; if (d * d > 1e-20) exit 1 } END { exit NR != 41 }' || fail "other angles: $(points | tail -n 2)"
+exits 0 plot spin.h5 wheel.yaw -o a.svg --force
+points | awk 'NR == 6 { d = $2 + 2.5; if (d * d > 1e-20) exit 1 } NR == 11 { d = $2 + 5 - 6.283185307179586; if (d * d > 1e-20) exit 1 }' ||
+	fail "other angles: $(points | sed -n 11p)"
+exits 0 plot spin.h5 wheel.wz '#1.x' -o a.svg --force
+exits 0 plot spin.h5 phase -o a.svg --force
+points | awk '{ d = $2 - sin(5 * $1); if (d * d > 1e-20) exit 1 } END { exit NR != 41 }' || fail "another probe"
+says script 'phase \[1\]'
+exits 66 plot spin.h5 none -o b.svg
+says err "has no values of 'none'"
 PATH=$plain
 
 sed 's/name = name, //' two.lua >unnamed.lua
@@ -65,9 +104,10 @@ says err "no quantity '#4.z' .*#ID of one without"
 
 exits 64 plot run.h5
 exits 64 plot run.h5 height
-says err "no quantity 'height' \(wanted: energy"
+says err "no quantity 'height' \(wanted: energy, momentum, ..., a probe"
 exits 64 plot run.h5 nobody.z
 exits 64 plot run.h5 energy --against e
+says err "no quantity 'e'"
 exits 66 plot d/sweep.h5 nothing
 says err "no numbers 'nothing' \(wanted: e, "
 exits 66 plot nothing.h5 energy
