@@ -17,6 +17,7 @@
 #include "app/converge.h"
 #include "app/ctl.h"
 #include "app/diff.h"
+#include "app/export.h"
 #include "app/graph.h"
 #include "app/help.h"
 #include "app/info.h"
@@ -47,6 +48,7 @@ static int (*const verb_main[RB_VERB_COUNT])(const struct rb_options *options) =
 	[RB_VERB_CTL] = rb_ctl_main,         [RB_VERB_CONSOLE] = rb_console_main,
 	[RB_VERB_ATTACH] = rb_attach_main,   [RB_VERB_SWEEP] = rb_sweep_main,
 	[RB_VERB_COLLECT] = rb_collect_main, [RB_VERB_PLOT] = rb_graph_main,
+	[RB_VERB_EXPORT] = rb_export_main,
 };
 
 /* For base/log: one message in one write, over a progress bar that may stand there. */

@@ -25,7 +25,7 @@
 #define ALL                                                                                       \
 	(VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(RENDER) | VERB(DIFF) | VERB(REPLAY) |        \
 	 VERB(REPAIR) | VERB(CONVERGE) | VERB(VERIFY) | VERB(METHODS) | VERB(CTL) | VERB(SWEEP) | \
-	 VERB(COLLECT) | VERB(PLOT))
+	 VERB(COLLECT) | VERB(PLOT) | VERB(EXPORT))
 #define EVERY (ALL | VERB(CONSOLE) | VERB(ATTACH))
 #define SCENE (VERB(RUN) | VERB(CHECK) | VERB(CONSOLE))
 /* what a sweep hands on to its runs (app/sweep) */
@@ -109,6 +109,14 @@ const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
                  "rbsim plot bounce.h5 ball.z -o height.svg\tthe height of body 'ball'\n"
                  "rbsim plot bounce.h5 ball.vz --against ball.z\ta phase plot\n"
                  "rbsim plot bounces/sweep.h5 energy_drift --against e\ta cross for each run\n"},
+	[RB_VERB_EXPORT] =
+		{"export", "RUN.h5", 1, "a recording for other programs: tables, glTF, VTK, a dump",
+                 "rbsim export bounce.h5 --to csv\ttables: bounce-bodies.csv, bounce-frames.csv, "
+                 "...\n"
+                 "rbsim export bounce.h5 -o bounce.glb\tan animated scene for browsers and "
+                 "Blender\n"
+                 "rbsim export bounce.h5 --to vtk\tsurfaces for ParaView: open bounce.pvd\n"
+                 "rbsim export bounce.h5 --to dump\ta dump of LAMMPS's form, for OVITO\n"},
 };
 
 const struct rb_option_row rb_option_rows[] = {
@@ -126,6 +134,13 @@ const struct rb_option_row rb_option_rows[] = {
          "folder)"},
 	{"output", 'o', "PICTURE", RB_OPTION_TEXT, AT(output), VERB(PLOT), 0, 0, false, NULL,
          "draw to PICTURE (.svg, .png) instead of the terminal"},
+	{"output", 'o', "FILE", RB_OPTION_TEXT, AT(output), VERB(EXPORT), 0, 0, false, NULL,
+         "write to FILE (.glb, .pvd, .dump; of tables its name's beginning) (default: the "
+         "recording's name, here)"},
+	{"to", 0, "FORM", RB_OPTION_CHOICE, AT(form), VERB(EXPORT), 0, 0, false,
+         "csv, glb, vtk, dump",
+         "form: tables (csv), animated glTF (glb), surfaces for VTK (vtk), a dump as LAMMPS writes "
+         "it (default: by the ending of --output)"},
 	{"against", 0, "NAME", RB_OPTION_TEXT, AT(against), VERB(PLOT), 0, 0, false, NULL,
          "what the horizontal axis shows: a quantity of the recording (default: the time), a "
          "parameter or result of the sweep (default: the index)"},
@@ -254,10 +269,11 @@ const struct rb_option_row rb_option_rows[] = {
 	{"commands", 0, "FILE", RB_OPTION_TEXT, AT(commands), VERB(RUN), 0, 0, false, NULL,
          "execute commands from FILE, each when it is due; -: from standard input"},
 	{"force", 0, NULL, RB_OPTION_FLAG, AT(force),
-         SCENE | VERB(RENDER) | VERB(CONVERGE) | VERB(COLLECT) | VERB(PLOT), 0, 0, false, NULL,
-         "replace existing recordings, films and reports"},
+         SCENE | VERB(RENDER) | VERB(CONVERGE) | VERB(COLLECT) | VERB(PLOT) | VERB(EXPORT), 0, 0,
+         false, NULL, "replace existing recordings, films and reports"},
 	{"trust", 0, NULL, RB_OPTION_FLAG, AT(trust),
-         SCENE | EACH | VERB(RENDER) | VERB(REPLAY) | VERB(REPAIR) | VERB(CONVERGE) | VERB(ATTACH),
+         SCENE | EACH | VERB(RENDER) | VERB(REPLAY) | VERB(REPAIR) | VERB(CONVERGE) | VERB(ATTACH) |
+                 VERB(EXPORT),
          0, 0, false, NULL, "run the scene's script without the sandbox: only for your own"},
 	{"quick", 0, NULL, RB_OPTION_FLAG, AT(quick), VERB(VERIFY), 0, 0, false, NULL,
          "a subset of cases and variations that takes less than a minute"},
@@ -282,7 +298,7 @@ const struct rb_option_row rb_option_rows[] = {
 };
 const int rb_option_row_count = sizeof rb_option_rows / sizeof *rb_option_rows;
 
-const char *const rb_later_verbs[] = {"export", NULL};
+const char *const rb_later_verbs[] = {NULL};
 const char *const rb_later_options[] = {NULL};
 
 /* One command line being read. */
@@ -290,10 +306,10 @@ struct parse {
 	struct rb_options *options;
 	char *const *argv;
 	int argc, next;
-	bool given[96]; /* by row, to be held against the verb once that is known */
+	bool given[128]; /* by row, to be held against the verb once that is known */
 	struct rb_error *err;
 };
-_Static_assert(sizeof rb_option_rows / sizeof *rb_option_rows <= 96, "parse.given is too short");
+_Static_assert(sizeof rb_option_rows / sizeof *rb_option_rows <= 128, "parse.given is too short");
 
 bool rb_text_number(const char *text, double *value)
 {

@@ -31,6 +31,7 @@ enum rb_verb {
 	RB_VERB_SWEEP,
 	RB_VERB_COLLECT,
 	RB_VERB_PLOT,
+	RB_VERB_EXPORT,
 	RB_VERB_COUNT
 };
 
@@ -91,6 +92,7 @@ struct rb_options {
 	int task;                                              /* sweep; -1: not given */
 	bool csv;                                              /* collect */
 	const char *against;                                   /* plot; NULL: not given */
+	const char *form;                                      /* export; NULL: not given */
 	bool sweep_status, sweep_plan, slurm, retry;           /* sweep */
 	const char *output, *method, *rollback, *print_tables; /* NULL: not given */
 	double duration_s, time_step_s, tolerance_m;           /* NAN: not given */

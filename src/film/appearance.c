@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Colours are converted to linear light once, here; shaders and blending work in linear light and
- * the framebuffer encodes sRGB again. Bodies without a colour take one of a palette by their
- * material, so that materials can be told apart; planes are grey, so that bodies stand out.
+ * Colours are in linear light (model/colour); shaders and blending work in it and the framebuffer
+ * encodes sRGB again.
  */
 #include "film/appearance.h"
 
@@ -13,16 +12,8 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "film/png.h"
+#include "model/colour.h"
 
-/*
- * Eight colours that the colour-blind can tell apart (Okabe and Ito 2008), without black, warm ones
- * first.
- */
-static const double palette[][3] = {
-	{0.835, 0.369, 0.000}, {0.000, 0.447, 0.698}, {0.000, 0.620, 0.451}, {0.902, 0.624, 0.000},
-	{0.800, 0.475, 0.655}, {0.337, 0.706, 0.914}, {0.941, 0.894, 0.259},
-};
-static const double plane_colour[3] = {0.80, 0.80, 0.79};
 /*
  * Second colour of a plane's pattern as a share of the first, in steps of perceived lightness
  * (squared for linear light).
@@ -32,7 +23,7 @@ static const double SOLID_GLOSS = 55; /* exponent of Blinn and Phong: like paint
 
 double rb_look_linear(double srgb)
 {
-	return srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4);
+	return rb_colour_linear(srgb);
 }
 
 /* Order of doubles for qsort. */
@@ -126,27 +117,19 @@ static enum rb_status load(struct rb_looks *looks, int *image, const char *name,
 	return RB_OK;
 }
 
-/*
- * Colour of the body, else of its material, else of the palette; 0.9 of it, since nothing reflects
- * all light.
- */
-static void colour(struct rb_look *look, const struct rb_body_def *body,
-                   const struct rb_material_def *material, int material_index)
+/* Colour and gloss of a body. */
+static void colour(struct rb_look *look, const struct rb_scene *scene,
+                   const struct rb_body_def *body)
 {
+	const struct rb_material_def *const material = &scene->materials[body->material];
 	const bool solid = body->shape.kind != RB_SHAPE_PLANE &&
 	                   body->shape.kind != RB_SHAPE_RECTANGLE;
-	const size_t palette_count = sizeof palette / sizeof palette[0];
-	const double *srgb = solid ? palette[(size_t)material_index % palette_count] : plane_colour;
+	double linear[3];
 
-	if (!isnan(body->color[0]))
-		srgb = body->color;
-	else if (!isnan(material->color[0]))
-		srgb = material->color;
+	rb_colour_of(scene, body, linear);
 	for (int k = 0; k < 3; k++) {
-		const double linear = rb_look_linear(srgb[k]);
-		/* no real surface reflects all light; pictures are multiplied by white below */
-		look->colour[k] = (float)(0.9 * linear);
-		look->other[k] = (float)(0.9 * linear * PLANE_SHADE * PLANE_SHADE);
+		look->colour[k] = (float)linear[k];
+		look->other[k] = (float)(linear[k] * PLANE_SHADE * PLANE_SHADE);
 	}
 	look->gloss = (float)(isnan(material->shininess) ? (solid ? SOLID_GLOSS : 0)
 	                                                 : material->shininess);
@@ -165,7 +148,7 @@ static enum rb_status decorate(struct rb_looks *looks, struct rb_look *look,
 	                {"beachball", RB_PATTERN_BEACHBALL}};
 	const struct rb_body_def *body = &model->scene->bodies[id];
 	const struct rb_material_def *material = &model->scene->materials[body->material];
-	const char *texture = body->texture ? body->texture : material->texture;
+	const char *texture = rb_colour_texture(model->scene, body);
 
 	look->image = -1;
 	look->plain = !texture;
@@ -199,7 +182,7 @@ enum rb_status rb_looks_make(struct rb_looks *looks, const struct rb_model *mode
 		RB_ASSERT(body->material >= 0 && body->material < scene->material_count);
 		struct rb_look *look = &looks->of[model->index_of[id]];
 		look->visible = body->visible;
-		colour(look, body, &scene->materials[body->material], body->material);
+		colour(look, scene, body);
 		status = decorate(looks, look, model, id, err);
 	}
 	if (status != RB_OK)

@@ -20,8 +20,6 @@ exits 64 --durration 3 s.lua
 says err "unknown option '--durration' \(did you mean '--duration'\?\)"
 exits 64 chekc s.lua
 says err "did you mean 'check'"
-exits 64 export s
-says err "verb 'export' is not in this version"
 exits 64 check s.lua --resume
 says err "'--resume' does not belong to 'check'"
 exits 64 s.lua --method leaped

@@ -6,10 +6,11 @@ _rbsim()
 	[ "$before" = = ] && before=${COMP_WORDS[COMP_CWORD-2]}
 	[ "$word" = = ] && word=
 	for w in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
-		case $w in run|check|info|render|diff|replay|repair|converge|verify|methods|ctl|console|attach|sweep|collect|plot) verb=$w ;; esac
+		case $w in run|check|info|render|diff|replay|repair|converge|verify|methods|ctl|console|attach|sweep|collect|plot|export) verb=$w ;; esac
 	done
 	case $before in
 	-o|--output) compopt -o filenames; COMPREPLY=($(compgen -f -- "$word")); return ;;
+	--to) COMPREPLY=($(compgen -W 'csv glb vtk dump' -- "$word")); return ;;
 	--against) return ;;
 	-p|--param) return ;;
 	--seeds) return ;;
@@ -37,7 +38,6 @@ _rbsim()
 	--camera) return ;;
 	--with) return ;;
 	--from) return ;;
-	--to) return ;;
 	--fps) return ;;
 	--speed) return ;;
 	--size) return ;;
@@ -69,11 +69,12 @@ _rbsim()
 		sweep) COMPREPLY=($(compgen -W '--output --param --seeds --sample --task --tasks --status --plan --retry-failed --slurm --time --mem --partition --slurm-option --seed --duration --steps --time-step --tolerance --method --rollback --threads --no-record --no-render --camera --point-time --point-disk --film-timeout --checkpoint-every --trust --jobs --quiet --json --debug --help --version' -- "$word")) ;;
 		collect) COMPREPLY=($(compgen -W '--output --csv --force --quiet --json --debug --help --version' -- "$word")) ;;
 		plot) COMPREPLY=($(compgen -W '--output --against --force --quiet --json --debug --help --version' -- "$word")) ;;
+		export) COMPREPLY=($(compgen -W '--output --to --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		esac
 		return
 	fi
 	compopt -o filenames
 	COMPREPLY=($(compgen -f -- "$word"))
-	[ "$COMP_CWORD" -eq 1 ] && COMPREPLY+=($(compgen -W 'run check info render diff replay repair converge verify methods ctl console attach sweep collect plot' -- "$word"))
+	[ "$COMP_CWORD" -eq 1 ] && COMPREPLY+=($(compgen -W 'run check info render diff replay repair converge verify methods ctl console attach sweep collect plot export' -- "$word"))
 }
 complete -F _rbsim rbsim
