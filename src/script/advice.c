@@ -13,8 +13,8 @@ struct advice {
 };
 
 static const char joints[] = "joints are not in this version";
-static const char meshes[] =
-	"meshes are not in this version; hull { points = ... } is the convex solid of points";
+static const char meshes[] = "meshes are not in this version; hull { file = ... } is the convex "
+			     "solid of an STL or OBJ file";
 static const char outside[] = "scenes reach no files or programs; record { } says what is written";
 static const char of_material[] = "it belongs to a material: material { ... }";
 static const char of_spin[] = "a vector in rad/s is 'angular_velocity'";

@@ -7,8 +7,11 @@
 #include <lauxlib.h>
 
 #include "base/error.h"
+#include "geom/meshfile.h"
 #include "math/quat.h"
+#include "math/vec3.h"
 #include "model/validate.h"
+#include "script/assets.h"
 #include "script/fields.h"
 #include "script/values.h"
 #include "script/vector.h"
@@ -33,6 +36,8 @@ static bool has_keys(struct rb_call *call, const struct rb_shape_type *type)
 	for (int k = 0; k < type->key_count; k++) {
 		const char *key = type->key[k].key;
 
+		if (strcmp(type->key[k].fallback, "required") != 0)
+			continue;
 		all = all && (rb_call_given(call, key) || call->index == 0);
 		/* where a key is misspelt it may be this one: one message is enough */
 		if (call->index && !call->unknown && !rb_call_tried(call, key))
@@ -111,6 +116,76 @@ static bool take(struct rb_call *call, const char *key, enum rb_status status,
 	return true;
 }
 
+/* Any bytes: they are checked when they are read. */
+static bool any_bytes(const struct rb_call *call, const char *key, const char *name,
+                      const char *bytes, size_t size)
+{
+	(void)call, (void)key, (void)name, (void)bytes, (void)size;
+	return true;
+}
+
+/* The same for the file that the call names at `text`, with its scale. */
+static bool read_file(struct rb_call *call, int text, rb_vec3 **points, size_t *count)
+{
+	lua_State *L = call->L;
+	struct rb_error err;
+	char found[80];
+	double scale = 1;
+
+	const char *const name = lua_type(L, text) == LUA_TSTRING ? lua_tostring(L, text) : "";
+	const enum rb_meshfile_kind kind = rb_meshfile_kind(name);
+	if (kind == RB_MESHFILE_NONE) {
+		rb_call_mistake(call, "'file' must name an STL or OBJ file, \"part.stl\" (got %s)",
+		                rb_describe(L, text, found));
+		return false;
+	}
+	if (rb_call_push(call, "scale") != LUA_TNIL &&
+	    !rb_call_value(call, rb_row_find(call->table, "scale", NULL), -1, &scale))
+		return false;
+	const struct rb_source_file *const file = rb_asset_take(call, "file", name, any_bytes);
+	if (!file)
+		return false;
+	const size_t most = rb_meshfile_most(kind, file->size_bytes);
+	rb_sandbox_charge(L, 20 * most); /* their sorting */
+	*points = lua_newuserdatauv(L, most * sizeof **points, 0);
+	if (rb_meshfile_read(kind, file->text, file->size_bytes, *points, count, &err)) {
+		rb_call_mistake(call, "'file': '%s': %s", name, err.text);
+		return false;
+	}
+	if (*count > RB_HULL_POINTS_MAX) {
+		rb_call_mistake(call, "'file': '%s' has %zu corners (wanted at most %d)", name,
+		                *count, RB_HULL_POINTS_MAX);
+		return false;
+	}
+	rb_sandbox_charge(L, *count * WORK_A_POINT);
+	for (size_t i = 0; i < *count; i++)
+		(*points)[i] = rb_vec3_scale(scale, (*points)[i]);
+	return true;
+}
+
+/* Reads the points of a hull, left on the stack, by whichever key; false: a mistake was noted. */
+static bool read_either(struct rb_call *call, rb_vec3 **points, size_t *count)
+{
+	const bool listed = rb_call_tried(call, "points"), named = rb_call_tried(call, "file");
+
+	if (listed && named) {
+		rb_call_mistake(call, "'points' and 'file' exclude each other");
+		return false;
+	}
+	if (!listed && !named) {
+		if (!call->unknown && call->index)
+			rb_call_mistake(call, "'points' or 'file' is missing");
+		return false;
+	}
+	if (listed && rb_call_tried(call, "scale")) {
+		rb_call_mistake(call, "'scale' is of a 'file'");
+		return false;
+	}
+	rb_call_push(call, named ? "file" : "points");
+	return named ? read_file(call, lua_gettop(call->L), points, count)
+	             : read_points(call, lua_gettop(call->L), points, count);
+}
+
 /* Makes the hull of the points that the call was given; false: a mistake was noted. */
 static bool read_hull(struct rb_call *call, struct rb_shape *shape)
 {
@@ -121,11 +196,10 @@ static bool read_hull(struct rb_call *call, struct rb_shape *shape)
 	size_t count;
 	bool right = false;
 
-	rb_call_push(call, "points");
-	if (read_points(call, lua_gettop(call->L), &points, &count)) {
+	if (read_either(call, &points, &count)) {
 		const enum rb_status status = rb_scene_add_hull(scene, points, count, &shape->solid,
 		                                                &err);
-		right = take(call, "points", status, &err);
+		right = take(call, rb_call_tried(call, "file") ? "file" : "points", status, &err);
 	}
 	lua_settop(call->L, top);
 	if (scene->solid_count > before)

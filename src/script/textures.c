@@ -9,12 +9,8 @@
 #include <string.h>
 
 #include "base/error.h"
-#include "base/hash.h"
 #include "film/png.h"
-#include "script/disk.h"
-
-/* Names in a recording stay shorter than its readers take. */
-enum { NAME_MAX_BYTES = 120 };
+#include "script/assets.h"
 
 /*
  * Beginning of a PNG file: signature, length and name of the first chunk, width, height (PNG
@@ -65,85 +61,7 @@ static bool check(const struct rb_call *call, const char *key, const char *name,
 	return false;
 }
 
-/* The file of that name; NULL: none. The first one of a list is the scene itself. */
-static const struct rb_source_file *named(const struct rb_source_file *files, int count,
-                                          const char *name)
-{
-	for (int i = 1; i < count; i++)
-		if (strcmp(files[i].name, name) == 0)
-			return &files[i];
-	return NULL;
-}
-
-/* Checks the bytes and copies them into the scene; false: a mistake was noted. */
-static bool add(struct rb_call *call, const char *key, const char *name, const char *bytes,
-                size_t size)
-{
-	struct rb_error err;
-	char hex[65];
-
-	rb_sandbox_charge(call->L, size / 16);
-	if (!check(call, key, name, bytes, size))
-		return false;
-	rb_sandbox_charge_bytes(call->L, size + sizeof(struct rb_source_file));
-	rb_hash_sha256(bytes, size, hex);
-	rb_script_need(call->L,
-	               rb_scene_add_file(call->script->scene, name, bytes, size, hex, &err), &err);
-	return true;
-}
-
-/* Takes the file from those that came with a recorded scene; false: a mistake was noted. */
-static bool take_stored(struct rb_call *call, const char *key, const char *name)
-{
-	const struct rb_script_options *options = call->script->options;
-	const struct rb_source_file *file = named(options->files, options->file_count, name);
-
-	if (file)
-		return add(call, key, name, file->text, file->size_bytes);
-	rb_call_mistake(call, "'%s': there is no file '%s' among those stored with the scene", key,
-	                name);
-	return false;
-}
-
-/* Takes the file from the scene's folder; false: a mistake was noted. */
-static bool take_from_disk(struct rb_call *call, const char *key, const char *name)
-{
-	struct rb_script *script = call->script;
-	char path[RB_DISK_PATH_SIZE];
-	struct rb_error err;
-
-	if (!rb_disk_find(script, name, path)) {
-		rb_call_mistake(call, "'%s': there is no file '%s' in the scene's folder", key,
-		                name);
-		return false;
-	}
-	const enum rb_status status = rb_disk_read(script, path, &rb_disk_texture, &err);
-	if (status == RB_ERR_MEMORY)
-		rb_script_need(call->L, status, &err);
-	if (status != RB_OK) {
-		rb_call_mistake(call, "'%s': %s", key, err.text);
-		return false;
-	}
-	/* a jump out of here leaves the bytes to the script, which forgets them at its end */
-	const bool right = add(call, key, name, script->reading, script->reading_size);
-	rb_disk_forget(script);
-	return right;
-}
-
 bool rb_texture_take(struct rb_call *call, const char *key, const char *name)
 {
-	const struct rb_scene *scene = call->script->scene;
-
-	RB_ASSERT(key && name);
-	if (strlen(name) > NAME_MAX_BYTES) {
-		rb_call_mistake(call, "'%s' must be a path of at most %d bytes (got %zu)", key,
-		                NAME_MAX_BYTES, strlen(name));
-		return false;
-	}
-	rb_sandbox_charge(call->L, (uint64_t)scene->file_count);
-	const struct rb_source_file *known = named(scene->files, scene->file_count, name);
-	if (known) /* a module of such a name is no picture */
-		return check(call, key, name, known->text, known->size_bytes);
-	return call->script->options->files ? take_stored(call, key, name)
-	                                    : take_from_disk(call, key, name);
+	return rb_asset_take(call, key, name, check) != NULL;
 }

@@ -26,6 +26,7 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/outfile.h"
+#include "geom/meshfile.h"
 
 /* 1 GiB: a scene's file may be a texture, but a larger one is not to be taken into memory. */
 static const size_t file_bytes_max = (size_t)1 << 30;
@@ -57,12 +58,13 @@ const char *rb_folder_path(const struct rb_plan *plan, const char *folder, uint6
 	return out;
 }
 
-/* Whether the name ends in .png; the scene language takes no other pictures. */
-static bool is_texture(const char *name)
+/* Whether the name is that of a picture or a mesh, by its ending; a module has none. */
+static bool is_asset(const char *name)
 {
 	const size_t size = strlen(name);
 
-	return size > 4 && strcasecmp(name + size - 4, ".png") == 0;
+	return (size > 4 && strcasecmp(name + size - 4, ".png") == 0) ||
+	       rb_meshfile_kind(name) != RB_MESHFILE_NONE;
 }
 
 /*
@@ -74,7 +76,7 @@ static bool copy_name(const char *name, bool is_scene, char out[RB_FOLDER_PATH_S
 {
 	const bool shipped = strncmp(name, "rbsim.", 6) == 0;
 
-	if (is_scene || is_texture(name)) {
+	if (is_scene || is_asset(name)) {
 		const size_t parts = strlen(name);
 		for (const char *at = name; at && at < name + parts;
 		     at = strchr(at, '/') ? strchr(at, '/') + 1 : NULL)
