@@ -7,7 +7,10 @@ command -v python3 >/dev/null || { echo "no python3"; exit 77; }
 
 mkdir files
 cd files || exit 1
-small_scene 'local q = param("q", 1, "number")' >whole.lua
+small_scene 'local q = param("q", 1, "number")
+probe("height of the ball", function() return energy() end, {unit = "m"})
+result("impacts", collisions)
+record { fields = {"+", "events", "contacts"} }' >whole.lua
 exits 0 whole.lua -q
 small_scene 'on_frame(function() local x = 0 for i = 1, 3e5 do x = x + i end end)' | sed 's/duration = 0.5/duration = 2/' >cut.lua
 "$RBSIM" cut.lua -q -o cut.h5 --checkpoint-every 0.01 >out 2>err &

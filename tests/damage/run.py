@@ -135,6 +135,9 @@ class Trial:
                 self.run(what, "info", name)
                 self.run(what, "info", name, "--json")
                 self.run(what, "plot", name, "energy")
+                self.run(what, "plot", name, "height of the ball", "--against", "left.rz")
+                for form in ("csv", "glb", "dump"):
+                    self.run(what, "export", name, "--to", form, "-o", "exported" if form == "csv" else f"e.{form}", "--force")
                 self.run(what, "diff", name, "whole.h5")
             elif kind == 2:
                 self.run(what, "replay", name)
