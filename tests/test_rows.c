@@ -13,6 +13,7 @@ static const struct {
 	size_t size;
 } tables[] = {
 	{&rb_rows_world, sizeof(struct rb_world_def)},
+	{&rb_rows_gravitation, sizeof(struct rb_gravitation_def)},
 	{&rb_rows_material, sizeof(struct rb_material_def)},
 	{&rb_rows_contact_pair, sizeof(struct rb_contact_pair_def)},
 	{&rb_rows_body, sizeof(struct rb_body_def)},
@@ -81,7 +82,7 @@ static void check_texts(const struct rb_row_table *table)
 		assert_ptr_equal(rb_row_find(table, row->key, &index), row); /* no name twice */
 		assert_int_equal(index, k);
 		assert_true(*row->key &&
-		            strspn(row->key, "abcdefghijklmnopqrstuvwxyz_") == strlen(row->key));
+		            strspn(row->key, "abcdefghijklmnopqrstuvwxyz_G") == strlen(row->key));
 		assert_non_null(row->fallback);
 		assert_true(*row->fallback);
 		assert_non_null(row->unit);
@@ -92,7 +93,7 @@ static void check_texts(const struct rb_row_table *table)
 		    row->type == RB_ROW_FLAGS)
 			assert_non_null(row->choices);
 		if (row->type == RB_ROW_LATER || row->type == RB_ROW_LIST ||
-		    row->type == RB_ROW_NAMES)
+		    row->type == RB_ROW_NAMES || row->type == RB_ROW_TABLE)
 			assert_true(row->at == RB_ROW_BY_HAND);
 		assert_int_equal(row->count > 0,
 		                 row->type == RB_ROW_NUMBERS || row->type == RB_ROW_INTEGERS);

@@ -39,11 +39,12 @@ enum {
 	RB_FEATURE_FIELD = 1u << 16,
 	RB_FEATURE_DRIVEN = 1u << 17, /* a body with `motion` */
 	RB_FEATURE_HOOK_TRANSITION = 1u << 18,
-	RB_FEATURE_ELEMENTS = 1u << 19, /* force elements that are neither springs nor drag */
+	RB_FEATURE_ELEMENTS = 1u << 19,    /* force elements that are neither springs nor drag */
+	RB_FEATURE_GRAVITATION = 1u << 20, /* bodies attract each other */
 
 	/* forces that vary with where bodies are and how they move */
 	RB_FEATURES_VARIED = RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD |
-	                     RB_FEATURE_ELEMENTS,
+	                     RB_FEATURE_ELEMENTS | RB_FEATURE_GRAVITATION,
 };
 
 /* Entry of the dense materials table. */
@@ -77,6 +78,16 @@ struct rb_model {
 	uint64_t *group_bit, *collides; /* NULL without filters */
 	rb_vec3 *position;              /* initial: of the object's origin; for good: statics */
 	rb_quat *orientation;
+
+	/*
+	 * m^3/s^2, [body_count + static_count]: G times what it attracts others by; NULL without
+	 * gravitation. Bodies that attract are counted in all, and those that do not yield.
+	 */
+	double *attraction;
+	int attractor_count, center_count;
+	/* every free body attracts by its mass: forces are opposite */
+	bool attracts_by_mass;
+	double softening2_m2; /* square of the softening */
 
 	struct rb_elements *elements; /* owned, model/element: by kind, those that the scene has */
 	int element_list_count;

@@ -182,6 +182,8 @@ struct rb_body_def {
 	rb_vec3 velocity;         /* m/s, of the centre of mass */
 	rb_vec3 angular_velocity; /* rad/s, world axes */
 	bool is_static;
+	/* kg: what it attracts others by; NAN: its mass, of static and driven bodies 0 */
+	double gravitational_mass;
 	/*
 	 * A driven body is not static, and has none of what pushes would need: mass, inertia,
 	 * forces. Its pose and velocities here are those at time 0; `orientation` holds for good
@@ -307,6 +309,18 @@ enum rb_method_kind {
 };
 #define RB_METHOD_NAMES "auto, classic, located, stepped"
 
+/*
+ * Mutual gravitation: a body with gravitational mass g at distance r accelerates all others by
+ * constant g r / (r^2 + softening^2)^(3/2) towards its centre of mass (Plummer, MNRAS 71 (1911)
+ * 460).
+ */
+struct rb_gravitation_def {
+	bool given;
+	double constant;      /* m^3/(kg s^2), G */
+	double softening_m;   /* >= 0 */
+	double opening_angle; /* in [0, 1]: of the tree of steps */
+};
+
 struct rb_world_def {
 	const char *title, *description; /* "" when not given */
 	double duration_s;               /* NAN: not given, `steps` tells it */
@@ -316,6 +330,7 @@ struct rb_world_def {
 	double tolerance_m;              /* NAN: the rule of rbsim-scene(5) */
 	rb_vec3 gravity;                 /* m/s^2 */
 	rb_vec3 gravity_force;           /* N, on every moving body */
+	struct rb_gravitation_def gravitation;
 	enum rb_rollback_kind rollback;
 	enum rb_method_kind method;
 	uint64_t seed;

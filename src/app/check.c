@@ -11,6 +11,7 @@
 #include "app/progress.h"
 #include "app/simulate.h"
 #include "base/visible.h"
+#include "force/gravitation.h"
 #include "located/needed_parts.h"
 #include "model/descriptor.h"
 #include "flow/frame.h"
@@ -162,6 +163,59 @@ static void print_driven(const struct rb_model *model)
 		rb_print(stdout, "  %-11s %d more\n", "", shown - SHOWN);
 }
 
+/* Bodies that gravitation treats as if they were points. */
+static int extended_count(const struct rb_model *model)
+{
+	int count = 0;
+
+	for (int i = 0; i < model->body_count + model->static_count; i++)
+		count += model->shape[i].kind != RB_SHAPE_SPHERE &&
+		         (model->attraction[i] > 0 ||
+		          (i < model->body_count && rb_gravitation_attracts(model, i)));
+	return count;
+}
+
+static bool has_driven_center(const struct rb_model *model)
+{
+	for (int i = 0; model->driven && i < model->body_count; i++)
+		if (model->driven[i] && model->attraction[i] > 0)
+			return true;
+	return false;
+}
+
+/* Who attracts whom, and what that does not conserve. */
+static void print_gravitation(const struct rb_model *model)
+{
+	const struct rb_gravitation_def *const def = &model->scene->world.gravitation;
+	int attracted = 0;
+
+	if (!(model->features & RB_FEATURE_GRAVITATION))
+		return;
+	for (int i = 0; i < model->body_count; i++)
+		attracted += rb_gravitation_attracts(model, i);
+	rb_print(
+		stdout, "  gravitation %d %s, %d %s attracted; G %g m^3/(kg s^2), softening %g m\n",
+		model->attractor_count,
+		rb_text_plural((uint64_t)model->attractor_count, "body attracts", "bodies attract"),
+		attracted, attracted == 1 ? "is" : "are", def->constant, def->softening_m);
+	if (model->center_count > 0)
+		rb_print(stdout, "              %d %s held or driven: momentum%s not conserved\n",
+		         model->center_count,
+		         rb_text_plural((uint64_t)model->center_count, "centre is", "centres are"),
+		         has_driven_center(model) ? " and energy are" : " is");
+	if (!model->attracts_by_mass)
+		rb_print(stdout,
+		         "              gravitational masses are not the masses: action is not "
+		         "reaction, momentum and energy are not conserved\n");
+	const int extended = extended_count(model);
+	if (extended > 0)
+		rb_print(stdout,
+		         "              %d %s no %s: gravitation acts at centres of mass, without "
+		         "torque\n",
+		         extended, rb_text_plural((uint64_t)extended, "body is", "bodies are"),
+		         extended == 1 ? "sphere" : "spheres");
+}
+
 static void print_bodies(const struct rb_model *model)
 {
 	const struct rb_scene *const scene = model->scene;
@@ -183,6 +237,7 @@ static void print_bodies(const struct rb_model *model)
 	rb_text_forces(elements, scene->field_count, forces);
 	if (*forces)
 		rb_print(stdout, "  forces      %s\n", forces);
+	print_gravitation(model);
 }
 
 /* Parts of a method; classic/stage_list prints those of the classic one. */
@@ -329,6 +384,20 @@ static void json_materials(struct rb_json *json, const struct rb_loaded *loaded)
 	rb_json_close(json, ']');
 }
 
+static void json_gravitation(struct rb_json *json, const struct rb_model *model)
+{
+	rb_json_open(json, "gravitation", '{');
+	rb_json_number(json, "G", model->scene->world.gravitation.constant);
+	rb_json_number(json, "softening", model->scene->world.gravitation.softening_m);
+	rb_json_count(json, "attractors", (uint64_t)model->attractor_count);
+	rb_json_count(json, "centers", (uint64_t)model->center_count);
+	rb_json_bool(json, "conserves_momentum",
+	             model->center_count == 0 && model->attracts_by_mass);
+	rb_json_bool(json, "conserves_energy",
+	             model->attracts_by_mass && !has_driven_center(model));
+	rb_json_close(json, '}');
+}
+
 static void print_json(const struct rb_loaded *loaded, const struct rb_run_info *info,
                        const struct needs *needs, int exit_code)
 {
@@ -346,6 +415,8 @@ static void print_json(const struct rb_loaded *loaded, const struct rb_run_info 
 	rb_json_count(&json, "driven_count", (uint64_t)driven_count(model));
 	rb_scene_count_elements(model->scene, elements);
 	rb_json_forces(&json, elements, model->scene->field_count);
+	if (model->features & RB_FEATURE_GRAVITATION)
+		json_gravitation(&json, model);
 	rb_json_count(&json, "frames", model->frame_count);
 	rb_json_number(&json, "duration", model->duration_s);
 	rb_json_number(&json, "frame_rate", model->frame_rate);

@@ -147,11 +147,14 @@ enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world
 	l->end_s = world->model->duration_s;
 	l->crowd_max = can_be_stepped(l) ? CROWD_MAX + CROWD_MAX_PER_BODY * (uint64_t)l->n
 	                                 : UINT64_MAX;
-	l->weight = rb_vec3_length(world->model->scene->world.gravity);
+	l->weight = rb_vec3_length(world->model->scene->world.gravity) +
+	            rb_gravitation_weight(world->model);
 	l->stuck_s = -HUGE_VAL;
 	l->come_a = l->come_b = -1;
 	if (!make_rows(l) || !rb_external_switches(l))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the located method");
+	if (status == RB_OK)
+		status = rb_gravitation_create(&l->gravitation, l->model, err);
 	/* bodies, clusters (never more than bodies), switches of forces */
 	if (status == RB_OK)
 		status = rb_queue_create(&l->queue, 2 * l->n + 1, err);
@@ -188,6 +191,7 @@ void rb_engine_destroy(struct rb_located *l)
 	rb_memory_free(l->place);
 	rb_memory_free(l->plane_normal);
 	rb_memory_free(l->switch_s);
+	rb_gravitation_release(&l->gravitation);
 	rb_memory_free(l->merge);
 	rb_contacts_release(&l->left);
 	rb_memory_free(l);
@@ -333,7 +337,7 @@ static void cluster_event(struct rb_located *l, int cluster, double t)
 	for (int k = 0; k < c->member_count; k++)
 		rb_set_add(l, c->member[k]);
 	if (c->integrated && c->held_count == 0) { /* only external forces: the next piece */
-		rb_integrate_piece(l, cluster, t);
+		rb_integrate_piece(l, cluster, t, true);
 		rb_queue_set(l->queue, l->n + cluster, rb_transition_next(l, cluster));
 		predict_set(l, t);
 		return;

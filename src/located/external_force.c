@@ -19,6 +19,7 @@ struct load {
 	const struct rb_pose *pose;
 	const struct rb_force_query *view;
 	rb_vec3 force, torque; /* N; N m about the centre of mass: sums */
+	rb_vec3 acceleration;  /* m/s^2: what is the same for bodies of any mass */
 	enum rb_external_cause cause;
 	struct rb_external_parts *parts; /* NULL: nobody asks */
 };
@@ -214,6 +215,52 @@ static void field(struct load *load)
 	add_force(load, force);
 }
 
+void rb_external_attract(struct rb_located *l, const struct rb_force_query *view)
+{
+	const rb_vec3 none = {0, 0, 0};
+
+	if (!rb_located_gravitates(l))
+		return;
+	for (int i = 0; i < l->n; i++) {
+		if (view->pose && l->place[i] >= 0) {
+			const struct rb_pose *const pose = &view->pose[l->place[i]];
+
+			rb_gravitation_place(&l->gravitation, i, pose->position, pose->rest);
+		} else if (rb_located_on_piece(l, i)) {
+			const rb_vec3 way = rb_arc_piece_vector(&l->piece[i], RB_PIECE_POSITION,
+			                                        view->time_s);
+			const rb_vec3 at = rb_vec3_add(l->piece[i].base, way);
+
+			rb_gravitation_place(&l->gravitation, i, at,
+			                     rb_vec3_lost(l->piece[i].base, way, at));
+		} else {
+			rb_gravitation_place(&l->gravitation, i,
+			                     rb_arc_position(l, i, view->time_s), none);
+		}
+	}
+	rb_gravitation_find(&l->gravitation);
+}
+
+/* Attraction by all others. */
+static void gravitation(struct load *load)
+{
+	struct rb_located *l = load->l;
+
+	if (!load->view->attracted) /* a single body is asked for */
+		rb_external_attract(l, load->view);
+	const rb_vec3 a = rb_gravitation_found(&l->gravitation, load->i);
+
+	load->acceleration = rb_vec3_add(load->acceleration, a);
+	if (load->parts)
+		load->parts->force[load->cause] = rb_vec3_scale(l->model->mass[load->i], a);
+}
+
+static bool gravitation_constant(const struct rb_located *l, int i, double t)
+{
+	(void)t;
+	return !rb_gravitation_attracts(l->model, i);
+}
+
 static const struct {
 	rb_features need;
 	enum rb_external_cause cause;
@@ -226,6 +273,7 @@ static const struct {
 	{RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_ELEMENTS, RB_EXTERNAL_SPRINGS,
          add_elements, elements_constant},
 	{RB_FEATURE_FIELD, RB_EXTERNAL_STATED, field, never},
+	{RB_FEATURE_GRAVITATION, RB_EXTERNAL_GRAVITATION, gravitation, gravitation_constant},
 };
 enum { ROWS = sizeof rows / sizeof rows[0] };
 
@@ -245,7 +293,11 @@ rb_vec3 rb_effective_mass_inverse(const struct rb_located *l, int i, rb_quat ori
 void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pose,
                           const struct rb_force_query *view, rb_vec3 *linear, rb_vec3 *angular)
 {
-	struct load load = {.l = l, .i = i, .pose = pose, .view = view};
+	struct load load = {.l = l,
+	                    .i = i,
+	                    .pose = pose,
+	                    .view = view,
+	                    .acceleration = l->model->scene->world.gravity};
 
 	RB_ASSERT_COSTLY(rb_located_moves(l, i));
 	if (view->parts) {
@@ -259,8 +311,7 @@ void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pos
 			load.cause = rows[k].cause;
 			rows[k].act(&load);
 		}
-	*linear = rb_vec3_add_scaled(l->model->scene->world.gravity, l->model->inverse_mass[i],
-	                             load.force);
+	*linear = rb_vec3_add_scaled(load.acceleration, l->model->inverse_mass[i], load.force);
 	*angular = (rb_vec3){0, 0, 0};
 	if (!l->top)
 		return;

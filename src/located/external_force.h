@@ -20,6 +20,7 @@ enum rb_external_cause {
 	RB_EXTERNAL_CALLBACKS,
 	RB_EXTERNAL_DRAG,
 	RB_EXTERNAL_SPRINGS,
+	RB_EXTERNAL_GRAVITATION,
 	RB_EXTERNAL_CAUSES
 };
 
@@ -34,7 +35,14 @@ struct rb_force_query {
 	double time_s;
 	double active_s; /* the moment that says which forces act: the beginning of the piece */
 	struct rb_external_parts *parts; /* [..], by l->place: out; NULL: nobody asks */
+	bool attracted;                  /* rb_external_attract has been called with this query */
 };
+
+/*
+ * Gravitation on all bodies at the query's moment, from their poses there, to l->gravitation. In
+ * scenes without it nothing is done.
+ */
+void rb_external_attract(struct rb_located *l, const struct rb_force_query *view);
 
 /* How force elements see bodies that are located: what their query's `user` is. */
 struct rb_element_view {

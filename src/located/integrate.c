@@ -222,6 +222,29 @@ static double partners_end(const struct rb_modes *w)
 	return end;
 }
 
+/*
+ * Time in which the rounding of forces takes bodies that press on each other through the band
+ * within which they touch: as long as they would need to fall by their size. Where all else stands
+ * still relative to each other, as what gravitation alone holds together, nothing else ends a
+ * piece.
+ */
+static double drifts_within(const struct rb_modes *w)
+{
+	const struct rb_located *l = w->l;
+	double least = HUGE_VAL;
+
+	for (int k = 0; rb_located_gravitates(l) && k < w->c->held_count; k++) {
+		const struct rb_contact_point *m = &w->contact_point[k];
+		const double acceleration = rb_vec3_length(w->force[k]) *
+		                            (l->model->inverse_mass[m->a] +
+		                             l->model->inverse_mass[m->b]);
+
+		if (acceleration > 0)
+			least = fmin(least, sqrt(rb_contact_point_size(l, m) / acceleration));
+	}
+	return least;
+}
+
 /* Are these other forces than those that settling has found? */
 static bool are_others(const struct rb_modes *w)
 {
@@ -294,8 +317,8 @@ static void run(struct rb_modes *w, const struct room *room)
 		 * a spring that is passed through pulls the other way at once; a field is the
 		 * user's
 		 */
-		.jumps = (l->model->features &
-	                  (RB_FEATURES_VARIED & ~(rb_features)RB_FEATURE_DRAG)) != 0,
+		.jumps = (l->model->features & RB_FEATURES_VARIED &
+	                  ~(rb_features)(RB_FEATURE_DRAG | RB_FEATURE_GRAVITATION)) != 0,
 		.scratch = room->scratch,
 		.calls = &calls};
 
@@ -319,7 +342,8 @@ static void run(struct rb_modes *w, const struct room *room)
 	if (!(c->try_s > 0))
 		c->try_s = guess;
 	/* never past the end of the run by more than it needs, nor over a switch of forces */
-	const double left_s = fmin(fmin(next_switch(l, w->origin_s), partners_end(w)),
+	const double left_s = fmin(fmin(fmin(next_switch(l, w->origin_s), partners_end(w)),
+	                                w->origin_s + drifts_within(w)),
 	                           fmax(l->end_s * (1 + 1e-9), w->origin_s + guess)) -
 	                      w->origin_s;
 	double length = 0;
@@ -372,10 +396,13 @@ static void stay(struct rb_modes *w)
 	put_on_piece(w, w->origin_s);
 }
 
-void rb_integrate_piece(struct rb_located *l, int cluster, double t)
+void rb_integrate_piece(struct rb_located *l, int cluster, double t, bool goes_on)
 {
-	struct rb_modes w = {
-		.l = l, .c = &l->cluster[cluster], .origin_s = t, .row = rb_located_row(l)};
+	struct rb_modes w = {.l = l,
+	                     .c = &l->cluster[cluster],
+	                     .origin_s = t,
+	                     .row = rb_located_row(l),
+	                     .goes_on = goes_on};
 	const rb_arena_mark here = rb_arena_here(l->arena);
 	struct room room;
 

@@ -9,8 +9,11 @@
 
 #include "located/set.h"
 
-/* From the members' present arcs at `t`; puts them on the piece. Sets l->status. */
-void rb_integrate_piece(struct rb_located *l, int cluster, double t);
+/*
+ * From the members' present arcs at `t`; puts them on the piece. `goes_on`: they come from the end
+ * of a piece that nothing has cut. Sets l->status.
+ */
+void rb_integrate_piece(struct rb_located *l, int cluster, double t, bool goes_on);
 
 /*
  * Forces of a cluster's contacts, N on b, at a moment of its piece; [held_count]. False: they are

@@ -51,6 +51,7 @@
 
 #include "located/cells.h"
 #include "located/queue.h"
+#include "force/gravitation.h"
 #include "math/gauss.h"
 #include "math/top.h"
 #include "world/world.h"
@@ -258,8 +259,9 @@ struct rb_located {
 	double *switch_s; /* [switch_count] moments at which forces begin or end, ascending */
 	int switch_count;
 
-	double weight; /* m/s^2: |gravity| */
-	double end_s;  /* of the run */
+	double weight; /* m/s^2: |gravity|, and that of the strongest that attracts */
+	struct rb_gravitation gravitation; /* owned; empty without that */
+	double end_s;                      /* of the run */
 	uint64_t polled;
 	uint64_t products;  /* arithmetic for what moves, since the step began */
 	uint64_t crowd_max; /* more than these are left to steps; UINT64_MAX: whatever it costs */
@@ -279,12 +281,12 @@ static inline int rb_located_row(const struct rb_located *l)
 }
 
 /*
- * So many products count as dealing with a body once. That is a choice, with which some fifty boxes
- * that move together are left to steps; and arithmetic, not a clock: the same on every machine. A
- * row of a contact's in a product of a vector with the matrix, a look at a contact on a piece, and
- * at what pulls a body in flight, a call of a field's function, and a search for points where two
- * convex bodies touch, count as so many. A simulated second allows so many bodies, which take about
- * one.
+ * So many products count as dealing with a body once. That is a choice, with which some fifty
+ * boxes that move together are left to steps; and arithmetic, not a clock: the same on every
+ * machine. A row of a contact's in a product of a vector with the matrix, a look at a contact on a
+ * piece, and at what pulls a body in flight, a call of a field's function, a pair that attracts
+ * each other, and a search for points where two convex bodies touch, count as so many. A simulated
+ * second allows so many bodies, which take about one.
  */
 enum {
 	RB_LOCATED_PRODUCTS = 100000,
@@ -292,6 +294,7 @@ enum {
 	RB_LOCATED_INSPECTION = 400,
 	RB_LOCATED_FLIGHT = 300,
 	RB_LOCATED_FIELD = 1500,
+	RB_LOCATED_PULL = 8,
 	RB_LOCATED_SEARCH = 3000,
 	RB_LOCATED_SERIES = 1000
 };
@@ -351,6 +354,12 @@ static inline bool rb_located_driven(const struct rb_located *l, int i)
 static inline bool rb_located_fixed(const struct rb_located *l, int i)
 {
 	return i >= l->n || rb_located_driven(l, i);
+}
+
+/* Has the scene gravitation, which joins all that are attracted in one cluster? */
+static inline bool rb_located_gravitates(const struct rb_located *l)
+{
+	return (l->model->features & RB_FEATURE_GRAVITATION) != 0;
 }
 
 static inline bool rb_located_on_piece(const struct rb_located *l, int i)

@@ -33,6 +33,7 @@ struct rb_modes {
 	double force_max;         /* N: largest force at the beginning */
 	double doubt;             /* N: what the modes at the beginning leave open */
 	double max;               /* m/s^2: largest acceleration that forces are to balance */
+	bool goes_on;             /* from a piece that nothing has cut */
 	uint64_t *calls, counted; /* of its rates, so far and at the last one */
 	double time_s;            /* of the last evaluation */
 	struct rb_external_parts *parts; /* [member_count]: for the ledger; NULL: it is not kept */

@@ -13,6 +13,8 @@ static const struct rb_method_part rows[] = {
 	{"integrator", "Gauss collocation of order 16, where a force has no closed form",
          RB_FEATURES_VARIED | RB_FEATURE_DRIVEN | RB_FEATURE_CONTACT | RB_FEATURE_FORCES |
                  RB_FEATURE_PUSHES},
+	{"gravitation", "what attracts each other has one clock; impacts go from touch to touch",
+         RB_FEATURE_GRAVITATION},
 	{"switches", "moments at which forces begin and end", RB_FEATURE_FORCES},
 	{"callbacks", "every body as of the moment of each impact and transition",
          RB_FEATURE_HOOK_COLLISION | RB_FEATURE_HOOK_TRANSITION},

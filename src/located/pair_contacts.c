@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "located/approach.h"
 #include "located/bounds.h"
+#include "located/relative.h"
 #include "geom/distance.h"
 #include "math/quartic.h"
 
@@ -346,6 +347,8 @@ bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double fr
 	if ((rb_located_on_piece(l, a) || rb_located_on_piece(l, b)) &&
 	    began_far(l, a, b, until, sum))
 		return true;
+	if (b < l->n && rb_relative_is(l, a, b) && rb_relative_began_far(l, a, b, until, sum))
+		return true;
 	const rb_vec3 x = rb_arc_position(l, a, from), y = rb_arc_position(l, b, from);
 	double reach = sum;
 	if (h > 0)
@@ -526,6 +529,29 @@ static struct course course_of(const struct rb_located *l, const struct rb_conta
 }
 
 /*
+ * Safe time of two spheres on one piece: at least h. Bounds neglect the curvature of surfaces, and
+ * so take bodies that turn about each other for falling.
+ */
+static double much_longer(const struct rb_located *l, const struct rb_contact_point *m, double t,
+                          double h, double until, double band)
+{
+	enum { FACTOR = 8 };
+	const double least = extent(l, m->a) + extent(l, m->b) + band;
+	bool more = true;
+
+	while (more && h < until - t) {
+		const double longer_s = fmin(FACTOR * h, until - t);
+
+		more = rb_relative_keeps_apart(l, m->a, m->b, t, t + longer_s, least);
+		if (more && longer_s >= until - t)
+			return HUGE_VAL;
+		if (more)
+			h = longer_s;
+	}
+	return h;
+}
+
+/*
  * Conservative advancement from `from` to `until`; INFINITY: no touch. `*again`: not decided yet.
  */
 static double advance(const struct rb_located *l, int a, int b, double from, double until,
@@ -533,6 +559,7 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 {
 	struct rb_bounds of_a = {0}, of_b = {0};
 	double t = from, nearest = HUGE_VAL;
+	bool is_relative = false;
 
 	*again = false;
 	for (int step = 0; step < STEPS_MAX; step++) {
@@ -543,6 +570,11 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 		if (step == 0) {
 			of_a = rb_bounds_of(l, m.a);
 			of_b = rb_bounds_of(l, m.b);
+			is_relative = m.b < l->n && rb_relative_is(l, m.a, m.b);
+			if (is_relative) {
+				rb_relative_bounds(l, m.a, m.b, &of_a.external, &of_a.jerk);
+				of_b.external = of_b.jerk = 0;
+			}
 		}
 		struct course c = course_of(l, &m, &of_a, &of_b, t);
 		const double rate = c.rate, max = c.external;
@@ -592,6 +624,8 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 			h = fmax(h, fmin(turns, sqrt(band / max)));
 		}
 		h = fmax(longer(&c, h, until - t, least), 2 * DBL_EPSILON * t);
+		if (is_relative && !touches)
+			h = much_longer(l, &m, t, h, until, band);
 		if (!(t + h <= until))
 			return HUGE_VAL;
 		t += h;

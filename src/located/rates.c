@@ -71,10 +71,14 @@ static void are_at_rest(struct rb_modes *w, double external)
 bool rb_rates_external(struct rb_modes *w, double t, double *max)
 {
 	struct rb_located *l = w->l;
-	const struct rb_force_query view = {
-		.pose = w->pose, .time_s = t, .active_s = w->origin_s, .parts = w->parts};
+	const struct rb_force_query view = {.pose = w->pose,
+	                                    .time_s = t,
+	                                    .active_s = w->origin_s,
+	                                    .parts = w->parts,
+	                                    .attracted = true};
 
 	*max = 0;
+	rb_external_attract(l, &view);
 	for (int k = 0; k < w->c->member_count; k++)
 		rb_external_force_at(l, w->c->member[k], &w->pose[k], &view, &w->linear[k],
 		                     &w->angular[k]);
@@ -108,6 +112,12 @@ static bool count_inspection(struct rb_modes *w)
 
 	if (!rb_modes_move(w))
 		return true;
+	/* a piece that nothing has cut is as long as motion allows: it is no crowd */
+	if (rb_located_gravitates(l) && w->goes_on)
+		return true;
+	if (rb_located_gravitates(l))
+		l->products += RB_LOCATED_PULL * (uint64_t)c->member_count *
+		               (uint64_t)c->member_count / 2;
 	l->products += c->held_count > 0 ? (uint64_t)w->dense.products +
 	                                           RB_LOCATED_INSPECTION * (uint64_t)c->held_count
 	                                 : RB_LOCATED_FLIGHT * (uint64_t)c->member_count;

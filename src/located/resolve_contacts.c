@@ -111,7 +111,7 @@ static double integrates(const struct rb_settling *s, const struct rb_contact_po
 /* ... after an impact, whose velocities are exact, only rounding. */
 static double drifts(const struct rb_settling *s, const struct rb_contact_point *m)
 {
-	return s->struck ? rounds(s, m) : integrates(s, m);
+	return rb_slips_is_struck(s, m) ? rounds(s, m) : integrates(s, m);
 }
 
 /* True if a held contact separates or has left its features. */
@@ -194,8 +194,8 @@ static void keep_what_lasts(struct rb_settling *s)
 	for (int k = 0; k < s->contact_point_count; k++) {
 		let_slip(s, k);
 		/* after an impact velocities are exact */
-		kept[k] = s->before[k].a >= 0 && !s->struck && !parts(s, &s->contact_point[k]) &&
-		          !opens_anew(s, k);
+		kept[k] = s->before[k].a >= 0 && !rb_slips_is_struck(s, &s->contact_point[k]) &&
+		          !parts(s, &s->contact_point[k]) && !opens_anew(s, k);
 	}
 	rb_drift(&drift);
 	for (int k = 0; k < s->contact_point_count; k++) {
@@ -219,8 +219,10 @@ static void keep_what_lasts(struct rb_settling *s)
 static void pulls(struct rb_settling *s)
 {
 	struct rb_located *l = s->l;
-	const struct rb_force_query view = {.pose = s->pose, .time_s = s->t, .active_s = s->t};
+	const struct rb_force_query view = {
+		.pose = s->pose, .time_s = s->t, .active_s = s->t, .attracted = true};
 
+	rb_external_attract(l, &view);
 	for (int k = 0; k < l->set_count; k++) {
 		rb_external_force_at(l, l->set[k], &s->pose[k], &view, &s->linear[k],
 		                     &s->angular[k]);
@@ -268,6 +270,14 @@ static void join_all(struct rb_settling *s)
 	for (int k = 0; k < model->element_list_count; k++)
 		for (int m = 0; model->elements[k].end && m < model->elements[k].count; m++)
 			join(s, model->elements[k].end[m][0], model->elements[k].end[m][1]);
+	for (int k = 0, first = -1; rb_located_gravitates(s->l) && k < s->l->set_count; k++) {
+		if (!rb_gravitation_attracts(model, s->l->set[k]))
+			continue;
+		if (first >= 0)
+			join(s, s->l->set[first], s->l->set[k]);
+		else
+			first = k;
+	}
 }
 
 /* Mode of a contact for reports. */
@@ -549,7 +559,7 @@ static void start_part(struct rb_settling *s, int part, struct rb_cluster *c,
 	for (int k = 0; closed && l->account_s && k < c->held_count; k++)
 		rate_contact(s, contact_point[k], rest_speed, &c->rates);
 	if (!closed)
-		rb_integrate_piece(l, (int)(c - l->cluster), s->t);
+		rb_integrate_piece(l, (int)(c - l->cluster), s->t, false);
 }
 
 /* Writes the contacts of a part to its cluster. */
@@ -691,7 +701,7 @@ static bool is_moving(const struct rb_settling *s)
  */
 static bool comes_to_touch(const struct rb_settling *s, const struct rb_contact_point *m)
 {
-	return (!s->struck || rb_vec3_max_abs(m->half) > 0) &&
+	return (!rb_slips_is_struck(s, m) || rb_vec3_max_abs(m->half) > 0) &&
 	       !rb_contact_point_passes(s->l, m, s->t);
 }
 
@@ -704,7 +714,7 @@ static int find_hit(const struct rb_settling *s)
 	for (int k = 0; k < s->contact_point_count && !s->l->starting; k++)
 		if (rb_vec3_dot(s->contact_point[k].velocity, s->contact_point[k].normal) <
 		            -integrates(s, &s->contact_point[k]) &&
-		    ((s->before[k].a >= 0 && !s->struck) ||
+		    ((s->before[k].a >= 0 && !rb_slips_is_struck(s, &s->contact_point[k])) ||
 		     comes_to_touch(s, &s->contact_point[k])))
 			return k;
 	return -1;

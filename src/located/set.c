@@ -491,17 +491,36 @@ static int by_name(const void *left, const void *right)
 	return rb_contact_name_compare(&x, &y);
 }
 
+/*
+ * Adds all that gravitation joins to what is in the set: nothing of an impact, which goes from
+ * touch to touch.
+ */
+static void add_attracted(struct rb_located *l)
+{
+	bool any = false;
+
+	for (int k = 0; k < l->set_count; k++)
+		any = any || rb_gravitation_attracts(l->model, l->set[k]);
+	for (int i = 0; any && i < l->n; i++)
+		if (rb_gravitation_attracts(l->model, i))
+			rb_set_add(l, i);
+}
+
 int rb_set_grow(struct rb_located *l, double t, double slack, rb_set_joins *joins,
                 struct rb_contact_point **found)
 {
 	struct pairs pairs = {.t = t, .slack = slack, .joins = joins};
+	const bool strikes = joins == rb_set_touching;
 
 	RB_ASSERT(slack >= 0);
 	RB_ASSERT(l->set_count > 0);
+	if (rb_located_gravitates(l) && !strikes)
+		add_attracted(l);
 	for (int k = 0; k < l->set_count && !pairs.failed; k++) {
 		const int i = l->set[k];
 
-		if (l->cluster_of[i] >= 0) {
+		/* an impact finds those that gravitation has in the cluster by what they touch */
+		if (l->cluster_of[i] >= 0 && !(strikes && rb_located_gravitates(l))) {
 			const struct rb_cluster *c = &l->cluster[l->cluster_of[i]];
 
 			for (int m = 0; m < c->member_count; m++)

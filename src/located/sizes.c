@@ -46,6 +46,20 @@ static double balanced(const struct rb_modes *w, double load, double radius)
 	return try_s > 0 ? fmin(fall, load * try_s / 8) : fall;
 }
 
+/*
+ * Length, m, over which a member's motion bends by gravitation, where that is more than its own
+ * size.
+ */
+static double bends_over(const struct rb_modes *w, int k)
+{
+	const struct rb_located *l = w->l;
+	double depth;
+
+	if (!rb_located_gravitates(l) || !rb_gravitation_attracts(l->model, w->c->member[k]))
+		return 0;
+	return rb_attract_distance(&l->gravitation.all, w->c->member[k], &depth);
+}
+
 double rb_sizes_of(struct rb_modes *w, double *scale)
 {
 	const struct rb_located *l = w->l;
@@ -54,7 +68,8 @@ double rb_sizes_of(struct rb_modes *w, double *scale)
 
 	for (int k = 0; k < w->c->member_count; k++) {
 		const struct rb_pose *pose = &w->pose[k];
-		const double radius = rb_model_reach(l->model, w->c->member[k]);
+		const double radius = fmax(rb_model_reach(l->model, w->c->member[k]),
+		                           bends_over(w, k));
 		const double external = rb_vec3_length(w->linear[k]);
 		const double own = fmax(rb_vec3_length(pose->velocity), sqrt(external * radius));
 		const double speed = fmax(own, balanced(w, load, radius));

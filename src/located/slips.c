@@ -88,7 +88,7 @@ static void joint_contact(struct rb_settling *s, int k)
 	struct rb_set_left left = {.sticks = false};
 	const bool has_left = before->a < 0 && rb_set_left_of(l, m, &left);
 	const bool sticks = before->a >= 0 ? !before->slipping || before->ending : left.sticks;
-	const bool stuck = sticks && !s->struck;
+	const bool stuck = sticks && !rb_slips_is_struck(s, m);
 
 	*c = rb_mechanics_contact(l, m);
 	c->a = joint_body(s, m->a);
@@ -279,7 +279,7 @@ static bool slipped(const struct rb_settling *s, int k, rb_vec3 *way)
 	const struct rb_held *before = &s->before[k];
 	struct rb_set_left left;
 
-	if (s->struck)
+	if (rb_slips_is_struck(s, &s->contact_point[k]))
 		return false;
 	if (before->a < 0) {
 		if (!rb_set_left_of(s->l, &s->contact_point[k], &left))
@@ -371,7 +371,8 @@ static bool end_rest(struct rb_settling *s)
 	for (int k = 0; k < s->contact_point_count; k++) {
 		const struct rb_held *before = &s->before[k];
 
-		if (before->a < 0 || before->slipping || !before->ending || s->struck)
+		if (before->a < 0 || before->slipping || !before->ending ||
+		    rb_slips_is_struck(s, &s->contact_point[k]))
 			continue;
 		s->slip[k] = rb_vec3_unit(
 			rb_vec3_reject(rb_vec3_neg(before->force), s->contact_point[k].normal),

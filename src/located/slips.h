@@ -36,6 +36,17 @@ struct rb_settling {
 		slip;
 };
 
+/*
+ * Has an impact just given the contact's bodies their velocities? Gravitation joins bodies that it
+ * does not reach: those are still on their piece.
+ */
+static inline bool rb_slips_is_struck(const struct rb_settling *s, const struct rb_contact_point *m)
+{
+	const int mover = rb_located_fixed(s->l, m->a) ? m->b : m->a;
+
+	return s->struck && !(rb_located_gravitates(s->l) && rb_located_on_piece(s->l, mover));
+}
+
 /* Room in the arena; NULL, and l->status says so: there is none. */
 void *rb_slips_take(struct rb_settling *s, int count, size_t size);
 

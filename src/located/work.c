@@ -154,6 +154,52 @@ static void add_elements(const struct rb_modes *w, const struct rb_elements *ele
 	}
 }
 
+/* Velocity of a moving body, a member or not. */
+static rb_vec3 velocity_of(const struct rb_modes *w, int i, double t)
+{
+	return is_member(w, i) ? w->pose[w->l->place[i]].velocity : rb_arc_velocity(w->l, i, t);
+}
+
+/* Rates by a force at a body's centre. */
+static void add_pull(const struct rb_modes *w, int i, enum rb_ledger_momentum cause, rb_vec3 force,
+                     struct rb_entries *rate)
+{
+	rb_entries_impulse(rate, cause, force, rb_gravitation_position(&w->l->gravitation, i));
+}
+
+/*
+ * Rates of gravitation: of those that do not yield, and of forces without a reaction. Between
+ * bodies that attract by their mass nothing is lost or won.
+ */
+static void add_gravitation(const struct rb_modes *w, double t, struct rb_entries *rate)
+{
+	const struct rb_located *l = w->l;
+	const struct rb_attract *const all = &l->gravitation.all;
+
+	for (int i = 0; i < l->n; i++)
+		for (int j = 0; j < all->count && !rb_located_fixed(l, i); j++) {
+			double factor;
+
+			if (j == i || (!is_member(w, i) && !is_member(w, j)))
+				continue;
+			if (!rb_located_fixed(l, j)) {
+				const rb_vec3 more = rb_gravitation_surplus(&l->gravitation, i, j);
+
+				add_pull(w, i, RB_MOMENTUM_APPLIED, more, rate);
+				rb_entries_energy(rate, RB_ENERGY_APPLIED,
+				                  rb_vec3_dot(more, velocity_of(w, i, t)));
+				continue;
+			}
+			const rb_vec3 d = rb_attract_between(all, i, j, &factor);
+			const rb_vec3 on = rb_vec3_scale(factor * all->inertial[i] * all->mu[j], d);
+
+			add_pull(w, i, cause_of(l, j), on, rate);
+			if (rb_located_driven(l, j))
+				rb_entries_energy(rate, RB_ENERGY_DRIVEN,
+				                  rb_vec3_dot(on, rb_arc_velocity(l, j, t)));
+		}
+}
+
 void rb_work_rates(const struct rb_modes *w, const struct rb_external_parts *parts, double t,
                    struct rb_entries *rate)
 {
@@ -163,6 +209,9 @@ void rb_work_rates(const struct rb_modes *w, const struct rb_external_parts *par
 	for (int k = 0; k < w->l->model->element_list_count; k++)
 		if (w->l->model->elements[k].end)
 			add_elements(w, &w->l->model->elements[k], t, rate);
+	if (rb_located_gravitates(w->l) &&
+	    (w->l->model->center_count > 0 || !w->l->model->attracts_by_mass))
+		add_gravitation(w, t, rate);
 	for (int k = 0; k < w->c->held_count; k++) {
 		const struct rb_contact_point *m = &w->contact_point[k];
 

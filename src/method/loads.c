@@ -209,6 +209,17 @@ static enum rb_status place_all(struct rb_world *world, struct rb_error *err)
 	return RB_OK;
 }
 
+/* Attraction on all bodies at this moment. */
+static void attract(struct rb_world *world)
+{
+	struct rb_loads *loads = world->loads;
+	struct rb_located *const l = is_located(world) ? world->located : loads->looker;
+	const struct rb_force_query view = {.time_s = world->state.time_s,
+	                                    .pose = is_located(world) ? NULL : loads->pose};
+
+	rb_external_attract(l, &view);
+}
+
 /* Brings contacts and poses to this moment, once for all bodies. */
 static enum rb_status refresh(struct rb_world *world, struct rb_error *err)
 {
@@ -228,6 +239,7 @@ static enum rb_status refresh(struct rb_world *world, struct rb_error *err)
 		status = place_all(world, err);
 	if (status != RB_OK)
 		return status;
+	attract(world);
 	if (is_located(world) || !begins)
 		gather(loads, world);
 	loads->moment = world->moment;
@@ -250,7 +262,8 @@ static struct rb_located *begin_inspection(struct rb_world *world, int i,
 	*view = (struct rb_force_query){.time_s = world->state.time_s,
 	                                .active_s = world->state.time_s,
 	                                .pose = is_located(world) ? NULL : loads->pose,
-	                                .parts = loads->parts};
+	                                .parts = loads->parts,
+	                                .attracted = true};
 	loads->pose[i] = rb_world_pose(world, &world->state, i);
 	l->place[i] = i;
 	rb_world_choose_pushes(world);
@@ -297,7 +310,22 @@ static enum rb_status external(struct rb_world *world, int i, struct rb_load *lo
 	return status;
 }
 
-/* Forces of contacts and elements on a static or driven body. */
+/* Attraction of one that does not yield by all others. */
+static void press_by_gravitation(const struct rb_gravitation *gravitation, int i,
+                                 struct rb_load *load)
+{
+	const struct rb_attract *const all = &gravitation->all;
+
+	for (int j = 0; j < gravitation->model->body_count; j++) {
+		double factor;
+		const rb_vec3 d = rb_attract_between(all, i, j, &factor);
+
+		if (j != i && !isinf(all->inertial[j]))
+			add(&load->force, factor * all->inertial[j] * all->mu[i], d);
+	}
+}
+
+/* Forces of contacts, elements and gravitation on a static or driven body. */
 static void press(struct rb_world *world, int i, struct rb_load *load)
 {
 	const struct rb_model *model = world->model;
@@ -310,6 +338,8 @@ static void press(struct rb_world *world, int i, struct rb_load *load)
 
 	load->force = world->loads->force[i];
 	load->torque = world->loads->torque[i];
+	if (rb_located_gravitates(l))
+		press_by_gravitation(&l->gravitation, i, load);
 	for (int k = 0; k < model->element_list_count; k++) {
 		const struct rb_elements *elements = &model->elements[k];
 		struct rb_wrench on;

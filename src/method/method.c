@@ -123,8 +123,11 @@ enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *mo
 	world->arena = rb_memory_take((size_t)world->worker_count, sizeof *world->arena);
 	world->kept = rb_memory_take((size_t)world->worker_count, sizeof *world->kept);
 	world->plan = rb_memory_take(1, sizeof *world->plan);
-	if (!world->arena || !world->kept || !world->plan)
+	world->gravitation = rb_memory_take(1, sizeof *world->gravitation);
+	if (!world->arena || !world->kept || !world->plan || !world->gravitation)
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for a world");
+	if (status == RB_OK)
+		status = rb_gravitation_create(world->gravitation, model, err);
 	if (status == RB_OK)
 		status = rb_state_init(&world->state, model->body_count, model->features, err);
 	if (status == RB_OK)
@@ -168,6 +171,9 @@ void rb_world_destroy(struct rb_world *world)
 	rb_memory_free(world->arena);
 	rb_memory_free(world->kept);
 	rb_memory_free(world->plan);
+	if (world->gravitation)
+		rb_gravitation_release(world->gravitation);
+	rb_memory_free(world->gravitation);
 	rb_state_release(&world->state);
 	rb_state_release(&world->start);
 	rb_state_release(&world->mark);
@@ -194,7 +200,10 @@ static void more_dense_steps(struct rb_world *world)
 		                                            : DENSE_STEPS_FIRST;
 }
 
-/* Largest acceleration, m/s^2, by gravity, gravity_force and fields on any body at `t`. */
+/*
+ * Largest acceleration, m/s^2, by gravity, gravity_force, fields and gravitation on any body at
+ * `t`.
+ */
 static enum rb_status largest_external(const struct rb_world *world, double t, double *max,
                                        struct rb_error *err)
 {
@@ -203,9 +212,15 @@ static enum rb_status largest_external(const struct rb_world *world, double t, d
 	const bool field = (model->features & RB_FEATURE_FIELD) && world->hooks.field;
 	enum rb_status status = RB_OK;
 
+	const bool attracts = (model->features & RB_FEATURE_GRAVITATION) != 0;
+
 	*max = rb_vec3_length(def->gravity);
-	if (!field && !(model->features & RB_FEATURE_GRAVITY_FORCE))
+	if (!field && !attracts && !(model->features & RB_FEATURE_GRAVITY_FORCE))
 		return RB_OK;
+	if (attracts) {
+		rb_world_place_attracted(world, &world->state);
+		rb_gravitation_find(world->gravitation);
+	}
 	for (int i = 0; i < model->body_count && status == RB_OK; i++) {
 		const rb_vec3 x = rb_world_row3(world->state.position, i);
 		const rb_vec3 v = rb_world_row3(world->state.velocity, i);
@@ -214,6 +229,9 @@ static enum rb_status largest_external(const struct rb_world *world, double t, d
 		if (field)
 			status = world->hooks.field(world->hooks.user, t, x, v, &force, err);
 		force = rb_vec3_add(force, def->gravity_force);
+		if (attracts)
+			force = rb_vec3_add_scaled(force, model->mass[i],
+			                           rb_gravitation_found(world->gravitation, i));
 		*max = fmax(*max, rb_vec3_length(rb_vec3_add_scaled(
 					  def->gravity, model->inverse_mass[i], force)));
 	}

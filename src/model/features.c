@@ -145,6 +145,11 @@ static bool has_field(const struct rb_feature_facts *facts)
 	return facts->moves && facts->scene->field_count > 0;
 }
 
+static bool has_gravitation(const struct rb_feature_facts *facts)
+{
+	return facts->attracted;
+}
+
 static bool has_driven(const struct rb_feature_facts *facts)
 {
 	return facts->driven;
@@ -195,6 +200,8 @@ static const struct rb_feature_row rows[] = {
          "the scene's callback of every transition", "the scene has no 'on_transition'"},
 	{RB_FEATURE_ELEMENTS, "elements", has_other_elements, "other forces by calls of their own",
          "the scene has none"},
+	{RB_FEATURE_GRAVITATION, "gravitation", has_gravitation, "bodies attract each other",
+         "the world has no 'gravitation', or nothing is attracted"},
 };
 
 const struct rb_feature_row *rb_feature_rows(int *count)
@@ -301,6 +308,25 @@ static void see_elements(struct rb_feature_facts *facts)
 				rb_scene_element(facts->scene, rb_element_kinds[place], k));
 }
 
+/* True if some free body is attracted by another body. */
+static bool is_attracted(const struct rb_scene *scene)
+{
+	int attractors = 0, free = 0, inert = 0;
+
+	if (!scene->world.gravitation.given)
+		return false;
+	for (int i = 0; i < scene->body_count; i++) {
+		const bool attracts = rb_body_attracts_by(scene, &scene->bodies[i]) > 0;
+		const bool is_free = rb_body_is_free(&scene->bodies[i]);
+
+		attractors += attracts;
+		free += is_free;
+		inert += is_free && !attracts;
+	}
+	/* one that attracts alone is attracted by nobody */
+	return free > 0 && (attractors > 1 || (attractors == 1 && inert > 0));
+}
+
 /* True if the tensor, for unit mass, is not a multiple of 1. */
 static bool has_unequal_moments(const struct rb_scene *scene, const struct rb_body_def *body)
 {
@@ -336,6 +362,7 @@ struct rb_feature_facts rb_feature_facts_of(const struct rb_scene *scene,
 			                                      body->center_of_mass);
 	}
 	see_elements(&facts);
+	facts.attracted = is_attracted(scene);
 	if (facts.moves)
 		see_pairs(&facts, pair);
 	return facts;

@@ -24,6 +24,7 @@ struct rb_feature_facts {
 	bool driven;       /* a body with `motion` */
 	bool driven_turns; /* ... that returns an orientation */
 	bool filters;
+	bool attracted; /* a free body by another one's gravitation */
 };
 
 struct rb_feature_row {

@@ -139,6 +139,8 @@ static void take_columns(struct rb_model *model, bool *failed)
 	                               failed);
 	model->group_bit = column(model, filters, all, sizeof *model->group_bit, failed);
 	model->collides = column(model, filters, all, sizeof *model->collides, failed);
+	model->attraction = column(model, (model->features & RB_FEATURE_GRAVITATION) != 0, all,
+	                           sizeof *model->attraction, failed);
 	model->position = column(model, true, all, sizeof *model->position, failed);
 	model->orientation = column(model, true, all, sizeof *model->orientation, failed);
 }
@@ -208,6 +210,28 @@ static void fill_body(struct rb_model *model, int index)
 		model->center_of_mass[index] = body->center_of_mass;
 	if (model->inertia)
 		fill_inertia(model, index, body);
+}
+
+/* Who attracts, and by how much. */
+static void fill_attraction(struct rb_model *model)
+{
+	const struct rb_scene *const scene = model->scene;
+	const struct rb_gravitation_def *const def = &scene->world.gravitation;
+
+	model->softening2_m2 = def->softening_m * def->softening_m;
+	model->attracts_by_mass = true;
+	for (int index = 0; index < scene->body_count; index++) {
+		const struct rb_body_def *const body = &scene->bodies[model->id_of[index]];
+		const double by = rb_body_attracts_by(scene, body);
+
+		model->attraction[index] = def->constant * by;
+		model->attractor_count += by > 0;
+		if (rb_body_is_free(body))
+			model->attracts_by_mass = model->attracts_by_mass &&
+			                          by == model->mass[index];
+		else
+			model->center_count += by > 0;
+	}
 }
 
 /*
@@ -303,6 +327,8 @@ static enum rb_status fill(struct rb_model *model, struct rb_mistakes *mistakes,
 	number_bodies(model);
 	for (int i = 0; i < scene->body_count; i++)
 		fill_body(model, i);
+	if (model->attraction)
+		fill_attraction(model);
 	fill_numbers(model);
 	return rb_elements_create(model, err);
 }
@@ -345,6 +371,7 @@ void rb_model_destroy(struct rb_model *model)
 	rb_memory_free(model->center_of_mass);
 	rb_memory_free(model->group_bit);
 	rb_memory_free(model->collides);
+	rb_memory_free(model->attraction);
 	rb_memory_free(model->position);
 	rb_memory_free(model->orientation);
 	rb_memory_free(model->pair_materials);

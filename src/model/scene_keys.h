@@ -35,6 +35,7 @@ enum rb_row_type {
 	RB_ROW_INERTIA,     /* rb_mat3: three numbers or three rows of them */
 	RB_ROW_LIST,        /* by hand */
 	RB_ROW_NAMES,       /* by hand: a text or a list of texts */
+	RB_ROW_TABLE,       /* by hand: a table of keys of its own */
 	RB_ROW_LATER,       /* belongs to a later version: refused by name */
 	RB_ROW_TYPE_COUNT
 };

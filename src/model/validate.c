@@ -87,6 +87,15 @@ double rb_body_mass(const struct rb_scene *scene, const struct rb_body_def *body
 	               : body->mass;
 }
 
+double rb_body_attracts_by(const struct rb_scene *scene, const struct rb_body_def *body)
+{
+	if (!scene->world.gravitation.given)
+		return 0;
+	if (!isnan(body->gravitational_mass))
+		return body->gravitational_mass;
+	return rb_body_is_free(body) ? rb_body_mass(scene, body) : 0;
+}
+
 rb_mat3 rb_body_inertia(const struct rb_scene *scene, const struct rb_body_def *body, double mass)
 {
 	if (!body->has_inertia)
@@ -252,6 +261,16 @@ static void check_world(struct check *check)
 		              world->time_step_s, steps_per_frame_max);
 	if (!rb_vec3_finite(world->gravity) || !rb_vec3_finite(world->gravity_force))
 		world_mistake(check, "world: 'gravity' must be finite");
+	const struct rb_gravitation_def *const attraction = &world->gravitation;
+	if (attraction->given &&
+	    (!positive(attraction->constant) || !(attraction->softening_m >= 0) ||
+	     !isfinite(attraction->softening_m) ||
+	     !(attraction->opening_angle >= 0 && attraction->opening_angle <= 1)))
+		world_mistake(check,
+		              "world: 'gravitation' wants 'G' positive, 'softening' 0 or more, "
+		              "'opening_angle' in [0, 1] (got %g, %g, %g)",
+		              attraction->constant, attraction->softening_m,
+		              attraction->opening_angle);
 }
 
 /* A tolerance below the rounding of coordinates could never be met. */
@@ -333,6 +352,33 @@ static void check_mass(struct check *check, int id)
 		             "and so its "
 		             "inverse)",
 		             inertia.m[0][0]);
+}
+
+/* What it attracts others by. */
+static void check_attraction(struct check *check, int id)
+{
+	const struct rb_scene *scene = check->scene;
+	const struct rb_body_def *body = &scene->bodies[id];
+	const double own = body->gravitational_mass;
+
+	if (isnan(own))
+		return;
+	if (!(own >= 0) || !isfinite(own)) {
+		body_mistake(check, id,
+		             "'gravitational_mass' must be finite and 0 or more (got %g kg)", own);
+		return;
+	}
+	if (rb_shape_is_flat(&body->shape) && own > 0)
+		body_mistake(check, id,
+		             "'gravitational_mass' of a plane: it has no centre (wanted a body "
+		             "with one, such as a static sphere)");
+	else if (!isfinite(own * scene->world.gravitation.constant))
+		body_mistake(check, id, "'gravitational_mass' %g kg times 'G' %g is not finite",
+		             own, scene->world.gravitation.constant);
+	else if (!scene->world.gravitation.given)
+		body_mistake(check, id,
+		             "'gravitational_mass' in a world without gravitation (wanted world { "
+		             "gravitation = {} })");
 }
 
 /* Numbers of the shape, by its type; false: a mistake was noted. */
@@ -436,6 +482,7 @@ static bool check_bodies(struct check *check)
 
 		good = check_contacts(check, i) && shaped && good;
 		check_forces(check, i);
+		check_attraction(check, i);
 		if (rb_body_is_free(body) && rb_shape_is_flat(&body->shape)) {
 			body_mistake(
 				check, i,

@@ -41,6 +41,11 @@ static inline bool rb_bodies_can_touch(const struct rb_body_def *a, const struct
 
 /* kg, of a free body, as given or from density and volume; not checked. */
 double rb_body_mass(const struct rb_scene *scene, const struct rb_body_def *body);
+/*
+ * kg, what it attracts others by: as given, or its mass; 0 where nothing is attracted by it or by
+ * anything.
+ */
+double rb_body_attracts_by(const struct rb_scene *scene, const struct rb_body_def *body);
 /* kg m^2 about the centre of mass, as given or of the uniform shape; not checked. */
 rb_mat3 rb_body_inertia(const struct rb_scene *scene, const struct rb_body_def *body, double mass);
 

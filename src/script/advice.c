@@ -53,6 +53,7 @@ static const struct advice globals[] = {
 	{"ground", "plane { ... }"},
 	{"floor", "plane { ... }; rounding down is math.floor"},
 	{"gravity", "a key of world: world { gravity = {0, 0, -9.81} }"},
+	{"gravitation", "a key of world: world { gravitation = {} }"},
 };
 
 static const struct advice keys[] = {

@@ -53,6 +53,18 @@ static bool only_call(struct rb_call *call, int *first_line)
 	return true;
 }
 
+/* Reads `gravitation`. */
+static void read_gravitation(struct rb_call *call, struct rb_gravitation_def *def)
+{
+	if (rb_call_push(call, "gravitation") != LUA_TNIL) {
+		struct rb_call part = rb_call_part(call, &rb_rows_gravitation, -1, 0);
+
+		def->given = true;
+		rb_call_read(&part, def);
+	}
+	lua_pop(call->L, 1);
+}
+
 static int l_world(lua_State *L)
 {
 	struct rb_call call = rb_call_begin(L, "world", &rb_rows_world, 1);
@@ -60,6 +72,7 @@ static int l_world(lua_State *L)
 	struct rb_world_def world = script->scene->world;
 
 	rb_call_read(&call, &world);
+	read_gravitation(&call, &world.gravitation);
 	for (int i = 0; i < rb_rows_world.count; i++)
 		if (rb_call_given(&call, rb_rows_world.rows[i].key))
 			script->world_given |= UINT64_C(1) << i;

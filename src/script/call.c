@@ -202,12 +202,16 @@ struct rb_call rb_call_part(const struct rb_call *call, const struct rb_row_tabl
 	struct rb_call part = *call;
 	char found[80];
 
-	RB_ASSERT(number >= 1);
+	RB_ASSERT(number >= 0);
 	part.table = table;
 	part.given = part.wrong = 0;
 	part.index = lua_absindex(call->L, index);
 	const size_t used = strlen(part.label);
-	snprintf(part.label + used, sizeof part.label - used, ": %s[%d]", table->name, number);
+	if (number > 0)
+		snprintf(part.label + used, sizeof part.label - used, ": %s[%d]", table->name,
+		         number);
+	else
+		snprintf(part.label + used, sizeof part.label - used, ": %s", table->name);
 	if (lua_type(call->L, part.index) != LUA_TTABLE) {
 		rb_call_mistake(&part, "must be a table of keys (got %s)",
 		                rb_describe(call->L, part.index, found));

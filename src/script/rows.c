@@ -39,8 +39,8 @@ static const struct rb_row world_rows[] = {
          "m/s^2", "an acceleration of every moving body"},
 	{"gravity_force", RB_ROW_VECTOR, 0, 0, AT(rb_world_def, gravity_force), NULL, NULL, "none",
          "N", "the same force on every moving body"},
-	{"gravitation", RB_ROW_LATER, 0, 0, HAND, NULL, NULL, "none", "",
-         "mutual gravitation of all bodies"},
+	{"gravitation", RB_ROW_TABLE, 0, 0, HAND, NULL, NULL, "none", "",
+         "mutual gravitation of all bodies, see GRAVITATION; {} for the defaults"},
 	{"rollback", RB_ROW_CHOICE, 0, 0, AT(rb_world_def, rollback), "selective, global, none",
          NULL, "selective", "",
          "what is undone when an overlap is found: the bodies concerned, the whole scene, nothing "
@@ -52,6 +52,18 @@ static const struct rb_row world_rows[] = {
          "of math.random and all helpers; must be set before the first random number is drawn"},
 	{"pause_on_collision", RB_ROW_BOOLEAN, 0, 0, AT(rb_world_def, pause_on_collision), NULL,
          NULL, "false", "", "playback in a console stops at each new collision"},
+};
+
+static const struct rb_row gravitation_rows[] = {
+	{"G", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_gravitation_def, constant), NULL, NULL,
+         "6.67430e-11", "m^3/(kg s^2)", "the constant of gravitation; CODATA 2018"},
+	{"softening", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_gravitation_def, softening_m),
+         NULL, NULL, "0", "m",
+         "the potential of two bodies is -G m m'/sqrt(r^2 + softening^2) (Plummer)"},
+	{"opening_angle", RB_ROW_NUMBER, RB_RANGE_UNIT, 0, AT(rb_gravitation_def, opening_angle),
+         NULL, NULL, "0.5", "rad",
+         "how coarsely steps may take distant groups of many bodies together; 0: pair by pair; "
+         "this version always sums pair by pair"},
 };
 
 static const struct rb_row material_rows[] = {
@@ -109,6 +121,11 @@ static const struct rb_row body_rows[] = {
          "false; planes without motion: true", "", "never moves"},
 	{"motion", RB_ROW_FUNCTION, 0, 0, AT(rb_body_def, motion), NULL, NULL, "none", "",
          "of t: the position of a driven body, see MOTION; it pushes but is not pushed"},
+	{"gravitational_mass", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0,
+         AT(rb_body_def, gravitational_mass), NULL, NULL, "its mass; static and driven bodies: 0",
+         "kg",
+         "what it attracts others by if the world has gravitation; 0: a test body, which is only "
+         "attracted"},
 	{"forces", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "none", "", "a list of forces, see below"},
 	{"group", RB_ROW_TEXT, 0, 0, HAND, NULL, NULL, "none", "",
          "collision group that it belongs to"},
@@ -311,6 +328,7 @@ static const struct rb_row measure_rows[] = {
 };
 
 const struct rb_row_table rb_rows_world = {"world", ROWS(world_rows), NULL};
+const struct rb_row_table rb_rows_gravitation = {"gravitation", ROWS(gravitation_rows), NULL};
 const struct rb_row_table rb_rows_material = {"material", ROWS(material_rows), NULL};
 const struct rb_row_table rb_rows_contact_pair = {"contact_pair", ROWS(contact_pair_rows), NULL};
 const struct rb_row_table rb_rows_body = {"body", ROWS(body_rows), NULL};
@@ -399,6 +417,7 @@ static const char *const type_texts[RB_ROW_TYPE_COUNT] = {
 	[RB_ROW_INERTIA] = "three numbers or three rows",
 	[RB_ROW_LIST] = "list",
 	[RB_ROW_NAMES] = "text or list of texts",
+	[RB_ROW_TABLE] = "table of keys",
 	[RB_ROW_LATER] = "not in this version",
 };
 
@@ -509,8 +528,8 @@ static void print_shapes(FILE *file)
 
 void rb_fields_print(FILE *file)
 {
-	static const struct rb_row_table *const before[] = {&rb_rows_world, &rb_rows_material,
-	                                                    &rb_rows_contact_pair};
+	static const struct rb_row_table *const before[] = {
+		&rb_rows_world, &rb_rows_gravitation, &rb_rows_material, &rb_rows_contact_pair};
 	static const struct rb_row_table *const after[] = {
 		&rb_rows_body,  &rb_rows_force,  &rb_rows_particle, &rb_rows_camera,
 		&rb_rows_light, &rb_rows_record, &rb_rows_param,    &rb_rows_measure};

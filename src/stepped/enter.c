@@ -231,10 +231,51 @@ static bool is_resting(const struct rb_tally_body *body)
 	       rb_vec3_max_abs(body->end[0]) == 0 && rb_vec3_max_abs(body->end[1]) == 0;
 }
 
+/*
+ * Attraction on a body: what bodies give each other leaves the momentum of all as it is, and has a
+ * potential. Entered is what those give that do not yield, and what has no reaction.
+ */
+static void enter_gravitation(struct entering *n, int i, struct held *held)
+{
+	const struct rb_world *world = n->world;
+	const struct rb_gravitation *const gravitation = world->gravitation;
+	const struct rb_attract *const all = &gravitation->all;
+	const rb_vec3 at = rb_world_row3(n->before->position, i);
+	const double h = n->pass.h_s;
+
+	hold(held, rb_vec3_scale(h * world->model->mass[i], rb_gravitation_found(gravitation, i)),
+	     at);
+	if (world->model->center_count == 0 && world->model->attracts_by_mass)
+		return;
+	for (int j = 0; j < all->count; j++) {
+		double factor;
+
+		if (j == i)
+			continue;
+		if (rb_stepped_is_dynamic(world, j)) {
+			const rb_vec3 more = rb_vec3_scale(
+				h, rb_gravitation_surplus(gravitation, i, j));
+
+			rb_entries_energy(&n->e, RB_ENERGY_APPLIED,
+			                  rb_vec3_dot(more, n->tally->body[i].mean[0]));
+			rb_entries_impulse(&n->e, RB_MOMENTUM_APPLIED, more, at);
+			continue;
+		}
+		const rb_vec3 d = rb_attract_between(all, i, j, &factor);
+		const rb_vec3 on = rb_vec3_scale(h * factor * all->inertial[i] * all->mu[j], d);
+
+		rb_entries_impulse(&n->e, cause_of(n, j), on, at);
+		if (j < world->model->body_count)
+			rb_entries_energy(&n->e, RB_ENERGY_DRIVEN,
+			                  rb_vec3_dot(on, rb_world_row3(n->before->velocity, j)));
+	}
+}
+
 static void enter_body(struct entering *n, int i)
 {
 	static const rb_features others = RB_FEATURE_FORCES | RB_FEATURE_PUSHES | RB_FEATURE_FIELD |
-	                                  RB_FEATURE_DRAG | RB_FEATURE_ELEMENTS;
+	                                  RB_FEATURE_DRAG | RB_FEATURE_ELEMENTS |
+	                                  RB_FEATURE_GRAVITATION;
 	const rb_features features = n->world->model->features;
 	const struct rb_tally_body *body = &n->tally->body[i];
 	const rb_vec3 at = even_place(n, i);
@@ -253,6 +294,8 @@ static void enter_body(struct entering *n, int i)
 	if (features & (RB_FEATURE_DRAG | RB_FEATURE_ELEMENTS))
 		enter_varied(n, i, RB_MOMENTUM_DRAG, &(struct rb_wrench){.force = body->drag},
 		             &held);
+	if (features & RB_FEATURE_GRAVITATION)
+		enter_gravitation(n, i, &held);
 	if (rests && ((features & others) || !is_resting(body)))
 		enter_held(n, i, &held);
 	if (body->is_closed)

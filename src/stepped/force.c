@@ -372,6 +372,18 @@ static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, dou
 	}
 }
 
+/* Attraction, as of the beginning of the step. */
+static void add_gravitation(struct rb_world *world, const struct rb_cohort *cohort, double h)
+{
+	for (int k = 0; k < cohort->member_count; k++) {
+		double *const v = world->state.velocity + 3 * (size_t)cohort->body[k];
+
+		rb_vec3_to(v, rb_vec3_add_scaled(
+				      rb_vec3_from(v), h,
+				      rb_gravitation_found(world->gravitation, cohort->body[k])));
+	}
+}
+
 /* ---- all ---- */
 
 /* Marks dynamic bodies of the cohort; NULL: no memory. */
@@ -448,6 +460,8 @@ enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *coho
 		if (!elements->end && elements->kind != &rb_force_drag)
 			add_even(&flow, elements);
 	}
+	if (features & RB_FEATURE_GRAVITATION)
+		add_gravitation(world, cohort, h);
 	if (status == RB_OK && (features & RB_FEATURE_FIELD))
 		status = add_fields(world, cohort, start, h, err);
 	note_varied(world, cohort, 1);

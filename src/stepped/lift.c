@@ -174,10 +174,22 @@ static void add_turn(const struct rb_world *world, int i, const double *momentum
 	*square += rb_vec3_dot(turn, spin_of(world, i, momentum));
 }
 
+/* J: potential energy that a body gains on the way by which it is moved. */
+static double rise_of(const struct rb_world *world, int i, rb_vec3 way)
+{
+	const struct rb_world_def *of = &world->model->scene->world;
+	const double mass = world->model->mass[i];
+	const double rise = -mass * rb_vec3_dot(of->gravity, way) -
+	                    rb_vec3_dot(of->gravity_force, way);
+
+	if (!(world->model->features & RB_FEATURE_GRAVITATION))
+		return rise;
+	return rise - mass * rb_vec3_dot(rb_gravitation_found(world->gravitation, i), way);
+}
+
 /* Adds one body to the sums of its group. */
 static void add_up(struct rb_lift *lift, const struct rb_world *world, int i)
 {
-	const struct rb_world_def *of = &world->model->scene->world;
 	const rb_vec3 way = rb_vec3_from(lift->way + 6 * (size_t)i);
 	const double mass = world->model->mass[i];
 	double *const sum = lift->sum + SUMS * (size_t)rb_forest_root(lift->parent, i);
@@ -185,7 +197,7 @@ static void add_up(struct rb_lift *lift, const struct rb_world *world, int i)
 	sum[KINETIC] += rb_world_kinetic_energy(world, world->model->id_of[i]);
 	if (!lift->moved[i])
 		return;
-	sum[RISE] -= mass * rb_vec3_dot(of->gravity, way) + rb_vec3_dot(of->gravity_force, way);
+	sum[RISE] += rise_of(world, i, way);
 	sum[MIXED] += mass * rb_vec3_dot(rb_world_row3(world->state.velocity, i), way);
 	sum[SQUARE] += mass * rb_vec3_dot(way, way);
 	add_turn(world, i, lift->way + 6 * (size_t)i + 3, &sum[MIXED], &sum[SQUARE]);
@@ -260,13 +272,9 @@ static void pay(struct rb_lift *lift, struct rb_world *world, int i, struct paym
  */
 static void record_closed(const struct rb_lift *lift, struct rb_world *world, int i)
 {
-	const struct rb_world_def *of = &world->model->scene->world;
 	const int root = rb_forest_root(lift->parent, i);
 	const rb_vec3 way = rb_vec3_from(lift->way + 6 * (size_t)i);
-	const double lifted = lift->moved[i]
-	                              ? -world->model->mass[i] * rb_vec3_dot(of->gravity, way) -
-	                                        rb_vec3_dot(of->gravity_force, way)
-	                              : 0;
+	const double lifted = lift->moved[i] ? rise_of(world, i, way) : 0;
 
 	rb_tally_closed(world, i,
 	                lift->given[root]  ? RB_MOMENTUM_DRIVEN

@@ -16,6 +16,8 @@ static const struct rb_method_part rows[] = {
 	{"pushes", "forces applied by callbacks", RB_FEATURE_PUSHES},
 	{"springs", "as they are, or as they will be where the step does not resolve them",
          RB_FEATURE_SPRINGS},
+	{"gravitation", "attraction of all bodies, pair by pair, at the beginning of the step",
+         RB_FEATURE_GRAVITATION},
 	{"field", "the scene's functions, at the beginning of the step", RB_FEATURE_FIELD},
 	{"drag", "that of the velocity at the end of the step", RB_FEATURE_DRAG},
 	{"near", "boxes for several steps: pairs that could touch", RB_FEATURE_CONTACT},

@@ -192,12 +192,28 @@ static struct rb_pose pose_of(const struct rb_element_query *query, int index)
 	return rb_world_pose(world, &world->state, index);
 }
 
+void rb_world_place_attracted(const struct rb_world *world, const struct rb_state *state)
+{
+	const rb_vec3 none = {0, 0, 0};
+
+	for (int i = 0; i < state->body_count; i++)
+		rb_gravitation_place(world->gravitation, i, rb_world_row3(state->position, i),
+		                     none);
+}
+
 double rb_world_element_energy(const struct rb_world *world)
 {
-	return rb_elements_energy(&(struct rb_element_query){.model = world->model,
-	                                                     .time_s = world->state.time_s,
-	                                                     .pose = pose_of,
-	                                                     .user = world});
+	const struct rb_element_query query = {.model = world->model,
+	                                       .time_s = world->state.time_s,
+	                                       .pose = pose_of,
+	                                       .user = world};
+	double energy = rb_elements_energy(&query);
+
+	if (world->model->features & RB_FEATURE_GRAVITATION) {
+		rb_world_place_attracted(world, &world->state);
+		energy += rb_attract_energy(&world->gravitation->all);
+	}
+	return energy;
 }
 
 /* ---- changes by callbacks ---- */

@@ -13,6 +13,7 @@
 
 #include "base/arena.h"
 #include "base/team.h"
+#include "force/gravitation.h"
 #include "math/quat.h"
 #include "model/element.h"
 #include "world/contacts.h"
@@ -121,14 +122,15 @@ struct rb_world {
 	struct rb_contacts contacts, next_contacts;
 	struct rb_contacts
 		shown; /* located: contacts with their forces at a frame, where frames keep them */
-	struct rb_state frame_state;       /* auto: as the frame began */
-	struct rb_contacts frame_contacts; /* its contacts */
-	struct rb_broadphase *broadphase;  /* owned; NULL without contact */
-	struct rb_groups *groups;          /* owned; NULL without contact */
-	struct rb_located *located;        /* owned; NULL: all is stepped */
-	struct rb_stepped *stepped;        /* owned; NULL until it is first used */
-	struct rb_team *team;              /* owned */
-	struct rb_arena *arena;            /* owned; [workers]: scratch of a pass */
+	struct rb_state frame_state;        /* auto: as the frame began */
+	struct rb_contacts frame_contacts;  /* its contacts */
+	struct rb_broadphase *broadphase;   /* owned; NULL without contact */
+	struct rb_groups *groups;           /* owned; NULL without contact */
+	struct rb_located *located;         /* owned; NULL: all is stepped */
+	struct rb_stepped *stepped;         /* owned; NULL until it is first used */
+	struct rb_gravitation *gravitation; /* owned: scratch of whoever sums now, and of a step */
+	struct rb_team *team;               /* owned */
+	struct rb_arena *arena;             /* owned; [workers]: scratch of a pass */
 	struct rb_arena *kept; /* owned; [workers]: what a pass leaves for the commit of the step */
 	int worker_count;
 	struct rb_counts frame_counts; /* since the frame before */
@@ -229,7 +231,13 @@ static inline rb_vec3 rb_world_turn(const struct rb_world *world, const struct r
 /* Of any body, by index. */
 struct rb_pose rb_world_pose(const struct rb_world *world, const struct rb_state *state, int index);
 
-/* J, of all force elements that have one; of springs zero at rest length. */
+/* Moving bodies to world->gravitation, where the scene has it. */
+void rb_world_place_attracted(const struct rb_world *world, const struct rb_state *state);
+
+/*
+ * J, of all force elements that have one, of springs zero at rest length; and of gravitation, zero
+ * apart at infinity.
+ */
 double rb_world_element_energy(const struct rb_world *world);
 
 /* Angular momentum about its own centre of mass of a moving body that can turn, by index. */

@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/relative.h"
+
+#include <float.h>
+
+#include "base/error.h"
+
+bool rb_relative_is(const struct rb_located *l, int a, int b)
+{
+	return rb_located_gravitates(l) && !l->model->center_of_mass && rb_located_on_piece(l, a) &&
+	       rb_located_on_piece(l, b) &&
+	       l->piece[a].piece.coefficient == l->piece[b].piece.coefficient;
+}
+
+/* Difference of the k-th coefficients of three rows. */
+static rb_vec3 coefficient_of(const struct rb_located *l, int a, int b, int row, int k)
+{
+	const struct rb_gauss_piece *const p = &l->piece[a].piece;
+	const double *const c = p->coefficient + (size_t)k * (size_t)p->n;
+
+	return rb_vec3_sub(rb_vec3_from(c + l->piece[b].first + row),
+	                   rb_vec3_from(c + l->piece[a].first + row));
+}
+
+/* Difference of three rows at the beginning. */
+static rb_vec3 start_of(const struct rb_located *l, int a, int b, int row)
+{
+	const double *const start = l->piece[a].piece.start;
+
+	return rb_vec3_sub(rb_vec3_from(start + l->piece[b].first + row),
+	                   rb_vec3_from(start + l->piece[a].first + row));
+}
+
+/* From a's centre to b's at the beginning. */
+static rb_vec3 began_at(const struct rb_located *l, int a, int b)
+{
+	return rb_vec3_add(rb_vec3_sub(l->piece[b].base, l->piece[a].base),
+	                   start_of(l, a, b, RB_PIECE_POSITION));
+}
+
+void rb_relative_bounds(const struct rb_located *l, int a, int b, double *external, double *jerk)
+{
+	const double length = l->piece[a].piece.length_s;
+	rb_vec3 sum = {0, 0, 0};
+	double rates = 0;
+
+	RB_ASSERT_COSTLY(rb_relative_is(l, a, b));
+	/* |P_k| <= 1 and |P_k'| <= k (k + 1) on [0, 1] */
+	for (int k = RB_GAUSS_NODES - 1; k >= 0; k--) {
+		const rb_vec3 c = coefficient_of(l, a, b, RB_PIECE_VELOCITY, k);
+		const rb_vec3 size = {fabs(c.x), fabs(c.y), fabs(c.z)};
+
+		sum = rb_vec3_add(sum, size);
+		rates += k * (k + 1) * (size.x + size.y + size.z);
+	}
+	const double margin = 1 + 64 * DBL_EPSILON;
+	*external = margin * rb_vec3_length(sum) / length;
+	*jerk = margin * rates / (length * length);
+}
+
+bool rb_relative_began_far(const struct rb_located *l, int a, int b, double until, double least)
+{
+	const double age = until - l->piece[a].origin_s;
+	const rb_vec3 d = began_at(l, a, b), w = start_of(l, a, b, RB_PIECE_VELOCITY);
+	double external, jerk;
+
+	rb_relative_bounds(l, a, b, &external, &jerk);
+	const double way = age * (rb_vec3_length(w) + 0.5 * external * age);
+	/* 1e-12 is far above the rounding of positions, speeds and time */
+	return rb_vec3_length(d) >
+	       1.001 * (least + way) + 1e-12 * (rb_vec3_max_abs(l->piece[a].base) +
+	                                        rb_vec3_max_abs(l->piece[b].base));
+}
+
+/* The square of the distance is a polynomial of degree 16 in time: so many points determine it. */
+enum { POINTS = 18 };
+/*
+ * Zeros of the Chebyshev polynomial of that degree: cos(pi (2 j + 1)/36); the others mirror these.
+ */
+static const double zeros[POINTS / 2] = {
+	0.99619469809174553, 0.96592582628906829, 0.90630778703664996,
+	0.81915204428899180, 0.70710678118654752, 0.57357643635104610,
+	0.42261826174069944, 0.25881904510252076, 0.08715574274765817};
+
+/* Square of the distance less that of `least`, m^2, at a part of the piece. */
+static double excess(const rb_vec3 coefficient[RB_GAUSS_NODES], rb_vec3 d, double part,
+                     double least)
+{
+	double value[RB_GAUSS_NODES], rate[RB_GAUSS_NODES];
+
+	rb_gauss_basis(part, value, rate);
+	for (int k = RB_GAUSS_NODES - 1; k >= 0; k--)
+		d = rb_vec3_add_scaled(d, value[k], coefficient[k]);
+	const double length = rb_vec3_length(d);
+	return (length - least) * (length + least);
+}
+
+bool rb_relative_keeps_apart(const struct rb_located *l, int a, int b, double from, double until,
+                             double least)
+{
+	const struct rb_piece_of *const p = &l->piece[a];
+	const double begin = (from - p->origin_s) / p->piece.length_s;
+	const double half = 0.5 * (until - from) / p->piece.length_s, middle = begin + half;
+	rb_vec3 coefficient[RB_GAUSS_NODES];
+	const rb_vec3 d = began_at(l, a, b);
+	double sum[POINTS] = {0}, mean = 0, spread = 0;
+
+	RB_ASSERT_COSTLY(rb_relative_is(l, a, b));
+	for (int k = 0; k < RB_GAUSS_NODES; k++)
+		coefficient[k] = coefficient_of(l, a, b, RB_PIECE_POSITION, k);
+	for (int j = 0; j < POINTS; j++) {
+		const double x = j < POINTS / 2 ? zeros[j] : -zeros[POINTS - 1 - j];
+		const double f = excess(coefficient, d, middle + half * x, least);
+		double before = 1, now = x;
+
+		if (!(f > 0))
+			return false;
+		mean += f / POINTS;
+		for (int k = 1; k < POINTS; k++) {
+			const double next = 2 * x * now - before;
+
+			sum[k] += f * now;
+			before = now;
+			now = next;
+		}
+	}
+	for (int k = 1; k < POINTS; k++)
+		spread += fabs(sum[k]) * 2 / POINTS;
+	/* rounding of the sums, and of the square, which is that of coordinates */
+	const double rounding = 64 * DBL_EPSILON *
+	                        (mean + spread + least * (least + rb_vec3_max_abs(d)));
+	return mean - spread > rounding;
+}
