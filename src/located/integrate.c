@@ -298,6 +298,43 @@ static bool begin_modes(struct rb_modes *w)
 	return true;
 }
 
+/*
+ * Where no step is short enough: two that attract each other and cannot touch may have met head on.
+ * Names them; false: it is no such case.
+ */
+static bool fails_by_meeting(const struct rb_modes *w)
+{
+	struct rb_located *l = w->l;
+	const struct rb_attract *const all = &l->gravitation.all;
+	double least = HUGE_VAL, factor;
+	int pair[2] = {-1, -1};
+	char first[64], second[64];
+
+	for (int k = 0; rb_located_gravitates(l) && k < w->c->member_count; k++)
+		for (int j = 0; j < all->count; j++) {
+			const int i = w->c->member[k];
+
+			if (j == i || !(all->mu[i] > 0 || all->mu[j] > 0))
+				continue;
+			const rb_vec3 d = rb_attract_between(all, i, j, &factor);
+			if (rb_vec3_length(d) < least) {
+				least = rb_vec3_length(d);
+				pair[0] = i < j ? i : j;
+				pair[1] = i < j ? j : i;
+			}
+		}
+	if (pair[0] < 0 || rb_pair_can_touch(l, pair[0], pair[1]))
+		return false;
+	l->status = RB_FAIL(
+		l->err, RB_ERR_PHYSICS,
+		"'%s' and '%s' come within %.3g m of each other at t = %.9g s, and nothing keeps "
+		"them apart: let them collide, or give 'gravitation' a 'softening'",
+		rb_scene_body_label(l->model->scene, l->model->id_of[pair[0]], first),
+		rb_scene_body_label(l->model->scene, l->model->id_of[pair[1]], second), least,
+		w->origin_s);
+	return true;
+}
+
 static void run(struct rb_modes *w, const struct room *room)
 {
 	struct rb_located *l = w->l;
@@ -358,6 +395,8 @@ static void run(struct rb_modes *w, const struct room *room)
 		                                            &c->piece, l->err);
 
 		if (status == RB_ERR_PHYSICS && l->status == RB_OK && c->held_count > 0 && jams(w))
+			break;
+		if (status == RB_ERR_PHYSICS && l->status == RB_OK && fails_by_meeting(w))
 			break;
 		if (status != RB_OK) {
 			l->status = status;

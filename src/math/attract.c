@@ -46,53 +46,69 @@ ALWAYS void add(struct sum *sum, const lanes *term)
 	sum->value = value;
 }
 
-/* Four points that are attracted. */
-struct points {
-	lanes x[3], rest[3];
-	struct sum sum[3];
+/* One coordinate of four points. */
+struct coordinate {
+	lanes x, rest;
 };
 
-ALWAYS void attract(const struct rb_attract *all, struct points *p, int j)
+ALWAYS void load(const struct rb_attract *all, int m, int first, int end, struct coordinate *c)
 {
-	lanes d[3], square, distance, factor;
+	for (int lane = 0; lane < WIDTH; lane++) {
+		/* the last one fills up what is left of the lanes */
+		const int i = first + lane < end ? first + lane : end - 1;
 
-	for (int m = 0; m < 3; m++)
-		d[m] = (all->x[m][j] - p->x[m]) + (all->rest[m][j] - p->rest[m]);
-	square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-	/* the point itself, and what is at the same place: no force */
-	const masks apart = (masks)(square > 0);
-	square += all->softening2;
-	root(&square, &distance);
-	factor = all->mu[j] / (square * distance);
-	factor = (lanes)((masks)factor & apart);
-	for (int m = 0; m < 3; m++) {
-		const lanes term = factor * d[m];
-
-		add(&p->sum[m], &term);
+		c->x[lane] = all->x[m][i];
+		c->rest[lane] = all->rest[m][i];
 	}
+}
+
+ALWAYS void store(const struct sum *sum, int first, int end, double *to)
+{
+	for (int lane = 0; lane < WIDTH && first + lane < end; lane++)
+		to[first + lane] = sum->value[lane] + sum->rest[lane];
+}
+
+/* Four points from `first` on. Coordinates are written out, so that sums stay in registers. */
+ALWAYS void run_four(const struct rb_attract *all, int first, int end,
+                     double *const acceleration[3])
+{
+	const double *const px = all->x[0], *const py = all->x[1], *const pz = all->x[2];
+	const double *const rx = all->rest[0], *const ry = all->rest[1], *const rz = all->rest[2];
+	const double *const mu = all->mu, softening2 = all->softening2;
+	struct coordinate x, y, z;
+	struct sum sx = {0}, sy = {0}, sz = {0};
+
+	load(all, 0, first, end, &x);
+	load(all, 1, first, end, &y);
+	load(all, 2, first, end, &z);
+	for (int j = 0; j < all->count; j++) {
+		const lanes dx = (px[j] - x.x) + (rx[j] - x.rest);
+		const lanes dy = (py[j] - y.x) + (ry[j] - y.rest);
+		const lanes dz = (pz[j] - z.x) + (rz[j] - z.rest);
+		const lanes square = dx * dx + dy * dy + dz * dz;
+		/* the point itself, and what is at the same place: no force */
+		const masks apart = (masks)(square > 0);
+		const lanes soft = square + softening2;
+		lanes distance;
+
+		root(&soft, &distance);
+		const lanes all_factor = mu[j] / (soft * distance);
+		const lanes factor = (lanes)((masks)all_factor & apart);
+		const lanes ax = factor * dx, ay = factor * dy, az = factor * dz;
+
+		add(&sx, &ax);
+		add(&sy, &ay);
+		add(&sz, &az);
+	}
+	store(&sx, first, end, acceleration[0]);
+	store(&sy, first, end, acceleration[1]);
+	store(&sz, first, end, acceleration[2]);
 }
 
 ALWAYS void run(const struct rb_attract *all, int first, int end, double *const acceleration[3])
 {
-	for (int k = first; k < end; k += WIDTH) {
-		struct points p = {0};
-
-		for (int lane = 0; lane < WIDTH; lane++)
-			for (int m = 0; m < 3; m++) {
-				/* the last one fills up what is left of the lanes */
-				const int i = k + lane < end ? k + lane : end - 1;
-
-				p.x[m][lane] = all->x[m][i];
-				p.rest[m][lane] = all->rest[m][i];
-			}
-		for (int j = 0; j < all->count; j++)
-			if (all->mu[j] > 0)
-				attract(all, &p, j);
-		for (int lane = 0; lane < WIDTH && k + lane < end; lane++)
-			for (int m = 0; m < 3; m++)
-				acceleration[m][k + lane] = p.sum[m].value[lane] +
-				                            p.sum[m].rest[lane];
-	}
+	for (int k = first; k < end; k += WIDTH)
+		run_four(all, k, end, acceleration);
 }
 
 #if defined(__x86_64__) && !defined(__AVX2__)

@@ -26,6 +26,15 @@ sphere { radius = 1 }
 sphere { radius = 1, position = {5, 0, 0} }
 END
 
+# two that cannot touch meet head on: there is no motion beyond
+cat >head.lua <<'END'
+world { duration = 100, gravitation = {G = 1, softening = param("soft", 0.0, "m")}, frame_rate = 1 }
+for k = -1, 1, 2 do sphere { name = "p" .. k, radius = 0.1, mass = 1, position = {2 * k, 0, 0}, collides_with = {} } end
+END
+exits 76 head.lua --no-record
+says err "'p-1' and 'p1' come within .* and nothing keeps them apart: let them collide, or give 'gravitation' a 'softening'"
+exits 0 head.lua --no-record --param soft=0.1
+
 cat >centres.lua <<'END'
 local G, M = 2, 5
 world { duration = 0.5, time_step = param("step", 0.01, "s"), frame_rate = 4, gravitation = {G = G, softening = 0.5} }
