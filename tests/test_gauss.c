@@ -336,6 +336,28 @@ static void a_first_step_that_is_too_long_is_halved(void **state)
 	assert_true(c.try_s <= 4 * c.piece.length_s);
 }
 
+/* Where nothing changes nothing limits a step but this. */
+static void steps_grow_to_four_times_the_last_one_at_most(void **state)
+{
+	static const double scale[2] = {1, 1};
+	struct rb_error err;
+	struct course c;
+	double omega = 0; /* nothing moves */
+
+	(void)state;
+	begin(&c, 2, oscillator, &omega, scale);
+	c.value[0] = 1;
+	c.try_s = 0x1p-20;
+	for (int k = 0; k < 40; k++) {
+		const double tried = c.try_s;
+
+		assert_ok(step(&c, (double)INFINITY, &err));
+		assert_true(c.piece.length_s == tried);
+		assert_true(c.try_s == 4 * tried);
+		next(&c);
+	}
+}
+
 static void a_mirrored_problem_has_mirrored_bits(void **state)
 {
 	const double scale[4] = {1, 1, 1, 1};
@@ -762,6 +784,7 @@ int main(void)
 		cmocka_unit_test(a_kink_is_closed_in_on),
 		cmocka_unit_test(a_jump_near_the_end_of_a_step_is_seen),
 		cmocka_unit_test(a_first_step_that_is_too_long_is_halved),
+		cmocka_unit_test(steps_grow_to_four_times_the_last_one_at_most),
 		cmocka_unit_test(a_mirrored_problem_has_mirrored_bits),
 		cmocka_unit_test(the_basis_is_that_of_legendre),
 		cmocka_unit_test(nobody_is_asked_for_rates_at_infinity),

@@ -379,7 +379,10 @@ static void driven_event(struct rb_located *l, int i, double t)
 		return;
 	l->generation[i]++;
 	rb_predict(l, i, t, -1);
-	/* whatever rests on it follows its new piece */
+	/* what it attracts follows its new piece, and whatever rests on it */
+	for (int k = 0; rb_located_gravitates(l) && l->model->attraction[i] > 0 && k < l->n; k++)
+		if (rb_gravitation_attracts(l->model, k) && l->cluster_of[k] >= 0)
+			rb_set_add(l, k);
 	for (int k = 0; k < l->cluster_count; k++)
 		for (int h = 0; l->cluster[k].used && h < l->cluster[k].held_count; h++)
 			if (l->cluster[k].held[h].a == i || l->cluster[k].held[h].b == i) {

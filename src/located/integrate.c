@@ -205,7 +205,10 @@ static double next_switch(const struct rb_located *l, double t)
 	return HUGE_VAL;
 }
 
-/* Where a driven body that one of the contacts leans on comes to the end of what is known of it. */
+/*
+ * Where a driven body that one of the contacts leans on, or that attracts, comes to the end of what
+ * is known of it.
+ */
 static double partners_end(const struct rb_modes *w)
 {
 	const double soon = w->origin_s * (1 + 4 * DBL_EPSILON);
@@ -219,6 +222,10 @@ static double partners_end(const struct rb_modes *w)
 			    w->l->piece[pair[side]].until_s > soon)
 				end = fmin(end, w->l->piece[pair[side]].until_s);
 	}
+	for (int i = 0; w->l->model->driven && rb_located_gravitates(w->l) && i < w->l->n; i++)
+		if (rb_located_driven(w->l, i) && w->l->model->attraction[i] > 0 &&
+		    w->l->piece[i].until_s > soon)
+			end = fmin(end, w->l->piece[i].until_s);
 	return end;
 }
 

@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Gravitation of worlds: what impacts leave alone, relative motion on one piece, what pieces pass on,
+ * centres and ledger, momenta of steps.
+ */
+#include "worlds.h"
+
+#include <float.h>
+
+#include "located/past.h"
+#include "located/relative.h"
+#include "math/random.h"
+
+static const rb_vec3 none = {0, 0, 0};
+
+static void open_attracting(struct lab *lab, double duration, double frame_rate)
+{
+	lab_open_located(lab, duration, frame_rate);
+	lab->scene.world.gravitation.given = true;
+	lab->scene.world.gravitation.constant = 1;
+	lab_surface(lab, 0, 1);
+}
+
+static void step_all(struct lab *lab)
+{
+	while (rb_world_time(lab->world) < lab->model->duration_s)
+		lab_step(lab);
+}
+
+static rb_vec3 velocity(const struct lab *lab, int i)
+{
+	return rb_world_row3(lab->world->state.velocity, i);
+}
+
+static rb_vec3 position(const struct lab *lab, int i)
+{
+	return rb_world_row3(lab->world->state.position, i);
+}
+
+/*
+ * Two pairs far from each other, the first of which collides: the other's orbit is that of a world
+ * in which it does not, but for what the first pair's other places do.
+ */
+static void an_impact_leaves_alone_what_it_does_not_touch(void **state)
+{
+	struct lab lab[2];
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		open_attracting(&lab[k], 2, 8);
+		/* of next to no mass: their places are felt by nobody */
+		lab_sphere(&lab[k], 0.1, 1e-30, (rb_vec3){0, 0, 0}, (rb_vec3){k ? 1 : -1, 0, 0});
+		lab_sphere(&lab[k], 0.1, 1e-30, (rb_vec3){1, 0, 0}, none);
+		lab_sphere(&lab[k], 0.1, 1, (rb_vec3){99.5, 0, 0}, (rb_vec3){0, -0.7, 0});
+		lab_sphere(&lab[k], 0.1, 1, (rb_vec3){100.5, 0, 0}, (rb_vec3){0, 0.7, 0});
+		lab_seal(&lab[k], 1);
+		step_all(&lab[k]);
+	}
+	assert_int_equal(rb_world_totals(lab[0].world).collisions, 0);
+	assert_int_equal(rb_world_totals(lab[1].world).collisions, 1);
+	for (int i = 2; i < 4; i++) {
+		const rb_vec3 off = rb_vec3_sub(position(&lab[1], i), position(&lab[0], i));
+
+		assert_true(rb_vec3_length(off) <= 64 * DBL_EPSILON);
+	}
+	for (int k = 0; k < 2; k++)
+		lab_close(&lab[k]);
+}
+
+/* Inside a frame all are on one piece: what is said of a pair holds at every moment of it. */
+static void what_is_said_of_a_pair_on_one_piece_holds_all_along_it(void **state)
+{
+	struct lab lab;
+	int said = 0, unsaid = 0;
+
+	(void)state;
+	open_attracting(&lab, 20, 4);
+	lab_sphere(&lab, 0.05, 1, (rb_vec3){-0.5, 0, 0}, (rb_vec3){0, -0.5, 0});
+	lab_sphere(&lab, 0.05, 1, (rb_vec3){0.5, 0, 0.1}, (rb_vec3){0, 0.5, 0});
+	lab_sphere(&lab, 0.05, 0.1, (rb_vec3){0, 3, 0}, (rb_vec3){0.8, 0, 0});
+	lab_seal(&lab, 1);
+	while (rb_world_time(lab.world) < 20) {
+		lab_step(&lab);
+		const struct rb_located *const l = lab.world->located;
+		const struct rb_piece_of *const p = &l->piece[0];
+
+		assert_true(rb_relative_is(l, 0, 1) && rb_relative_is(l, 2, 0));
+		for (int k = 1; k < 40; k++) {
+			const double least = 0.05 * k;
+			double nearest = HUGE_VAL, external, jerk, max = 0;
+
+			rb_relative_bounds(l, 0, 1, &external, &jerk);
+			for (int s = 0; s <= 100; s++) {
+				const double t = p->origin_s + (p->until_s - p->origin_s) * s / 100;
+				const rb_vec3 a = rb_arc_acceleration(l, 0, t),
+					      b = rb_arc_acceleration(l, 1, t);
+
+				nearest = fmin(nearest, rb_vec3_length(rb_vec3_sub(
+								rb_arc_position(l, 1, t),
+								rb_arc_position(l, 0, t))));
+				max = fmax(max, rb_vec3_length(rb_vec3_sub(b, a)));
+			}
+			assert_true(max <= external);
+			const bool apart = rb_relative_keeps_apart(l, 0, 1, p->origin_s, p->until_s,
+			                                           least);
+			if (rb_relative_began_far(l, 0, 1, p->until_s, least))
+				assert_true(nearest > least);
+			if (apart)
+				assert_true(nearest > least);
+			said += apart;
+			/* it is said where there is a little room */
+			unsaid += !apart && nearest > 1.2 * least;
+		}
+	}
+	assert_true(said > 100);
+	assert_true(unsaid * 10 < said);
+	lab_close(&lab);
+}
+
+/* What is kept of a piece is what it says at that moment, until the next event. */
+static void a_body_leaves_its_piece_with_what_rounding_has_left(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	open_attracting(&lab, 10, 4);
+	lab_sphere(&lab, 0.05, 1, (rb_vec3){-0.5, 0, 0}, (rb_vec3){0, -0.6, 0});
+	lab_sphere(&lab, 0.05, 1, (rb_vec3){0.5, 0, 0}, (rb_vec3){0, 0.6, 0});
+	lab_seal(&lab, 1);
+	lab_step(&lab);
+	struct rb_located *const l = lab.world->located;
+	const struct rb_piece_of piece = l->piece[1];
+	const double t = lab.world->state.time_s;
+	double value[6];
+
+	l->moment++;
+	assert_null(rb_past_at(l, 1, t));
+	rb_past_keep(l, 1, t);
+	const struct rb_past *const past = rb_past_at(l, 1, t);
+	assert_non_null(past);
+	assert_null(rb_past_at(l, 1, nextafter(t, 99)));
+	assert_null(rb_past_at(l, 0, t)); /* another body */
+	rb_gauss_some(&piece.piece, piece.first, 6, t - piece.origin_s, value);
+	for (int m = 0; m < 6; m++) {
+		assert_true(past->value[m] == value[m]);
+		assert_true(fabs(past->rest[m]) <= 4 * DBL_EPSILON);
+	}
+	assert_true(past->left_s == t && past->origin_s == piece.origin_s &&
+	            past->length_s == piece.piece.length_s);
+	/* position and what it leaves out are the base and the value, exactly */
+	const long double sum = (long double)piece.base.x + value[0];
+	assert_true((long double)past->position.x + past->left_out.x == sum);
+	for (int k = 0; k < RB_GAUSS_NODES; k++)
+		for (int m = 0; m < 6; m++)
+			assert_true(past->coefficient[k][m] ==
+			            piece.piece.coefficient[k * piece.piece.n + piece.first + m]);
+	/* kept once in an event: from another piece nothing is taken */
+	l->piece[1].base.x += 1;
+	rb_past_keep(l, 1, t);
+	assert_true(rb_past_at(l, 1, t)->position.x == past->position.x);
+	l->piece[1].base.x -= 1;
+	l->moment++;
+	assert_null(rb_past_at(l, 1, t));
+	lab_close(&lab);
+}
+
+static enum rb_status lead(void *user, int id, double t, struct rb_driven_pose *pose,
+                           struct rb_error *err)
+{
+	(void)user, (void)id, (void)err;
+	/* a piece of it is far shorter than one of the others */
+	pose->position = (rb_vec3){-3 + 0.5 * sin(20 * t), 0, 0};
+	pose->velocity = (rb_vec3){10 * cos(20 * t), 0, 0};
+	pose->has_velocity = true;
+	return RB_OK;
+}
+
+/* The ledger explains energy and momentum with a driven and a fixed centre and a test body. */
+static void the_ledger_knows_who_does_not_yield_and_who_does_not_answer(void **state)
+{
+	const struct rb_world_hooks hooks = {.motion = lead};
+	const struct rb_world_options options = {.threads = 1};
+	struct lab lab;
+
+	(void)state;
+	open_attracting(&lab, 3, 8);
+	lab.scene.record.ledger = lab.scene.record.ledger_given = true;
+	struct rb_body_def def = lab_sphere_def(0.1, (double)NAN, (rb_vec3){-3, 0, 0}, none);
+	def.motion = 0;
+	def.motion_gives_velocity = true;
+	def.gravitational_mass = 2;
+	lab_add(&lab, &def);
+	def = lab_sphere_def(0.1, (double)NAN, (rb_vec3){0, -3, 0}, none);
+	def.is_static = true;
+	def.gravitational_mass = 1;
+	lab_add(&lab, &def);
+	lab_sphere(&lab, 0.1, 0.5, (rb_vec3){1, 1, 0}, (rb_vec3){0, 0.5, 0.5});
+	def = lab_sphere_def(0.1, 2, (rb_vec3){2, 0, 1}, none);
+	def.gravitational_mass = 0;
+	lab_add(&lab, &def);
+	lab_seal_with(&lab, &options, &hooks);
+	assert_int_equal(lab.model->center_count, 2);
+	assert_int_equal(lab.model->attractor_count, 3);
+	assert_false(lab.model->attracts_by_mass);
+	while (rb_world_time(lab.world) < 3) {
+		lab_step(&lab);
+		const struct rb_frame_numbers now = rb_world_totals(lab.world);
+
+		assert_true(now.has_ledger);
+		/* a driven body's polynomial is right to 1e-11 of its velocity */
+		assert_true(fabs(now.ledger.energy[RB_ENERGY_CAUSES]) <= 1e-9);
+		for (int m = 0; m < 2; m++)
+			assert_true(rb_vec3_max_abs(now.ledger.momentum[RB_MOMENTUM_CAUSES][m]) <=
+			            1e-12);
+		if (rb_world_time(lab.world) > 1) {
+			assert_true(fabs(now.ledger.energy[RB_ENERGY_DRIVEN]) > 1e-3);
+			assert_true(fabs(now.ledger.energy[RB_ENERGY_APPLIED]) > 1e-3);
+		}
+	}
+	lab_close(&lab);
+}
+
+/* By steps, pairs give each other what they take, however coarse the step. */
+static void steps_keep_linear_and_angular_momentum(void **state)
+{
+	enum { N = 40 };
+	struct lab lab;
+
+	(void)state;
+	open_attracting(&lab, 4, 4);
+	lab.scene.world.method = RB_METHOD_STEPPED;
+	lab.scene.world.time_step_s = 0.05;
+	for (int i = 0; i < N; i++) {
+		double x[6];
+
+		for (int m = 0; m < 6; m++)
+			x[m] = 2 * rb_random_unit(5, (uint64_t)m, (uint64_t)i) - 1;
+		lab_sphere(&lab, 1e-4, 0.1, (rb_vec3){x[0], x[1], x[2]},
+		           (rb_vec3){x[3], x[4], x[5]});
+	}
+	lab_seal(&lab, 2);
+	const struct rb_frame_numbers begin = rb_world_totals(lab.world);
+	step_all(&lab);
+	const struct rb_frame_numbers end = rb_world_totals(lab.world);
+
+	assert_true(rb_vec3_length(rb_vec3_sub(end.momentum, begin.momentum)) <=
+	            80 * 8 * N * DBL_EPSILON);
+	assert_true(rb_vec3_length(rb_vec3_sub(end.angular_momentum, begin.angular_momentum)) <=
+	            80 * 64 * N * DBL_EPSILON);
+	assert_true(rb_vec3_length(rb_vec3_sub(velocity(&lab, 0), none)) > 0);
+	lab_close(&lab);
+}
+
+int main(void)
+{
+	static const struct CMUnitTest tests[] = {
+		cmocka_unit_test(an_impact_leaves_alone_what_it_does_not_touch),
+		cmocka_unit_test(what_is_said_of_a_pair_on_one_piece_holds_all_along_it),
+		cmocka_unit_test(a_body_leaves_its_piece_with_what_rounding_has_left),
+		cmocka_unit_test(the_ledger_knows_who_does_not_yield_and_who_does_not_answer),
+		cmocka_unit_test(steps_keep_linear_and_angular_momentum),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
