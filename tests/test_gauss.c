@@ -346,15 +346,9 @@ static void steps_grow_to_four_times_the_last_one_at_most(void **state)
 
 	(void)state;
 	begin(&c, 2, oscillator, &omega, scale);
-	c.value[0] = 1;
-	c.try_s = 0x1p-20;
-	for (int k = 0; k < 40; k++) {
-		const double tried = c.try_s;
-
+	for (double tried = c.try_s = 0x1p-20; tried < 0x1p60; tried *= 4) {
 		assert_ok(step(&c, (double)INFINITY, &err));
-		assert_true(c.piece.length_s == tried);
-		assert_true(c.try_s == 4 * tried);
-		next(&c);
+		assert_true(c.piece.length_s == tried && c.try_s == 4 * tried);
 	}
 }
 
