@@ -1,7 +1,7 @@
 -- Three equal masses chase each other round one figure eight, under nothing but their gravitation.
 -- Watch: the trails: all three draw the same curve, a third of a turn apart.
 -- Expected end: after ten turns the first is back, 1e-12 from where an integration with 30 digits has it.
--- The orbit was found in 1993 by Moore and proved in 2000 by Chenciner and Montgomery; it is stable, but hardly anything in the sky is on one.
+-- Moore found the orbit in 1993, Chenciner and Montgomery proved it in 2000. It is stable, but hardly anything in the sky is on one.
 -- Try: --param push=0.01 (one begins a little faster: the eight turns and breathes, but does not fall apart)
 -- Takes: less than a second.
 local push = param("push", 0.0, "change of the third one's speed, share")
