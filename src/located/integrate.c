@@ -252,6 +252,22 @@ static double drifts_within(const struct rb_modes *w)
 	return least;
 }
 
+/*
+ * Does anything act that the ledger has a cause for? Not where bodies only attract each other, by
+ * their masses: that has a potential, and what one gets another one gives.
+ */
+static bool has_entries(const struct rb_modes *w)
+{
+	const struct rb_model *model = w->l->model;
+	static const rb_features others = RB_FEATURE_GRAVITY | RB_FEATURE_GRAVITY_FORCE |
+	                                  RB_FEATURE_FORCES | RB_FEATURE_PUSHES |
+	                                  (RB_FEATURES_VARIED &
+	                                   ~(rb_features)RB_FEATURE_GRAVITATION);
+
+	return w->c->held_count > 0 || (model->features & others) || !rb_located_gravitates(w->l) ||
+	       model->center_count > 0 || !model->attracts_by_mass;
+}
+
 /* Are these other forces than those that settling has found? */
 static bool are_others(const struct rb_modes *w)
 {
@@ -347,6 +363,9 @@ static void run(struct rb_modes *w, const struct room *room)
 	struct rb_located *l = w->l;
 	struct rb_cluster *c = w->c;
 	uint64_t calls = 0;
+
+	if (!has_entries(w))
+		w->parts = NULL;
 	struct rb_gauss_problem problem = {
 		.n = c->piece.n,
 		.rates = rb_rates,
