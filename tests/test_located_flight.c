@@ -445,10 +445,10 @@ static void drag_slows_down_as_it_should(void **slot)
 
 enum field { FIELD_ZERO, FIELD_HARMONIC, FIELD_MAGNETIC, FIELD_TIME, FIELD_FAR };
 
-static enum rb_status field(void *user, double t, rb_vec3 x, rb_vec3 v, rb_vec3 *force,
+static enum rb_status field(void *user, int id, double t, rb_vec3 x, rb_vec3 v, rb_vec3 force[2],
                             struct rb_error *err)
 {
-	(void)err;
+	(void)id, (void)err;
 	switch (*(enum field *)user) {
 	case FIELD_ZERO:
 		*force = origin;

@@ -24,6 +24,7 @@ static const struct {
 	{&rb_rows_light, sizeof(struct rb_light_def)},
 	{&rb_rows_record, sizeof(struct rb_record_def)},
 	{&rb_rows_param, sizeof(struct rb_param_def)},
+	{&rb_rows_field, sizeof(struct rb_field_def)},
 };
 enum { TABLES = sizeof tables / sizeof *tables };
 

@@ -51,11 +51,11 @@ static void unload(struct loaded *it)
 
 static rb_vec3 field_at(struct loaded *it, double t, rb_vec3 x, rb_vec3 v)
 {
-	rb_vec3 force = {(double)NAN, (double)NAN, (double)NAN};
+	rb_vec3 force[2] = {{(double)NAN, (double)NAN, (double)NAN}};
 
-	if (it->hooks.field(it->hooks.user, t, x, v, &force, &it->error) != RB_OK)
+	if (it->hooks.field(it->hooks.user, 0, t, x, v, force, &it->error) != RB_OK)
 		fail_msg("%s", it->error.text);
-	return force;
+	return force[0];
 }
 
 static struct rb_driven_pose pose_at(struct loaded *it, int id, double t)
@@ -169,7 +169,7 @@ static void mistakes_of_a_field_are_told_with_place_and_time(void **state)
 	};
 	struct loaded it;
 	char text[300], wanted[300];
-	rb_vec3 force;
+	rb_vec3 force[2];
 
 	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -177,7 +177,7 @@ static void mistakes_of_a_field_are_told_with_place_and_time(void **state)
 		         cases[i].body);
 		must_load(&it, text);
 		assert_int_equal(
-			it.hooks.field(it.hooks.user, 0.5, origin, origin, &force, &it.error),
+			it.hooks.field(it.hooks.user, 0, 0.5, origin, origin, force, &it.error),
 			RB_ERR_SCENE);
 		snprintf(wanted, sizeof wanted, "%s (field at t = 0.5 s)", cases[i].message);
 		assert_string_equal(it.error.text, wanted);

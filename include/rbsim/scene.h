@@ -156,6 +156,8 @@ struct rb_drag_def {
  */
 struct rb_field_def {
 	int function; /* the script's number of it */
+	bool has_potential;
+	int potential; /* ... of that of time, position and body of which it is the gradient, J */
 	int line;
 };
 

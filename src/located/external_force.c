@@ -205,14 +205,18 @@ static void field(struct load *load)
 {
 	struct rb_located *l = load->l;
 	const struct rb_world_hooks *hooks = &l->world->hooks;
-	rb_vec3 force = {0, 0, 0};
+	rb_vec3 force[2] = {{0, 0, 0}, {0, 0, 0}};
 
 	if (!hooks->field || l->status != RB_OK)
 		return;
 	l->products += RB_LOCATED_FIELD;
-	l->status = hooks->field(hooks->user, load->view->time_s, load->pose->position,
-	                         load->pose->velocity, &force, l->err);
-	add_force(load, force);
+	l->status = hooks->field(hooks->user, l->model->id_of[load->i], load->view->time_s,
+	                         load->pose->position, load->pose->velocity, force, l->err);
+	add_force(load, force[0]);
+	if (!hooks->potential)
+		return;
+	load->cause = RB_EXTERNAL_UNIFORM;
+	add_force(load, force[1]);
 }
 
 void rb_external_attract(struct rb_located *l, const struct rb_force_query *view)

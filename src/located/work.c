@@ -77,7 +77,8 @@ static void add_member(const struct rb_external_parts *parts, const struct rb_po
 		int energy; /* -1: it has a potential */
 	} cause[] = {
 		{RB_EXTERNAL_UNIFORM,
-	         RB_FEATURE_GRAVITY | RB_FEATURE_GRAVITY_FORCE | RB_FEATURE_ELEMENTS,
+	         RB_FEATURE_GRAVITY | RB_FEATURE_GRAVITY_FORCE | RB_FEATURE_ELEMENTS |
+	                 RB_FEATURE_FIELD,
 	         RB_MOMENTUM_APPLIED, -1},
 		{RB_EXTERNAL_STATED, RB_FEATURE_FORCES | RB_FEATURE_FIELD | RB_FEATURE_ELEMENTS,
 	         RB_MOMENTUM_APPLIED, RB_ENERGY_APPLIED},
@@ -200,12 +201,40 @@ static void add_gravitation(const struct rb_modes *w, double t, struct rb_entrie
 		}
 }
 
+/*
+ * W: how fast potentials of fields change with time where members are, by differences of fourth
+ * order over a share of the piece. Functions that do not depend on time give the same number each
+ * time, and nothing.
+ */
+static void add_potentials(const struct rb_modes *w, double t, struct rb_entries *rate)
+{
+	static const double share = 1.0 / 64;
+	static const double weight[4] = {1, -8, 8, -1}, at[4] = {-2, -1, 1, 2};
+	const struct rb_world_hooks *hooks = &w->l->world->hooks;
+	const double step = share * (w->c->try_s > 0 ? w->c->try_s : w->l->end_s);
+
+	for (int k = 0; hooks->potential && k < w->c->member_count; k++) {
+		const int id = w->l->model->id_of[w->c->member[k]];
+		double sum = 0;
+
+		for (int m = 0; m < 4 && w->l->status == RB_OK; m++) {
+			double energy = 0;
+
+			w->l->status = hooks->potential(hooks->user, id, t + at[m] * step,
+			                                w->pose[k].position, &energy, w->l->err);
+			sum += weight[m] * energy;
+		}
+		rb_entries_energy(rate, RB_ENERGY_APPLIED, sum / (12 * step));
+	}
+}
+
 void rb_work_rates(const struct rb_modes *w, const struct rb_external_parts *parts, double t,
                    struct rb_entries *rate)
 {
 	*rate = (struct rb_entries){0};
 	for (int k = 0; k < w->c->member_count; k++)
 		add_member(&parts[k], &w->pose[k], w->l->model->features, rate);
+	add_potentials(w, t, rate);
 	for (int k = 0; k < w->l->model->element_list_count; k++)
 		if (w->l->model->elements[k].end)
 			add_elements(w, &w->l->model->elements[k], t, rate);

@@ -169,6 +169,7 @@ static enum rb_status try_beginning(struct rb_world *world, struct rb_error *err
 	const struct rb_world_options options = {.threads = 1, .keep_contacts = true};
 	const struct rb_world_hooks hooks = {.user = world->hooks.user,
 	                                     .field = world->hooks.field,
+	                                     .potential = world->hooks.potential,
 	                                     .motion = world->hooks.motion};
 	struct rb_world *other;
 	enum rb_status status = rb_world_create(&other, world->model, &options, &hooks, err);

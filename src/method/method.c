@@ -124,7 +124,8 @@ enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *mo
 	world->kept = rb_memory_take((size_t)world->worker_count, sizeof *world->kept);
 	world->plan = rb_memory_take(1, sizeof *world->plan);
 	world->gravitation = rb_memory_take(1, sizeof *world->gravitation);
-	if (!world->arena || !world->kept || !world->plan || !world->gravitation)
+	world->late = rb_memory_take(1, sizeof *world->late);
+	if (!world->arena || !world->kept || !world->plan || !world->gravitation || !world->late)
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for a world");
 	if (status == RB_OK)
 		status = rb_gravitation_create(world->gravitation, model, err);
@@ -171,6 +172,7 @@ void rb_world_destroy(struct rb_world *world)
 	rb_memory_free(world->arena);
 	rb_memory_free(world->kept);
 	rb_memory_free(world->plan);
+	rb_memory_free(world->late);
 	if (world->gravitation)
 		rb_gravitation_release(world->gravitation);
 	rb_memory_free(world->gravitation);
@@ -224,11 +226,14 @@ static enum rb_status largest_external(const struct rb_world *world, double t, d
 	for (int i = 0; i < model->body_count && status == RB_OK; i++) {
 		const rb_vec3 x = rb_world_row3(world->state.position, i);
 		const rb_vec3 v = rb_world_row3(world->state.velocity, i);
-		rb_vec3 force = {0, 0, 0};
+		rb_vec3 fields[2] = {{0, 0, 0}, {0, 0, 0}};
 
 		if (field)
-			status = world->hooks.field(world->hooks.user, t, x, v, &force, err);
-		force = rb_vec3_add(force, def->gravity_force);
+			status = world->hooks.field(world->hooks.user, model->id_of[i], t, x, v,
+			                            fields, err);
+		rb_vec3 force = rb_vec3_add(fields[0], def->gravity_force);
+		if (world->hooks.potential)
+			force = rb_vec3_add(force, fields[1]);
 		if (attracts)
 			force = rb_vec3_add_scaled(force, model->mass[i],
 			                           rb_gravitation_found(world->gravitation, i));

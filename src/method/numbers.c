@@ -242,6 +242,8 @@ enum rb_status rb_numbers_fill_frame(struct rb_world *world, struct rb_frame *fr
 	frame->body_count = world->model->body_count;
 	fill_poses(world, frame);
 	rb_numbers_measure(world, &frame->numbers);
+	if (world->late->status != RB_OK)
+		return RB_FAIL(err, world->late->status, "%s", world->late->error.text);
 	rb_numbers_count(&frame->numbers, &world->frame_counts, world->contacts.count);
 	frame->event_count = frame->contact_count = 0;
 	frame->has_events = world->options.keep_events;

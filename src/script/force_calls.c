@@ -74,7 +74,8 @@ static int l_element(lua_State *L)
 
 static int l_field(lua_State *L)
 {
-	const struct rb_call call = rb_call_begin(L, "field", NULL, 0);
+	const bool more = !lua_isnoneornil(L, 2);
+	struct rb_call call = rb_call_begin(L, "field", &rb_rows_field, more ? 2 : 0);
 	struct rb_error err;
 	char found[80];
 
@@ -83,8 +84,9 @@ static int l_field(lua_State *L)
 		                rb_describe(L, 1, found));
 		return 0;
 	}
-	const struct rb_field_def def = {.function = rb_script_keep_function(L, 1),
-	                                 .line = call.line};
+	struct rb_field_def def = {.function = rb_script_keep_function(L, 1), .line = call.line};
+	rb_call_read(&call, &def);
+	def.has_potential = rb_call_given(&call, "potential");
 	rb_sandbox_charge_bytes(L, sizeof def);
 	rb_script_need(L, rb_scene_add_field(call.script->scene, &def, &err), &err);
 	return 0;

@@ -20,6 +20,7 @@
 #include "math/quat.h"
 #include "model/validate.h"
 #include "script/call.h"
+#include "script/handles.h"
 #include "script/vector.h"
 
 /* Registry: [id + 1] = bits of what the scene gave: a position, an orientation. */
@@ -38,14 +39,15 @@ static const double agreement = 1e-6;
  */
 struct request {
 	double time_s;
-	rb_vec3 position, velocity, value;
+	rb_vec3 position, velocity, value[2]; /* of a field without, with a potential */
+	double energy;
 	int id, placed;
 	bool starts; /* the first call: whether it turns is not known yet */
 	struct rb_driven_pose pose;
 };
 
 /* Values below the results of a function: what the closures have as upvalues. */
-enum { UPVALUE_POSITION = 1, UPVALUE_VELOCITY, UPVALUE_FIRST_FIELD };
+enum { UPVALUE_POSITION = 1, UPVALUE_VELOCITY, UPVALUE_FIRST_FIELD, UPVALUE_ASKS_BODY };
 
 /* Pushes "scene.lua:12: " for the function of this number. */
 static void push_place(lua_State *L, int function)
@@ -105,9 +107,21 @@ static void push_reused(lua_State *L, int upvalue, rb_vec3 v)
 	lua_pushvalue(L, index);
 }
 
+/* Pushes the body where function i of an upvalue's list asks for it; how many values. */
+static int push_body(lua_State *L, int i, int id)
+{
+	lua_rawgeti(L, lua_upvalueindex(UPVALUE_ASKS_BODY), i + 1);
+	const bool asks = lua_toboolean(L, -1);
+
+	lua_pop(L, 1);
+	if (asks)
+		rb_handle_push(L, id);
+	return asks;
+}
+
 /*
  * Sum of all fields. Upvalues: a vector for x, one for v, the table of the fields' functions in
- * their order.
+ * their order, and of whether these have a parameter for the body.
  */
 static int serve_field(lua_State *L)
 {
@@ -116,15 +130,40 @@ static int serve_field(lua_State *L)
 	rb_vec3 force;
 
 	for (int i = 0; i < scene->field_count; i++) {
+		rb_vec3 *const sum = &request->value[scene->fields[i].has_potential];
+
 		lua_rawgeti(L, lua_upvalueindex(UPVALUE_FIRST_FIELD), i + 1);
 		lua_pushnumber(L, request->time_s);
 		push_reused(L, UPVALUE_POSITION, request->position);
 		push_reused(L, UPVALUE_VELOCITY, request->velocity);
-		lua_call(L, 3, 1);
+		lua_call(L, 3 + push_body(L, i, request->id), 1);
 		if (!read_vector(L, -1, &force))
 			return rb_function_refuse(L, scene->fields[i].function, "field",
 			                          "a finite force {x, y, z}", -1);
-		request->value = rb_vec3_add(request->value, force);
+		*sum = rb_vec3_add(*sum, force);
+		lua_pop(L, 1);
+	}
+	return 0;
+}
+
+/* Sum of the fields' potentials; upvalues as those of serve_field. */
+static int serve_potential(lua_State *L)
+{
+	struct request *request = lua_touserdata(L, 1);
+	const struct rb_scene *scene = rb_script_of(L)->scene;
+
+	for (int i = 0; i < scene->field_count; i++) {
+		if (!scene->fields[i].has_potential)
+			continue;
+		lua_rawgeti(L, lua_upvalueindex(UPVALUE_FIRST_FIELD), i + 1);
+		lua_pushnumber(L, request->time_s);
+		push_reused(L, UPVALUE_POSITION, request->position);
+		lua_call(L, 2 + push_body(L, i, request->id), 1);
+		const double energy = lua_tonumber(L, -1);
+		if (lua_type(L, -1) != LUA_TNUMBER || !isfinite(energy))
+			return rb_function_refuse(L, scene->fields[i].potential, "potential",
+			                          "a finite number of joules", -1);
+		request->energy += energy;
 		lua_pop(L, 1);
 	}
 	return 0;
@@ -218,20 +257,45 @@ static int serve_motion(lua_State *L)
 	return 0;
 }
 
+/*
+ * Pushes the list of the fields' functions, or of their potentials, and of whether they have a
+ * parameter beyond those of all: the body.
+ */
+static void push_fields(lua_State *L, bool potentials)
+{
+	const struct rb_scene *scene = rb_script_of(L)->scene;
+	const int usual = potentials ? 2 : 3;
+
+	lua_createtable(L, scene->field_count, 0);
+	lua_createtable(L, scene->field_count, 0);
+	for (int i = 0; i < scene->field_count; i++) {
+		const struct rb_field_def *field = &scene->fields[i];
+		lua_Debug about;
+
+		if (potentials && !field->has_potential)
+			continue;
+		rb_script_push_function(L, potentials ? field->potential : field->function);
+		lua_pushvalue(L, -1);
+		lua_getinfo(L, ">u", &about);
+		lua_rawseti(L, -3, i + 1);
+		lua_pushboolean(L, about.nparams > usual || about.isvararg);
+		lua_rawseti(L, -2, i + 1);
+	}
+}
+
 void rb_functions_prepare(lua_State *L)
 {
 	struct rb_script *script = rb_script_of(L);
 	const rb_vec3 none = {0, 0, 0};
 
-	rb_vector_push(L, none);
-	rb_vector_push(L, none);
-	lua_createtable(L, script->scene->field_count, 0);
-	for (int i = 0; i < script->scene->field_count; i++) {
-		rb_script_push_function(L, script->scene->fields[i].function);
-		lua_rawseti(L, -2, i + 1);
+	for (int potentials = 0; potentials < 2; potentials++) {
+		rb_vector_push(L, none);
+		rb_vector_push(L, none);
+		push_fields(L, potentials);
+		lua_pushcclosure(L, potentials ? serve_potential : serve_field, 4);
+		*(potentials ? &script->potential_closure
+		             : &script->field_closure) = luaL_ref(L, LUA_REGISTRYINDEX);
 	}
-	lua_pushcclosure(L, serve_field, 3);
-	script->field_closure = luaL_ref(L, LUA_REGISTRYINDEX);
 	rb_script_push_functions(L);
 	lua_pushcclosure(L, serve_motion, 1);
 	script->motion_closure = luaL_ref(L, LUA_REGISTRYINDEX);
@@ -268,14 +332,28 @@ static enum rb_status ask(struct rb_script *script, int closure, struct request 
 	return status;
 }
 
-enum rb_status rb_functions_field(struct rb_script *script, double time_s, rb_vec3 position,
-                                  rb_vec3 velocity, rb_vec3 *force, struct rb_error *err)
+enum rb_status rb_functions_potential(struct rb_script *script, int id, double time_s,
+                                      rb_vec3 position, double *energy, struct rb_error *err)
 {
-	struct request request = {.time_s = time_s, .position = position, .velocity = velocity};
+	struct request request = {.id = id, .time_s = time_s, .position = position};
+	struct rb_error own;
+	const enum rb_status status = ask(script, script->potential_closure, &request, &own);
+
+	*energy = request.energy;
+	if (status != RB_OK)
+		return RB_FAIL(err, status, "%s (potential at t = %.9g s)", own.text, time_s);
+	return RB_OK;
+}
+
+enum rb_status rb_functions_field(struct rb_script *script, int id, double time_s,
+                                  const rb_vec3 at[2], rb_vec3 force[2], struct rb_error *err)
+{
+	struct request request = {.id = id, .time_s = time_s, .position = at[0], .velocity = at[1]};
 	struct rb_error own;
 	const enum rb_status status = ask(script, script->field_closure, &request, &own);
 
-	*force = request.value;
+	force[0] = request.value[0];
+	force[1] = request.value[1];
 	if (status != RB_OK)
 		return RB_FAIL(err, status, "%s (field at t = %.9g s)", own.text, time_s);
 	return RB_OK;

@@ -33,10 +33,16 @@ void rb_functions_placed(struct lua_State *L, int id, bool position, bool orient
 RB_CHECKED enum rb_status rb_functions_start(struct rb_script *script, int id,
                                              struct rb_error *err);
 
-/* Sum of all fields. */
-RB_CHECKED enum rb_status rb_functions_field(struct rb_script *script, double time_s,
-                                             rb_vec3 position, rb_vec3 velocity, rb_vec3 *force,
+/*
+ * Sums of all fields on the body of that id, at {position, velocity}: of those without a potential,
+ * of those with one. And of the potentials, J.
+ */
+RB_CHECKED enum rb_status rb_functions_field(struct rb_script *script, int id, double time_s,
+                                             const rb_vec3 at[2], rb_vec3 force[2],
                                              struct rb_error *err);
+RB_CHECKED enum rb_status rb_functions_potential(struct rb_script *script, int id, double time_s,
+                                                 rb_vec3 position, double *energy,
+                                                 struct rb_error *err);
 
 /* Pose of a driven body, by id. */
 RB_CHECKED enum rb_status rb_functions_motion(struct rb_script *script, int id, double time_s,

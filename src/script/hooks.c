@@ -213,10 +213,25 @@ static enum rb_status on_transition(void *user, struct rb_world *world,
 	return call_all(user, world, serve_transition, &request, err);
 }
 
-static enum rb_status field(void *user, double time_s, rb_vec3 position, rb_vec3 velocity,
-                            rb_vec3 *force, struct rb_error *err)
+static enum rb_status field(void *user, int id, double time_s, rb_vec3 position, rb_vec3 velocity,
+                            rb_vec3 force[2], struct rb_error *err)
 {
-	return rb_functions_field(user, time_s, position, velocity, force, err);
+	return rb_functions_field(user, id, time_s, (rb_vec3[2]){position, velocity}, force, err);
+}
+
+static enum rb_status potential(void *user, int id, double time_s, rb_vec3 position, double *energy,
+                                struct rb_error *err)
+{
+	return rb_functions_potential(user, id, time_s, position, energy, err);
+}
+
+/* Whether a field has one. */
+static bool has_potential(const struct rb_scene *scene)
+{
+	for (int i = 0; i < scene->field_count; i++)
+		if (scene->fields[i].has_potential)
+			return true;
+	return false;
 }
 
 static enum rb_status motion(void *user, int id, double time_s, struct rb_driven_pose *pose,
@@ -242,6 +257,7 @@ struct rb_world_hooks rb_script_hooks(struct rb_script *script)
 		.collision = script->callback_count[RB_ON_COLLISION] ? on_collision : NULL,
 		.transition = script->callback_count[RB_ON_TRANSITION] ? on_transition : NULL,
 		.field = script->scene->field_count > 0 ? field : NULL,
+		.potential = has_potential(script->scene) ? potential : NULL,
 		.motion = has_driven(script->scene) ? motion : NULL,
 	};
 }

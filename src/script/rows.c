@@ -311,6 +311,12 @@ static const struct rb_row record_rows[] = {
          NULL, "0", "", "0 is none, 9 the most"},
 };
 
+/* The last argument of field. */
+static const struct rb_row field_rows[] = {
+	{"potential", RB_ROW_FUNCTION, 0, 0, AT(rb_field_def, potential), NULL, NULL, "none", "J",
+         "of t, x and body: the energy of which the force is the gradient, with the sign changed"},
+};
+
 /* The last argument of param. */
 static const struct rb_row param_rows[] = {
 	{"min", RB_ROW_NUMBER, 0, 0, AT(rb_param_def, min), NULL, NULL, "none", "",
@@ -339,6 +345,7 @@ const struct rb_row_table rb_rows_particle = {"particles", ROWS(particle_rows), 
 const struct rb_row_table rb_rows_camera = {"camera", ROWS(camera_rows), NULL};
 const struct rb_row_table rb_rows_light = {"lights", ROWS(light_rows), NULL};
 const struct rb_row_table rb_rows_record = {"record", ROWS(record_rows), NULL};
+const struct rb_row_table rb_rows_field = {"field", ROWS(field_rows), NULL};
 const struct rb_row_table rb_rows_param = {"param", ROWS(param_rows), NULL};
 const struct rb_row_table rb_rows_measure = {"result", ROWS(measure_rows), NULL};
 
@@ -531,8 +538,8 @@ void rb_fields_print(FILE *file)
 	static const struct rb_row_table *const before[] = {
 		&rb_rows_world, &rb_rows_gravitation, &rb_rows_material, &rb_rows_contact_pair};
 	static const struct rb_row_table *const after[] = {
-		&rb_rows_body,  &rb_rows_force,  &rb_rows_particle, &rb_rows_camera,
-		&rb_rows_light, &rb_rows_record, &rb_rows_param,    &rb_rows_measure};
+		&rb_rows_body,   &rb_rows_force, &rb_rows_particle, &rb_rows_camera, &rb_rows_light,
+		&rb_rows_record, &rb_rows_param, &rb_rows_field,    &rb_rows_measure};
 
 	for (size_t t = 0; t < sizeof before / sizeof *before; t++)
 		print_table(file, before[t]);

@@ -289,8 +289,10 @@ static void enter_body(struct entering *n, int i)
 		enter_even_forces(n, i, at, &held);
 	if (features & (RB_FEATURE_FIELD | RB_FEATURE_ELEMENTS))
 		enter_varied(n, i, RB_MOMENTUM_APPLIED, &body->varied, &held);
-	if (features & RB_FEATURE_ELEMENTS)
+	if ((features & RB_FEATURE_ELEMENTS) || n->world->hooks.potential)
 		enter_impulse(n, i, RB_MOMENTUM_APPLIED, &body->stored, &held);
+	if (n->world->hooks.potential)
+		rb_entries_energy(&n->e, RB_ENERGY_APPLIED, body->fed);
 	if (features & (RB_FEATURE_DRAG | RB_FEATURE_ELEMENTS))
 		enter_varied(n, i, RB_MOMENTUM_DRAG, &(struct rb_wrench){.force = body->drag},
 		             &held);

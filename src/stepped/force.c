@@ -305,6 +305,22 @@ static void add_even(const struct flow *flow, const struct rb_elements *elements
 	}
 }
 
+/* What potentials change by in the step where the body is at its beginning. */
+static enum rb_status note_potential(struct rb_world *world, int i, double start, double h,
+                                     struct rb_error *err)
+{
+	const struct rb_world_hooks *hooks = &world->hooks;
+	const int id = world->model->id_of[i];
+	const rb_vec3 at = rb_world_row3(world->mark.position, i);
+	double before = 0, after = 0;
+	enum rb_status status = hooks->potential(hooks->user, id, start, at, &before, err);
+
+	if (status == RB_OK)
+		status = hooks->potential(hooks->user, id, start + h, at, &after, err);
+	world->stepped->tally->body[i].fed = after - before;
+	return status;
+}
+
 /* Force fields are callbacks: one after the other, in the simulator's thread. */
 static enum rb_status add_fields(struct rb_world *world, const struct rb_cohort *cohort,
                                  double start, double h, struct rb_error *err)
@@ -315,16 +331,22 @@ static enum rb_status add_fields(struct rb_world *world, const struct rb_cohort 
 	for (int k = 0; hooks->field && k < cohort->member_count && status == RB_OK; k++) {
 		const int i = cohort->body[k];
 		double *const v = world->state.velocity + 3 * (size_t)i;
-		rb_vec3 force = {0, 0, 0};
+		rb_vec3 force[2] = {{0, 0, 0}, {0, 0, 0}};
 
-		status = hooks->field(hooks->user, start, rb_world_row3(world->mark.position, i),
-		                      rb_world_row3(world->mark.velocity, i), &force, err);
+		status = hooks->field(hooks->user, world->model->id_of[i], start,
+		                      rb_world_row3(world->mark.position, i),
+		                      rb_world_row3(world->mark.velocity, i), force, err);
 		rb_vec3_to(v, rb_vec3_add_scaled(rb_vec3_from(v), h * world->model->inverse_mass[i],
-		                                 force));
-		if (world->stepped->tally)
-			world->stepped->tally->body[i].varied.force = rb_vec3_add(
-				world->stepped->tally->body[i].varied.force,
-				rb_vec3_scale(h, force));
+		                                 hooks->potential ? rb_vec3_add(force[0], force[1])
+		                                                  : force[0]));
+		if (!world->stepped->tally)
+			continue;
+		struct rb_tally_body *const body = &world->stepped->tally->body[i];
+
+		body->varied.force = rb_vec3_add(body->varied.force, rb_vec3_scale(h, force[0]));
+		body->stored.force = rb_vec3_add(body->stored.force, rb_vec3_scale(h, force[1]));
+		if (hooks->potential && status == RB_OK)
+			status = note_potential(world, i, start, h, err);
 	}
 	return status;
 }

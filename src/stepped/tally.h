@@ -30,6 +30,7 @@ struct rb_tally_body {
 	rb_vec3 carry; /* m: where forces vary, free: from where it was to where the others act */
 	/* N s, N m s: of forces that vary, without a potential and with one; of drag */
 	struct rb_wrench varied, stored;
+	double fed; /* J: by potentials of fields that change with time */
 	rb_vec3 drag;
 	/* closing of overlaps, and what pays for it */
 	rb_vec3 closed[2]; /* kg m/s, kg m^2/s about the origin */

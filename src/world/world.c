@@ -201,6 +201,25 @@ void rb_world_place_attracted(const struct rb_world *world, const struct rb_stat
 		                     none);
 }
 
+/* J: potentials of fields on all free bodies; NAN where a function fails, which `late` says. */
+static double field_energy(const struct rb_world *world)
+{
+	const struct rb_model *model = world->model;
+	double sum = 0;
+
+	for (int i = 0; i < model->body_count && world->late->status == RB_OK; i++) {
+		double energy = 0;
+
+		if (model->driven && model->driven[i])
+			continue;
+		world->late->status = world->hooks.potential(
+			world->hooks.user, model->id_of[i], world->state.time_s,
+			rb_world_row3(world->state.position, i), &energy, &world->late->error);
+		sum += energy;
+	}
+	return world->late->status == RB_OK ? sum : (double)NAN;
+}
+
 double rb_world_element_energy(const struct rb_world *world)
 {
 	const struct rb_element_query query = {.model = world->model,
@@ -213,6 +232,8 @@ double rb_world_element_energy(const struct rb_world *world)
 		rb_world_place_attracted(world, &world->state);
 		energy += rb_attract_energy(&world->gravitation->all);
 	}
+	if (world->hooks.potential)
+		energy += field_energy(world);
 	return energy;
 }
 

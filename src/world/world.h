@@ -28,6 +28,7 @@ struct rb_groups;
 struct rb_located;
 struct rb_stepped;
 struct rb_loads;
+struct rb_late;
 
 /*
  * Counts since some moment: sums and extremes, so the order of adding does not matter, to rounding
@@ -129,6 +130,7 @@ struct rb_world {
 	struct rb_located *located;         /* owned; NULL: all is stepped */
 	struct rb_stepped *stepped;         /* owned; NULL until it is first used */
 	struct rb_gravitation *gravitation; /* owned: scratch of whoever sums now, and of a step */
+	struct rb_late *late;               /* owned */
 	struct rb_team *team;               /* owned */
 	struct rb_arena *arena;             /* owned; [workers]: scratch of a pass */
 	struct rb_arena *kept; /* owned; [workers]: what a pass leaves for the commit of the step */
@@ -152,6 +154,12 @@ struct rb_world {
 	const double *push, *twist; /* those that hold now; NULL: none */
 	uint64_t called; /* how often callbacks have been told of events by the located method */
 	bool stopped;
+};
+
+/* The first failure of a function that is asked where nothing can fail: told with the next frame. */
+struct rb_late {
+	enum rb_status status;
+	struct rb_error error;
 };
 
 /* Whether the run is to end, which whoever may take long asks now and then. */
@@ -236,7 +244,7 @@ void rb_world_place_attracted(const struct rb_world *world, const struct rb_stat
 
 /*
  * J, of all force elements that have one, of springs zero at rest length; and of gravitation, zero
- * apart at infinity.
+ * apart at infinity; and of fields, of those that state a potential.
  */
 double rb_world_element_energy(const struct rb_world *world);
 

@@ -25,6 +25,7 @@ drag|drag { linear = 1, @ }
 camera|camera { @ }
 lights|camera { lights = {{ direction = {0, 0, -1}, @ }} }
 record|record { @ }
+field|field(function() return {0, 0, 0} end, { @ })
 param|param("q", 1, "help", { @ })
 END
 cat >values <<'END'
