@@ -445,9 +445,11 @@ static void drag_slows_down_as_it_should(void **slot)
 
 enum field { FIELD_ZERO, FIELD_HARMONIC, FIELD_MAGNETIC, FIELD_TIME, FIELD_FAR };
 
-static enum rb_status field(void *user, int id, double t, rb_vec3 x, rb_vec3 v, rb_vec3 force[2],
+static enum rb_status field(void *user, int id, double t, const rb_vec3 motion[2], rb_vec3 force[2],
                             struct rb_error *err)
 {
+	const rb_vec3 x = motion[0], v = motion[1];
+
 	(void)id, (void)err;
 	switch (*(enum field *)user) {
 	case FIELD_ZERO:

@@ -53,7 +53,7 @@ static rb_vec3 field_at(struct loaded *it, double t, rb_vec3 x, rb_vec3 v)
 {
 	rb_vec3 force[2] = {{(double)NAN, (double)NAN, (double)NAN}};
 
-	if (it->hooks.field(it->hooks.user, 0, t, x, v, force, &it->error) != RB_OK)
+	if (it->hooks.field(it->hooks.user, 0, t, (rb_vec3[2]){x, v}, force, &it->error) != RB_OK)
 		fail_msg("%s", it->error.text);
 	return force[0];
 }
@@ -176,9 +176,9 @@ static void mistakes_of_a_field_are_told_with_place_and_time(void **state)
 		snprintf(text, sizeof text, "sphere { radius = 1 }\nfield(function(t, x, v) %s)",
 		         cases[i].body);
 		must_load(&it, text);
-		assert_int_equal(
-			it.hooks.field(it.hooks.user, 0, 0.5, origin, origin, force, &it.error),
-			RB_ERR_SCENE);
+		assert_int_equal(it.hooks.field(it.hooks.user, 0, 0.5, (rb_vec3[2]){origin, origin},
+		                                force, &it.error),
+		                 RB_ERR_SCENE);
 		snprintf(wanted, sizeof wanted, "%s (field at t = 0.5 s)", cases[i].message);
 		assert_string_equal(it.error.text, wanted);
 		assert_true(strlen(rb_script_traceback(it.script)) > 0);

@@ -47,11 +47,11 @@ static enum rb_status motion(void *user, int id, double t, struct rb_driven_pose
 }
 
 /* A pull towards the origin, N, of a body of 1 kg that swings with 10 rad/s. */
-static enum rb_status field(void *user, int id, double t, rb_vec3 position, rb_vec3 velocity,
-                            rb_vec3 force[2], struct rb_error *err)
+static enum rb_status field(void *user, int id, double t, const rb_vec3 at[2], rb_vec3 force[2],
+                            struct rb_error *err)
 {
-	(void)user, (void)id, (void)t, (void)velocity, (void)err;
-	*force = rb_vec3_scale(-100, position);
+	(void)user, (void)id, (void)t, (void)err;
+	*force = rb_vec3_scale(-100, at[0]);
 	return RB_OK;
 }
 

@@ -187,11 +187,11 @@ static void what_a_spring_joins_goes_back_together(void **state)
 }
 
 /* Blows one ball of three off, as no number can say. */
-static enum rb_status blow(void *user, int id, double t, rb_vec3 position, rb_vec3 velocity,
-                           rb_vec3 force[2], struct rb_error *err)
+static enum rb_status blow(void *user, int id, double t, const rb_vec3 at[2], rb_vec3 force[2],
+                           struct rb_error *err)
 {
-	(void)user, (void)id, (void)velocity, (void)err;
-	*force = (rb_vec3){t > 0.1 && position.x > 100 ? 1e308 : 0, 0, 0};
+	(void)user, (void)id, (void)err;
+	*force = (rb_vec3){t > 0.1 && at[0].x > 100 ? 1e308 : 0, 0, 0};
 	return RB_OK;
 }
 

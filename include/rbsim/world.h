@@ -45,12 +45,12 @@ struct rb_world_hooks {
 	enum rb_status (*transition)(void *user, struct rb_world *world,
 	                             const struct rb_event *event, struct rb_error *err);
 	/*
-	 * Sums of the scene's fields on the body of that id, N, to force[0] of those without and
-	 * force[1] of those with a potential; NULL where it has none. Depends on nothing but its
-	 * arguments.
+	 * Sums of the scene's fields on the body of that id at {position, velocity}, N: force[0] of
+	 * those without and force[1] of those with a potential; NULL where it has none. Depends on
+	 * nothing but its arguments.
 	 */
-	enum rb_status (*field)(void *user, int id, double time_s, rb_vec3 position,
-	                        rb_vec3 velocity, rb_vec3 force[2], struct rb_error *err);
+	enum rb_status (*field)(void *user, int id, double time_s, const rb_vec3 at[2],
+	                        rb_vec3 force[2], struct rb_error *err);
 	/* Sum of their potentials, J; NULL where no field has one. */
 	enum rb_status (*potential)(void *user, int id, double time_s, rb_vec3 position,
 	                            double *energy, struct rb_error *err);

@@ -210,8 +210,10 @@ static void field(struct load *load)
 	if (!hooks->field || l->status != RB_OK)
 		return;
 	l->products += RB_LOCATED_FIELD;
-	l->status = hooks->field(hooks->user, l->model->id_of[load->i], load->view->time_s,
-	                         load->pose->position, load->pose->velocity, force, l->err);
+	const rb_vec3 at[2] = {load->pose->position, load->pose->velocity};
+
+	l->status = hooks->field(hooks->user, l->model->id_of[load->i], load->view->time_s, at,
+	                         force, l->err);
 	add_force(load, force[0]);
 	if (!hooks->potential)
 		return;

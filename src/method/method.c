@@ -224,12 +224,12 @@ static enum rb_status largest_external(const struct rb_world *world, double t, d
 		rb_gravitation_find(world->gravitation);
 	}
 	for (int i = 0; i < model->body_count && status == RB_OK; i++) {
-		const rb_vec3 x = rb_world_row3(world->state.position, i);
-		const rb_vec3 v = rb_world_row3(world->state.velocity, i);
+		const rb_vec3 at[2] = {rb_world_row3(world->state.position, i),
+		                       rb_world_row3(world->state.velocity, i)};
 		rb_vec3 fields[2] = {{0, 0, 0}, {0, 0, 0}};
 
 		if (field)
-			status = world->hooks.field(world->hooks.user, model->id_of[i], t, x, v,
+			status = world->hooks.field(world->hooks.user, model->id_of[i], t, at,
 			                            fields, err);
 		rb_vec3 force = rb_vec3_add(fields[0], def->gravity_force);
 		if (world->hooks.potential)

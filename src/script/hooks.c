@@ -213,10 +213,10 @@ static enum rb_status on_transition(void *user, struct rb_world *world,
 	return call_all(user, world, serve_transition, &request, err);
 }
 
-static enum rb_status field(void *user, int id, double time_s, rb_vec3 position, rb_vec3 velocity,
+static enum rb_status field(void *user, int id, double time_s, const rb_vec3 at[2],
                             rb_vec3 force[2], struct rb_error *err)
 {
-	return rb_functions_field(user, id, time_s, (rb_vec3[2]){position, velocity}, force, err);
+	return rb_functions_field(user, id, time_s, at, force, err);
 }
 
 static enum rb_status potential(void *user, int id, double time_s, rb_vec3 position, double *energy,

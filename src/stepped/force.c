@@ -333,9 +333,10 @@ static enum rb_status add_fields(struct rb_world *world, const struct rb_cohort 
 		double *const v = world->state.velocity + 3 * (size_t)i;
 		rb_vec3 force[2] = {{0, 0, 0}, {0, 0, 0}};
 
-		status = hooks->field(hooks->user, world->model->id_of[i], start,
-		                      rb_world_row3(world->mark.position, i),
-		                      rb_world_row3(world->mark.velocity, i), force, err);
+		const rb_vec3 at[2] = {rb_world_row3(world->mark.position, i),
+		                       rb_world_row3(world->mark.velocity, i)};
+
+		status = hooks->field(hooks->user, world->model->id_of[i], start, at, force, err);
 		rb_vec3_to(v, rb_vec3_add_scaled(rb_vec3_from(v), h * world->model->inverse_mass[i],
 		                                 hooks->potential ? rb_vec3_add(force[0], force[1])
 		                                                  : force[0]));

@@ -156,7 +156,7 @@ struct rb_world {
 	bool stopped;
 };
 
-/* The first failure of a function that is asked where nothing can fail: told with the next frame. */
+/* The first failure of a function asked where nothing can fail: told with the next frame. */
 struct rb_late {
 	enum rb_status status;
 	struct rb_error error;
