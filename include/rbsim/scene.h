@@ -158,6 +158,8 @@ struct rb_field_def {
 	int function; /* the script's number of it */
 	bool has_potential;
 	int potential; /* ... of that of time, position and body of which it is the gradient, J */
+	/* these have a parameter for the body */
+	bool asks_body, potential_asks_body;
 	int line;
 };
 

@@ -47,7 +47,7 @@ struct request {
 };
 
 /* Values below the results of a function: what the closures have as upvalues. */
-enum { UPVALUE_POSITION = 1, UPVALUE_VELOCITY, UPVALUE_FIRST_FIELD, UPVALUE_ASKS_BODY };
+enum { UPVALUE_POSITION = 1, UPVALUE_VELOCITY, UPVALUE_FIRST_FIELD };
 
 /* Pushes "scene.lua:12: " for the function of this number. */
 static void push_place(lua_State *L, int function)
@@ -107,13 +107,9 @@ static void push_reused(lua_State *L, int upvalue, rb_vec3 v)
 	lua_pushvalue(L, index);
 }
 
-/* Pushes the body where function i of an upvalue's list asks for it; how many values. */
-static int push_body(lua_State *L, int i, int id)
+/* Pushes the body for a function that asks for it; how many values. */
+static int push_body(lua_State *L, bool asks, int id)
 {
-	lua_rawgeti(L, lua_upvalueindex(UPVALUE_ASKS_BODY), i + 1);
-	const bool asks = lua_toboolean(L, -1);
-
-	lua_pop(L, 1);
 	if (asks)
 		rb_handle_push(L, id);
 	return asks;
@@ -121,7 +117,7 @@ static int push_body(lua_State *L, int i, int id)
 
 /*
  * Sum of all fields. Upvalues: a vector for x, one for v, the table of the fields' functions in
- * their order, and of whether these have a parameter for the body.
+ * their order.
  */
 static int serve_field(lua_State *L)
 {
@@ -136,7 +132,7 @@ static int serve_field(lua_State *L)
 		lua_pushnumber(L, request->time_s);
 		push_reused(L, UPVALUE_POSITION, request->position);
 		push_reused(L, UPVALUE_VELOCITY, request->velocity);
-		lua_call(L, 3 + push_body(L, i, request->id), 1);
+		lua_call(L, 3 + push_body(L, scene->fields[i].asks_body, request->id), 1);
 		if (!read_vector(L, -1, &force))
 			return rb_function_refuse(L, scene->fields[i].function, "field",
 			                          "a finite force {x, y, z}", -1);
@@ -158,7 +154,7 @@ static int serve_potential(lua_State *L)
 		lua_rawgeti(L, lua_upvalueindex(UPVALUE_FIRST_FIELD), i + 1);
 		lua_pushnumber(L, request->time_s);
 		push_reused(L, UPVALUE_POSITION, request->position);
-		lua_call(L, 2 + push_body(L, i, request->id), 1);
+		lua_call(L, 2 + push_body(L, scene->fields[i].potential_asks_body, request->id), 1);
 		const double energy = lua_tonumber(L, -1);
 		if (lua_type(L, -1) != LUA_TNUMBER || !isfinite(energy))
 			return rb_function_refuse(L, scene->fields[i].potential, "potential",
@@ -257,28 +253,30 @@ static int serve_motion(lua_State *L)
 	return 0;
 }
 
-/*
- * Pushes the list of the fields' functions, or of their potentials, and of whether they have a
- * parameter beyond those of all: the body.
- */
+/* Has the function on the stack more parameters than that, or any number of them? */
+static bool asks_for_more(lua_State *L, int usual)
+{
+	lua_Debug about;
+
+	lua_pushvalue(L, -1);
+	lua_getinfo(L, ">u", &about);
+	return about.nparams > usual || about.isvararg;
+}
+
+/* Pushes the list of the fields' functions, or potentials; notes which ask for bodies. */
 static void push_fields(lua_State *L, bool potentials)
 {
-	const struct rb_scene *scene = rb_script_of(L)->scene;
-	const int usual = potentials ? 2 : 3;
+	struct rb_scene *scene = rb_script_of(L)->scene;
 
 	lua_createtable(L, scene->field_count, 0);
-	lua_createtable(L, scene->field_count, 0);
 	for (int i = 0; i < scene->field_count; i++) {
-		const struct rb_field_def *field = &scene->fields[i];
-		lua_Debug about;
+		struct rb_field_def *field = &scene->fields[i];
 
 		if (potentials && !field->has_potential)
 			continue;
 		rb_script_push_function(L, potentials ? field->potential : field->function);
-		lua_pushvalue(L, -1);
-		lua_getinfo(L, ">u", &about);
-		lua_rawseti(L, -3, i + 1);
-		lua_pushboolean(L, about.nparams > usual || about.isvararg);
+		*(potentials ? &field->potential_asks_body
+		             : &field->asks_body) = asks_for_more(L, potentials ? 2 : 3);
 		lua_rawseti(L, -2, i + 1);
 	}
 }
@@ -292,7 +290,7 @@ void rb_functions_prepare(lua_State *L)
 		rb_vector_push(L, none);
 		rb_vector_push(L, none);
 		push_fields(L, potentials);
-		lua_pushcclosure(L, potentials ? serve_potential : serve_field, 4);
+		lua_pushcclosure(L, potentials ? serve_potential : serve_field, 3);
 		*(potentials ? &script->potential_closure
 		             : &script->field_closure) = luaL_ref(L, LUA_REGISTRYINDEX);
 	}
