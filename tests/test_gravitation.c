@@ -220,6 +220,34 @@ static void the_ledger_knows_who_does_not_yield_and_who_does_not_answer(void **s
 	lab_close(&lab);
 }
 
+/* A ball falls to a fixed one, bounces and stands; then nothing is computed any more. */
+static void what_rests_on_a_fixed_centre_stands_and_the_ledger_holds(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	open_attracting(&lab, 60, 4);
+	lab_surface(&lab, 0.5, 0.5);
+	lab.scene.record.ledger = lab.scene.record.ledger_given = true;
+	struct rb_body_def def = lab_sphere_def(2, (double)NAN, (rb_vec3){1, 2, 3}, none);
+	def.is_static = true;
+	def.gravitational_mass = 4;
+	lab_add(&lab, &def);
+	lab_sphere(&lab, 0.5, 2, (rb_vec3){1, 2, 9}, none);
+	lab_seal(&lab, 1);
+	step_all(&lab);
+	const struct rb_frame_numbers now = rb_world_totals(lab.world);
+
+	assert_true(rb_vec3_length(velocity(&lab, 0)) == 0);
+	assert_true(fabs(position(&lab, 0).z - 5.5) <= 8 * DBL_EPSILON * 5.5);
+	assert_true(lab.world->located->cluster[lab.world->located->cluster_of[0]].at_rest);
+	/* forces of centre and contact cancel for 50 s: 3.2 N s a second */
+	assert_true(rb_vec3_length(now.ledger.momentum[RB_MOMENTUM_CAUSES][0]) <= 1e-12);
+	assert_true(rb_vec3_length(now.ledger.momentum[RB_MOMENTUM_CAUSES][1]) <= 1e-12);
+	assert_true(fabs(now.ledger.energy[RB_ENERGY_CAUSES]) <= 1e-13);
+	lab_close(&lab);
+}
+
 /* By steps, pairs give each other what they take, however coarse the step. */
 static void steps_keep_linear_and_angular_momentum(void **state)
 {
@@ -258,6 +286,7 @@ int main(void)
 		cmocka_unit_test(what_is_said_of_a_pair_on_one_piece_holds_all_along_it),
 		cmocka_unit_test(a_body_leaves_its_piece_with_what_rounding_has_left),
 		cmocka_unit_test(the_ledger_knows_who_does_not_yield_and_who_does_not_answer),
+		cmocka_unit_test(what_rests_on_a_fixed_centre_stands_and_the_ledger_holds),
 		cmocka_unit_test(steps_keep_linear_and_angular_momentum),
 	};
 

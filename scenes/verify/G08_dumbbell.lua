@@ -18,13 +18,13 @@ end
 local left, right = ball(-0.5), ball(0.5)
 local function between() return verify.position(right) - verify.position(left) end
 if share == "above" then
-	expect("half way, the largest distance, m", function() return math.abs(between():length() - 1), 1e-11 + 1e2 * verify.rounding end)
-	local most = 0
+	expect("after a turn, the smallest distance, m", function() return math.abs(between():length() - 1), 1e-11 + 1e2 * verify.rounding end)
+	local most -- where a frame is half way
 	on_frame(function(t)
 		if math.abs(t / unit - 0.5) < 1e-9 then most = between():length() end
 	end)
 	expect("apart as on the orbit, m", function()
-		return math.abs(most - (2 * a - 1)), most > 0 and 1e-11 + 1e2 * verify.rounding or 10
+		return most and math.abs(most - (2 * a - 1)) or 0, 1e-11 + 1e2 * verify.rounding
 	end)
 	expect("spin as it was, rad/s", function() return math.abs(verify.spin(left).z - omega), 1e-11 + 10 * verify.rounding end)
 else

@@ -328,13 +328,42 @@ void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pos
 		                                      pose->orientation, pose->spin));
 }
 
+/* Whether forces that need these features are. */
+static bool are_constant(const struct rb_located *l, int i, double t, rb_features features)
+{
+	for (int k = 0; k < ROWS; k++)
+		if ((features & rows[k].need) && !rows[k].is_constant(l, i, t))
+			return false;
+	return true;
+}
+
 bool rb_external_is_constant(const struct rb_located *l, int i, double t)
 {
 	RB_ASSERT_COSTLY(rb_located_moves(l, i));
-	for (int k = 0; k < ROWS; k++)
-		if ((l->model->features & rows[k].need) && !rows[k].is_constant(l, i, t))
-			return false;
-	return true;
+	return are_constant(l, i, t, l->model->features);
+}
+
+/* True if a driven body attracts. */
+static bool has_driven_center(const struct rb_model *model)
+{
+	for (int i = 0; model->driven && i < model->body_count; i++)
+		if (model->driven[i] && model->attraction[i] > 0)
+			return true;
+	return false;
+}
+
+bool rb_external_is_still(const struct rb_located *l, int i, double t)
+{
+	const struct rb_model *const model = l->model;
+
+	RB_ASSERT_COSTLY(rb_located_moves(l, i));
+	if (!rb_located_gravitates(l))
+		return rb_external_is_constant(l, i, t);
+	/* what the ledger has of standing bodies are forces of centres alone */
+	if (!model->attracts_by_mass && model->attractor_count > model->center_count)
+		return false;
+	return !has_driven_center(model) &&
+	       are_constant(l, i, t, model->features & ~(rb_features)RB_FEATURE_GRAVITATION);
 }
 
 /* True for a point of application off the origin. */

@@ -74,6 +74,7 @@ static bool begin(struct rb_settling *s)
 	s->linear = rb_slips_take(s, l->set_count, sizeof *s->linear);
 	s->angular = rb_slips_take(s, l->set_count, sizeof *s->angular);
 	s->constant = rb_slips_take(s, l->set_count, sizeof *s->constant);
+	s->still = rb_slips_take(s, l->set_count, sizeof *s->still);
 	s->root = rb_slips_take(s, l->set_count, sizeof *s->root);
 	s->load = rb_slips_take(s, l->set_count, sizeof *s->load);
 	if (l->status != RB_OK)
@@ -227,6 +228,7 @@ static void pulls(struct rb_settling *s)
 		rb_external_force_at(l, l->set[k], &s->pose[k], &view, &s->linear[k],
 		                     &s->angular[k]);
 		s->constant[k] = rb_external_is_constant(l, l->set[k], s->t);
+		s->still[k] = rb_external_is_still(l, l->set[k], s->t);
 		s->external_max = fmax(s->external_max, rb_vec3_max_abs(s->linear[k]));
 	}
 }
@@ -488,8 +490,7 @@ static bool is_at_rest(const struct rb_settling *s, int part)
 		const double radius = rb_model_reach(l->model, l->set[k]);
 		const struct rb_solver_body *b = &s->joint.body[k];
 
-		if (!s->constant[k] ||
-		    !is_nothing(s, k, external, s->pose[k].velocity, b->linear) ||
+		if (!s->still[k] || !is_nothing(s, k, external, s->pose[k].velocity, b->linear) ||
 		    !is_nothing(s, k, external, rb_vec3_scale(radius, s->pose[k].spin),
 		                rb_vec3_scale(radius, b->angular)))
 			return false;
@@ -530,6 +531,24 @@ static void rate_contact(const struct rb_settling *s, int k, bool rest_speed,
 	torque[2] = rb_vec3_add_scaled(torque[2], 0.5, rb_vec3_cross(body->linear, force));
 }
 
+/* ... and of fixed centres that attract a member which stands. */
+static void rate_centers(const struct rb_settling *s, int member, struct rb_account_rates *rates)
+{
+	const struct rb_located *l = s->l;
+	const struct rb_attract *const all = &l->gravitation.all;
+
+	for (int j = l->n; rb_located_gravitates(l) && j < all->count; j++) {
+		double factor;
+		const rb_vec3 d = rb_attract_between(all, member, j, &factor);
+		const rb_vec3 on = rb_vec3_scale(factor * all->inertial[member] * all->mu[j], d);
+
+		rates->force[0] = rb_vec3_add(rates->force[0], on);
+		rates->torque[0][0] = rb_vec3_add(
+			rates->torque[0][0],
+			rb_vec3_cross(rb_gravitation_position(&l->gravitation, member), on));
+	}
+}
+
 /* Starts a part on arcs or on its first piece. */
 static void start_part(struct rb_settling *s, int part, struct rb_cluster *c,
                        const int *contact_point)
@@ -558,6 +577,8 @@ static void start_part(struct rb_settling *s, int part, struct rb_cluster *c,
 	}
 	for (int k = 0; closed && l->account_s && k < c->held_count; k++)
 		rate_contact(s, contact_point[k], rest_speed, &c->rates);
+	for (int k = 0; rest_speed && l->account_s && k < c->member_count; k++)
+		rate_centers(s, c->member[k], &c->rates);
 	if (!closed)
 		rb_integrate_piece(l, (int)(c - l->cluster), s->t, false);
 }

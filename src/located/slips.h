@@ -27,6 +27,7 @@ struct rb_settling {
 	rb_vec3 *linear, *angular; /* [set_count]: accelerations without contacts, then with them */
 	struct rb_simultaneous joint; /* bodies: the set, then the fixed partners */
 	bool *constant;               /* [set_count]: its other forces are constant */
+	bool *still;                  /* [set_count]: ... while all stands still */
 	int *root;                    /* [set_count]: union-find over what stays together */
 	double external_max;          /* m/s^2: largest acceleration that went in */
 	/* [set_count], m/s^2: what contacts' forces on a body would do to it one by one */
