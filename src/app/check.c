@@ -183,6 +183,9 @@ static bool has_driven_center(const struct rb_model *model)
 	return false;
 }
 
+/* Bodies from which on the sum over pairs takes longer than the contacts of as many. */
+enum { PAIRS_QUICK_MAX = 4096 };
+
 /* Who attracts whom, and what that does not conserve. */
 static void print_gravitation(const struct rb_model *model)
 {
@@ -207,6 +210,12 @@ static void print_gravitation(const struct rb_model *model)
 		rb_print(stdout,
 		         "              gravitational masses are not the masses: action is not "
 		         "reaction, momentum and energy are not conserved\n");
+	if (model->body_count > PAIRS_QUICK_MAX)
+		rb_print(
+			stdout,
+			"              every sum is over all pairs, whatever 'opening_angle': %.3g "
+			"pairs\n",
+			0.5 * (double)model->body_count * (model->body_count - 1));
 	const int extended = extended_count(model);
 	if (extended > 0)
 		rb_print(stdout,

@@ -26,6 +26,13 @@ sphere { radius = 1 }
 sphere { radius = 1, position = {5, 0, 0} }
 END
 
+cat >many.lua <<'END'
+world { duration = 1e-3, frame_rate = 1e3, gravitation = {}, method = "stepped" }
+for k = 1, 5000 do sphere { radius = 0.1, position = {k, 0, 0}, collides_with = {} } end
+END
+exits 0 check many.lua --no-record
+says out "every sum is over all pairs, whatever 'opening_angle': 1.25e.07 pairs"
+
 # two that cannot touch meet head on: there is no motion beyond
 cat >head.lua <<'END'
 world { duration = 100, gravitation = {G = 1, softening = param("soft", 0.0, "m")}, frame_rate = 1 }
