@@ -16,8 +16,8 @@ static const struct rb_method located = {
 	.what = "every body flies on its own clock from event to event; impacts are located to "
 		"rounding and lasting contacts end where they end",
 	.good_for =
-		"impacts that must be right, gases, long runs; springs, drag, fields and driven "
-		"bodies",
+		"impacts that must be right, gases, long runs; springs, drag, fields, gravitation "
+		"and driven bodies",
 	.mind = "touching bodies are solved together, which costs much where they are many; one "
 		"thread",
 	.locates = true,
