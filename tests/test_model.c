@@ -692,7 +692,7 @@ static void every_feature_has_one_row_with_texts(void **slot)
 		            rows[i].present);
 		seen |= rows[i].bit;
 	}
-	assert_int_equal(seen, 2 * RB_FEATURE_GRAVITATION - 1);
+	assert_int_equal(seen, 2 * RB_FEATURE_JOINTS - 1);
 }
 
 static void running_out_of_memory_is_an_error_at_every_allocation(void **slot)

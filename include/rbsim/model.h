@@ -41,6 +41,7 @@ enum {
 	RB_FEATURE_HOOK_TRANSITION = 1u << 18,
 	RB_FEATURE_ELEMENTS = 1u << 19,    /* force elements that are neither springs nor drag */
 	RB_FEATURE_GRAVITATION = 1u << 20, /* bodies attract each other */
+	RB_FEATURE_JOINTS = 1u << 21,
 
 	/* forces that vary with where bodies are and how they move */
 	RB_FEATURES_VARIED = RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD |
@@ -54,6 +55,7 @@ struct rb_pair_material {
 
 struct rb_parts_table;
 struct rb_elements;
+struct rb_joints;
 
 struct rb_model {
 	const struct rb_scene *scene; /* borrowed: must outlive the model */
@@ -91,6 +93,8 @@ struct rb_model {
 
 	struct rb_elements *elements; /* owned, model/element: by kind, those that the scene has */
 	int element_list_count;
+
+	struct rb_joints *joints; /* owned, model/joints; NULL: none */
 
 	int material_count;
 	struct rb_pair_material *pair_materials; /* [material_count][material_count] */

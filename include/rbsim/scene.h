@@ -163,6 +163,58 @@ struct rb_field_def {
 	int line;
 };
 
+/*
+ * Joints, in the order of their names. Rows of constraint (geom/linkage): 6, 3, 5, 5, 4, 4, 1, and
+ * of a rope one that only pulls.
+ */
+enum rb_joint_kind {
+	RB_JOINT_FIXED,
+	RB_JOINT_BALL,
+	RB_JOINT_HINGE,
+	RB_JOINT_SLIDER,
+	RB_JOINT_CYLINDRICAL,
+	RB_JOINT_UNIVERSAL,
+	RB_JOINT_ROD,
+	RB_JOINT_ROPE,
+	RB_JOINT_KIND_COUNT
+};
+#define RB_JOINT_KIND_NAMES "fixed, ball, hinge, slider, cylindrical, universal, rod, rope"
+
+/*
+ * What holds two bodies together. Its free coordinate is the angle of a hinge, rad, counter-
+ * clockwise of b against a about the axis, turns counted; or the way of a slider or cylindrical
+ * joint, m, of b's point against a's along the axis. It is 0 at the start. Limits, motor, friction,
+ * stiffness and damping are of it; torques, N m, of hinges are forces, N, of the others.
+ */
+struct rb_joint_def {
+	const char *name; /* NULL: none */
+	int kind;         /* enum rb_joint_kind */
+	int a, b;         /* ids; b -1: the world */
+	/*
+	 * The point: `at`, m, world coordinates at the start, or `at_a`, `at_b`, m, object
+	 * coordinates, those of the world if b is the world. x is NAN: not given.
+	 */
+	rb_vec3 at, at_a, at_b;
+	/* of any length, world axes at the start; x is NAN: not given; axis_b of universal only */
+	rb_vec3 axis, axis_b;
+	double length_m;  /* of rods and ropes; NAN: the distance at the start */
+	double limits[2]; /* low, high; each NAN: none */
+	double restitution, friction;
+	double motor_speed; /* rad/s or m/s; NAN: no motor, or one that follows */
+	int motor_function; /* the script's number of its function of time, -1: none */
+	double motor_max;   /* N m or N, >= 0: the most that the motor exerts */
+	double stiffness, damping;
+	double rest;   /* rad or m: where its spring exerts nothing */
+	bool collides; /* a and b touch each other */
+	bool visible;
+	int line;
+};
+
+static inline bool rb_joint_has_motor(const struct rb_joint_def *joint)
+{
+	return joint->motor_speed == joint->motor_speed || joint->motor_function >= 0;
+}
+
 struct rb_body_def {
 	const char *name; /* NULL: none */
 	const char *call; /* the scene's word for it: "sphere", "plane" */
@@ -420,6 +472,8 @@ struct rb_scene {
 	struct rb_element_list elements[RB_ELEMENT_KINDS_MAX]; /* springs, drag, ...: by kind */
 	struct rb_field_def *fields;
 	int field_count;
+	struct rb_joint_def *joints;
+	int joint_count;
 	const char **groups; /* names of collision groups, 63 at most */
 	int group_count;
 	struct rb_camera_def *cameras;
@@ -451,6 +505,7 @@ struct rb_body_def rb_body_def_default(void);
 struct rb_material_def rb_material_def_default(void);
 struct rb_force_def rb_force_def_default(void);
 struct rb_spring_def rb_spring_def_default(void);
+struct rb_joint_def rb_joint_def_default(void);
 struct rb_camera_def rb_camera_def_default(void);
 
 /*
@@ -491,6 +546,8 @@ RB_CHECKED enum rb_status rb_scene_add_drag(struct rb_scene *scene, const struct
                                             struct rb_error *err);
 RB_CHECKED enum rb_status rb_scene_add_field(struct rb_scene *scene, const struct rb_field_def *def,
                                              struct rb_error *err);
+RB_CHECKED enum rb_status rb_scene_add_joint(struct rb_scene *scene, const struct rb_joint_def *def,
+                                             int *index, struct rb_error *err);
 /* Index of the group of that name, added when new; RB_ERR_SCENE beyond 63. */
 RB_CHECKED enum rb_status rb_scene_group(struct rb_scene *scene, const char *name, int *index,
                                          struct rb_error *err);
@@ -513,6 +570,9 @@ const char *rb_scene_text(struct rb_scene *scene, const char *text);
 
 /* "sphere", "plane", ...: what recordings and messages call a kind of shape. */
 const char *rb_shape_name(enum rb_shape_kind kind);
+
+/* "hinge", ...: of enum rb_joint_kind. */
+const char *rb_joint_kind_name(int kind);
 
 /* Name of a body for messages: its name, or "#12" by id; written to `out`, which is returned. */
 const char *rb_scene_body_label(const struct rb_scene *scene, int id, char out[64]);

@@ -414,6 +414,6 @@ const struct rb_method rb_method_classic = {
 	.mind = "errors fall with the first power of time_step; heaps cost much; no springs, drag, "
 		"fields or driven bodies",
 	.steps = &steps,
-	.lacks = RB_FEATURES_VARIED | RB_FEATURE_DRIVEN,
+	.lacks = RB_FEATURES_VARIED | RB_FEATURE_DRIVEN | RB_FEATURE_JOINTS,
 	.round_only = true,
 };

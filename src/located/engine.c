@@ -45,7 +45,7 @@ enum { CROWD_MAX = 1024, CROWD_MAX_PER_BODY = 8 };
 /* True if the scene's method may change to steps. */
 static bool can_be_stepped(const struct rb_located *l)
 {
-	return rb_model_method_row(l->model)->changes && (l->model->features & RB_FEATURE_CONTACT);
+	return rb_model_may_change_method(l->model) && (l->model->features & RB_FEATURE_CONTACT);
 }
 
 /* ---- making ---- */

@@ -12,6 +12,7 @@
 #include "located/relative.h"
 #include "geom/distance.h"
 #include "math/quartic.h"
+#include "model/joints.h"
 
 #include <float.h>
 
@@ -24,6 +25,8 @@ bool rb_pair_can_touch(const struct rb_located *l, int a, int b)
 	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
 	RB_ASSERT_COSTLY(a != b);
 	if (a == b || (rb_located_fixed(l, a) && rb_located_fixed(l, b)))
+		return false;
+	if (rb_model_joined(model, a, b))
 		return false;
 	return !model->group_bit || ((model->group_bit[a] & model->collides[b]) != 0 &&
 	                             (model->group_bit[b] & model->collides[a]) != 0);

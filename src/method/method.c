@@ -306,7 +306,8 @@ struct restart {
 /* True for `auto` while it locates. */
 static bool can_change_method(const struct rb_world *world)
 {
-	return method_of(world)->changes && world->located && rb_engine_wants_steps(world->located);
+	return rb_model_may_change_method(world->model) && world->located &&
+	       rb_engine_wants_steps(world->located);
 }
 
 /* True if the scene has callbacks: they cannot be undone, so a step is repeated and not a frame. */

@@ -53,6 +53,13 @@ static inline const struct rb_method *rb_model_method_row(const struct rb_model 
 	return rb_methods[model->method];
 }
 
+/* Whether `auto` may leave to steps what it does not come to the end of: they have no joints. */
+static inline bool rb_model_may_change_method(const struct rb_model *model)
+{
+	return rb_model_method_row(model)->changes &&
+	       !(model->features & rb_methods[RB_METHOD_STEPPED]->lacks);
+}
+
 /* The kind of that name; -1: there is none. */
 int rb_method_find(const char *name);
 

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "geom/mass.h"
 #include "model/element.h"
+#include "model/joints.h"
 #include "model/validate.h"
 
 /* Class of bodies with the same answer to who can touch whom, and with what material. */
@@ -55,8 +56,8 @@ static bool has_rotation(const struct rb_feature_facts *facts)
 {
 	return facts->driven_turns ||
 	       (facts->moves &&
-	        (facts->spins || facts->friction || facts->torque || callbacks(facts) ||
-	         ((facts->off_center || facts->angular) && facts->can_touch)));
+	        (facts->spins || facts->friction || facts->torque || facts->joints_turn ||
+	         callbacks(facts) || ((facts->off_center || facts->angular) && facts->can_touch)));
 }
 
 static bool has_gyroscopic(const struct rb_feature_facts *facts)
@@ -155,6 +156,11 @@ static bool has_driven(const struct rb_feature_facts *facts)
 	return facts->driven;
 }
 
+static bool has_joints(const struct rb_feature_facts *facts)
+{
+	return facts->joints;
+}
+
 static const struct rb_feature_row rows[] = {
 	{RB_FEATURE_GRAVITY, "gravity", has_gravity, "the same acceleration on every moving body",
          "'gravity' is zero or nothing moves"},
@@ -202,6 +208,8 @@ static const struct rb_feature_row rows[] = {
          "the scene has none"},
 	{RB_FEATURE_GRAVITATION, "gravitation", has_gravitation, "bodies attract each other",
          "the world has no 'gravitation', or nothing is attracted"},
+	{RB_FEATURE_JOINTS, "joints", has_joints, "joints between bodies or with the world",
+         "the scene has no 'joint'"},
 };
 
 const struct rb_feature_row *rb_feature_rows(int *count)
@@ -327,6 +335,15 @@ static bool is_attracted(const struct rb_scene *scene)
 	return free > 0 && (attractors > 1 || (attractors == 1 && inert > 0));
 }
 
+/* Sets `joints` and whether one of them can turn a body. */
+static void see_joints(struct rb_feature_facts *facts)
+{
+	facts->joints = facts->scene->joint_count > 0;
+	for (int k = 0; k < facts->scene->joint_count; k++)
+		facts->joints_turn = facts->joints_turn ||
+		                     rb_joint_turns(facts->scene, &facts->scene->joints[k]);
+}
+
 /* True if the tensor, for unit mass, is not a multiple of 1. */
 static bool has_unequal_moments(const struct rb_scene *scene, const struct rb_body_def *body)
 {
@@ -363,6 +380,7 @@ struct rb_feature_facts rb_feature_facts_of(const struct rb_scene *scene,
 	}
 	see_elements(&facts);
 	facts.attracted = is_attracted(scene);
+	see_joints(&facts);
 	if (facts.moves)
 		see_pairs(&facts, pair);
 	return facts;

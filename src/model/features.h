@@ -25,6 +25,8 @@ struct rb_feature_facts {
 	bool driven_turns; /* ... that returns an orientation */
 	bool filters;
 	bool attracted; /* a free body by another one's gravitation */
+	bool joints;
+	bool joints_turn; /* ... of which one holds a body off its centre of mass, or turns it */
 };
 
 struct rb_feature_row {

@@ -22,6 +22,7 @@
 #include "model/validate.h"
 #include "model/element.h"
 #include "model/features.h"
+#include "model/joints.h"
 #include "model/parts.h"
 
 const char *rb_rollback_name(enum rb_rollback_kind kind)
@@ -330,7 +331,9 @@ static enum rb_status fill(struct rb_model *model, struct rb_mistakes *mistakes,
 	if (model->attraction)
 		fill_attraction(model);
 	fill_numbers(model);
-	return rb_elements_create(model, err);
+	const enum rb_status elements = rb_elements_create(model, err);
+
+	return elements == RB_OK ? rb_joints_create(model, err) : elements;
 }
 
 enum rb_status rb_model_create(struct rb_model **model, const struct rb_scene *scene,
@@ -365,6 +368,7 @@ void rb_model_destroy(struct rb_model *model)
 	rb_memory_free(model->inverse_mass);
 	rb_memory_free(model->driven);
 	rb_elements_destroy(model);
+	rb_joints_destroy(model);
 	rb_memory_free(model->inertia);
 	rb_memory_free(model->inverse_inertia);
 	rb_memory_free(model->inverse_inertia_scalar);

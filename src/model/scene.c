@@ -37,6 +37,7 @@ enum {
 	ARRAY_SOLIDS,
 	ARRAY_FORCES,
 	ARRAY_FIELDS,
+	ARRAY_JOINTS,
 	ARRAY_GROUPS,
 	ARRAY_CAMERAS,
 	ARRAY_PARAMS,
@@ -194,6 +195,7 @@ void rb_scene_release(struct rb_scene *scene)
 	for (int k = 0; k < RB_ELEMENT_KINDS_MAX; k++)
 		rb_memory_free(scene->elements[k].rows);
 	rb_memory_free(scene->fields);
+	rb_memory_free(scene->joints);
 	rb_memory_free(scene->groups);
 	rb_memory_free(scene->cameras);
 	rb_memory_free(scene->params);
@@ -238,6 +240,26 @@ struct rb_force_def rb_force_def_default(void)
 		.point = {(double)NAN, 0, 0},
 		.duration_s = (double)INFINITY,
 		.frame = RB_FORCE_WORLD,
+	};
+}
+
+struct rb_joint_def rb_joint_def_default(void)
+{
+	const rb_vec3 none = {(double)NAN, 0, 0};
+
+	return (struct rb_joint_def){
+		.a = -1,
+		.b = -1,
+		.at = none,
+		.at_a = none,
+		.at_b = none,
+		.axis = none,
+		.axis_b = none,
+		.length_m = (double)NAN,
+		.limits = {(double)NAN, (double)NAN},
+		.motor_speed = (double)NAN,
+		.motor_function = -1,
+		.visible = true,
 	};
 }
 
@@ -354,6 +376,20 @@ enum rb_status rb_scene_add_field(struct rb_scene *scene, const struct rb_field_
 	return RB_OK;
 }
 
+enum rb_status rb_scene_add_joint(struct rb_scene *scene, const struct rb_joint_def *def,
+                                  int *index, struct rb_error *err)
+{
+	struct rb_joint_def joint = *def;
+
+	if (!own(scene, &joint.name) ||
+	    !room(scene, &scene->joints, ARRAY_JOINTS, scene->joint_count, sizeof joint))
+		return out_of_memory("joints", err);
+	if (index)
+		*index = scene->joint_count;
+	scene->joints[scene->joint_count++] = joint;
+	return RB_OK;
+}
+
 enum rb_status rb_scene_group(struct rb_scene *scene, const char *name, int *index,
                               struct rb_error *err)
 {
@@ -447,6 +483,14 @@ enum rb_status rb_scene_add_file(struct rb_scene *scene, const char *name, const
 	snprintf(file.sha256, sizeof file.sha256, "%s", sha256 ? sha256 : "");
 	scene->files[scene->file_count++] = file;
 	return RB_OK;
+}
+
+const char *rb_joint_kind_name(int kind)
+{
+	static const char *const name[RB_JOINT_KIND_COUNT] = {
+		"fixed", "ball", "hinge", "slider", "cylindrical", "universal", "rod", "rope"};
+
+	return kind >= 0 && kind < RB_JOINT_KIND_COUNT ? name[kind] : "unknown";
 }
 
 const char *rb_scene_body_label(const struct rb_scene *scene, int id, char out[64])

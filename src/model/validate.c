@@ -25,6 +25,7 @@
 #include "model/shape.h"
 #include "math/quat.h"
 #include "model/element.h"
+#include "model/joints.h"
 #include "model/parts.h"
 
 enum { OVERLAPS_SHOWN = 10, LINE_SIZE = 512 }; /* pairs named each; bytes of a message */
@@ -521,6 +522,8 @@ static void check_method(struct check *check)
 		lacks(check, "fields");
 	if (driven && (missing & RB_FEATURE_DRIVEN))
 		lacks(check, "driven bodies ('motion')");
+	if (scene->joint_count > 0 && (missing & RB_FEATURE_JOINTS))
+		lacks(check, "joints");
 }
 
 /* Ends and numbers of one force element. */
@@ -543,6 +546,16 @@ static void check_elements(struct check *check)
 		for (int k = 0; k < check->scene->elements[place].count; k++)
 			check_element(check, rb_element_kinds[place],
 			              rb_scene_element(check->scene, rb_element_kinds[place], k));
+}
+
+static void check_joints(struct check *check)
+{
+	char text[RB_JOINT_FAULT_SIZE], label[96];
+
+	for (int k = 0; k < check->scene->joint_count; k++)
+		if (rb_joint_fault(check->scene, &check->scene->joints[k], text))
+			line_mistake(check, check->scene->joints[k].line, "joint: %s: %s",
+			             rb_joint_label(check->scene, k, label), text);
 }
 
 /* Id of the last earlier body with the name of items[i], among items of the same hash; -1: none. */
@@ -635,7 +648,7 @@ static void check_overlap(struct check *check, int a, int b, int *found)
 	const struct rb_scene *scene = check->scene;
 	const struct rb_body_def *body_a = &scene->bodies[a], *body_b = &scene->bodies[b];
 
-	if (!rb_bodies_can_touch(body_a, body_b))
+	if (!rb_bodies_can_touch(body_a, body_b) || rb_scene_joined(scene, a, b))
 		return;
 	const double gap = gap_at_start(check, a, b);
 	if (gap >= -check->sizes.tolerance_m)
@@ -769,6 +782,7 @@ enum rb_status rb_scene_check(const struct rb_scene *scene, bool turns,
 	const bool good = check_bodies(&check);
 	check_method(&check);
 	check_elements(&check);
+	check_joints(&check);
 	status = check_names(&check, err);
 	if (good)
 		check_tolerance(&check);

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "geom/distance.h"
+#include "model/joints.h"
 
 struct half_space {
 	rb_vec3 point, normal;
@@ -175,6 +176,17 @@ static enum rb_status find_planes(struct rb_broadphase *broadphase, const rb_aab
 	return RB_OK;
 }
 
+/* Takes out pairs that joints hold together. */
+static void drop_joined(struct rb_grid *grid, const struct rb_model *model)
+{
+	size_t kept = 0;
+
+	for (size_t i = 0; i < grid->pair_count; i++)
+		if (!rb_joints_between(model->joints, grid->pairs[i].a, grid->pairs[i].b))
+			grid->pairs[kept++] = grid->pairs[i];
+	grid->pair_count = kept;
+}
+
 enum rb_status rb_broadphase_find(struct rb_broadphase *broadphase, const rb_aabb *box,
                                   const struct rb_pair **pairs, size_t *pair_count,
                                   struct rb_error *err)
@@ -201,6 +213,8 @@ enum rb_status rb_broadphase_find(struct rb_broadphase *broadphase, const rb_aab
 				                                           model->body_count];
 	if (status == RB_OK)
 		status = find_planes(broadphase, box, err);
+	if (model->joints)
+		drop_joined(grid, model);
 	if (status == RB_OK)
 		status = rb_grid_sort(grid, model->body_count + model->static_count, err);
 	if (status == RB_OK) {

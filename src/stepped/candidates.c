@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "geom/distance.h"
+#include "model/joints.h"
 #include "model/parts.h"
 
 enum {
@@ -225,6 +226,8 @@ static bool is_in_reach(const struct rb_candidates *near, int i, int plane)
 static bool may_touch(const struct rb_model *model, int a, int b)
 {
 	RB_ASSERT_COSTLY(a >= 0 && b >= 0);
+	if (rb_model_joined(model, a, b))
+		return false;
 	return !model->group_bit || ((model->collides[a] & model->group_bit[b]) != 0 &&
 	                             (model->collides[b] & model->group_bit[a]) != 0);
 }

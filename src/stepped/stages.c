@@ -47,6 +47,7 @@ const struct rb_method rb_method_stepped = {
 	.mind = "impacts are at ends of steps: errors fall with the first power of time_step; "
 		"springs that a step does not resolve lose their oscillation",
 	.steps = &rb_stepper_stepped,
+	.lacks = RB_FEATURE_JOINTS,
 	.parts = parts,
 	.parts_title = "stages of a step",
 };

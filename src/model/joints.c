@@ -1,0 +1,463 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Joints sealed: the author's points and axes, in world coordinates at the start, become points and
+ * frames of the bodies. A joint that does not close at the start to 1e-9 of its size is a mistake:
+ * nothing is moved silently. Lists of joints at a body are in compressed form, as those of force
+ * elements (model/element).
+ */
+#include "model/joints.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "math/quat.h"
+#include "model/shape.h"
+
+/* Of the joint's size, or of a unit vector: the most by which a joint may be open at the start. */
+static const double closed_within = 1e-9;
+
+const char *rb_joint_label(const struct rb_scene *scene, int k, char out[96])
+{
+	const struct rb_joint_def *def = &scene->joints[k];
+
+	RB_ASSERT(k >= 0 && k < scene->joint_count);
+	if (def->name)
+		snprintf(out, 96, "%s '%.63s'", rb_joint_kind_name(def->kind), def->name);
+	else
+		snprintf(out, 96, "%s #%d", rb_joint_kind_name(def->kind), k);
+	return out;
+}
+
+/* ---- points ---- */
+
+static rb_quat turn_of(const struct rb_scene *scene, int id)
+{
+	return id < 0 ? rb_quat_identity : rb_quat_unit(scene->bodies[id].orientation);
+}
+
+/* The centre of mass as the model has it, object coordinates: of what is not free, the origin. */
+static rb_vec3 center_of(const struct rb_scene *scene, int id)
+{
+	if (id < 0 || !rb_body_is_free(&scene->bodies[id]))
+		return (rb_vec3){0, 0, 0};
+	return scene->bodies[id].center_of_mass;
+}
+
+static rb_vec3 to_world(const struct rb_scene *scene, int id, rb_vec3 at)
+{
+	if (id < 0)
+		return at;
+	return rb_vec3_add(scene->bodies[id].position, rb_quat_rotate(turn_of(scene, id), at));
+}
+
+/* From the centre of mass, object axes. */
+static rb_vec3 to_body(const struct rb_scene *scene, int id, rb_vec3 point)
+{
+	if (id < 0)
+		return point;
+	return rb_vec3_sub(rb_quat_rotate_back(turn_of(scene, id),
+	                                       rb_vec3_sub(point, scene->bodies[id].position)),
+	                   center_of(scene, id));
+}
+
+static bool is_line(int kind)
+{
+	return kind == RB_JOINT_ROD || kind == RB_JOINT_ROPE;
+}
+
+static bool is_given(rb_vec3 v)
+{
+	return !isnan(v.x);
+}
+
+void rb_joint_points(const struct rb_scene *scene, const struct rb_joint_def *def, rb_vec3 *p_a,
+                     rb_vec3 *p_b)
+{
+	const bool line = is_line(def->kind);
+	const bool has_a = is_given(def->at_a), has_b = is_given(def->at_b);
+
+	*p_a = has_a ? to_world(scene, def->a, def->at_a) : def->at;
+	*p_b = has_b ? to_world(scene, def->b, def->at_b) : def->at;
+	if (!has_a && !is_given(def->at))
+		*p_a = line || !has_b ? to_world(scene, def->a, center_of(scene, def->a)) : *p_b;
+	if (!has_b && !is_given(def->at))
+		*p_b = line ? to_world(scene, def->b, center_of(scene, def->b)) : *p_a;
+}
+
+double rb_joint_size(const struct rb_scene *scene, const struct rb_joint_def *def)
+{
+	const int id[2] = {def->a, def->b};
+	rb_vec3 point[2];
+	double size = 0;
+
+	rb_joint_points(scene, def, &point[0], &point[1]);
+	for (int e = 0; e < 2; e++) {
+		if (id[e] < 0)
+			continue;
+		const struct rb_body_def *body = &scene->bodies[id[e]];
+
+		size = fmax(size, rb_vec3_length(to_body(scene, id[e], point[e])));
+		if (rb_body_is_free(body))
+			size = fmax(size, rb_shape_reach(scene->solids, &body->shape));
+	}
+	return is_line(def->kind) ? fmax(size, rb_vec3_length(rb_vec3_sub(point[1], point[0])))
+	                          : size;
+}
+
+/* A point of it is off the centre of mass of a free body, or it carries torques. */
+bool rb_joint_turns(const struct rb_scene *scene, const struct rb_joint_def *def)
+{
+	const int id[2] = {def->a, def->b};
+	rb_vec3 point[2];
+
+	if (!is_line(def->kind))
+		return true;
+	rb_joint_points(scene, def, &point[0], &point[1]);
+	for (int e = 0; e < 2; e++) {
+		const rb_vec3 at = e == 0 ? def->at_a : def->at_b;
+
+		if (id[e] < 0 || !rb_body_is_free(&scene->bodies[id[e]]))
+			continue;
+		if (is_given(def->at) ||
+		    (is_given(at) && rb_vec3_max_abs(rb_vec3_sub(at, center_of(scene, id[e]))) > 0))
+			return true;
+	}
+	return false;
+}
+
+/* ---- mistakes ---- */
+
+static bool needs_axis(int kind)
+{
+	return kind == RB_JOINT_HINGE || kind == RB_JOINT_SLIDER || kind == RB_JOINT_CYLINDRICAL ||
+	       kind == RB_JOINT_UNIVERSAL;
+}
+
+/* What no method does yet; NULL: nothing. */
+static const char *unsupported(const struct rb_joint_def *def)
+{
+	if (def->kind == RB_JOINT_ROPE)
+		return "kind 'rope'";
+	if (!isnan(def->limits[0]) || !isnan(def->limits[1]))
+		return "'limits'";
+	if (rb_joint_has_motor(def))
+		return "'motor'";
+	if (def->friction > 0)
+		return "'friction'";
+	if (def->stiffness > 0 || def->damping > 0)
+		return "'stiffness' and 'damping'";
+	return NULL;
+}
+
+static bool ends_fault(const struct rb_scene *scene, const struct rb_joint_def *def,
+                       char text[RB_JOINT_FAULT_SIZE])
+{
+	const char *what = NULL;
+
+	if (def->a < 0 || def->a >= scene->body_count)
+		what = "'a' must be a body";
+	else if (def->b >= scene->body_count)
+		what = "'b' must be a body, or be left out for the world";
+	else if (def->a == def->b)
+		what = "both ends are on the same body";
+	else if (!rb_body_is_free(&scene->bodies[def->a]) &&
+	         (def->b < 0 || !rb_body_is_free(&scene->bodies[def->b])))
+		what = "nothing can move either end: one must be on a body that is neither static "
+		       "nor driven";
+	if (what)
+		snprintf(text, RB_JOINT_FAULT_SIZE, "%s", what);
+	return what != NULL;
+}
+
+/* Vectors that are given and not finite, numbers out of their range. */
+static bool numbers_fault(const struct rb_joint_def *def, char text[RB_JOINT_FAULT_SIZE])
+{
+	const struct {
+		const char *key;
+		rb_vec3 value;
+	} vector[] = {{"at", def->at},
+	              {"at_a", def->at_a},
+	              {"at_b", def->at_b},
+	              {"axis", def->axis},
+	              {"axis_b", def->axis_b}};
+	const struct {
+		const char *key;
+		double value;
+	} number[] = {{"friction", def->friction},
+	              {"stiffness", def->stiffness},
+	              {"damping", def->damping},
+	              {"motor's torque", def->motor_max}};
+
+	for (size_t k = 0; k < sizeof vector / sizeof vector[0]; k++) {
+		if (!is_given(vector[k].value))
+			continue;
+		if (rb_vec3_finite(vector[k].value) &&
+		    (k < 3 || rb_vec3_max_abs(vector[k].value) > 0))
+			continue;
+		snprintf(text, RB_JOINT_FAULT_SIZE, "'%s' must be finite%s", vector[k].key,
+		         k < 3 ? "" : " and not zero");
+		return true;
+	}
+	for (size_t k = 0; k < sizeof number / sizeof number[0]; k++) {
+		if (number[k].value >= 0 && isfinite(number[k].value))
+			continue;
+		snprintf(text, RB_JOINT_FAULT_SIZE, "'%s' must be finite and 0 or more (got %g)",
+		         number[k].key, number[k].value);
+		return true;
+	}
+	if (!(def->restitution >= 0 && def->restitution <= 1)) {
+		snprintf(text, RB_JOINT_FAULT_SIZE, "'restitution' must be in [0, 1] (got %g)",
+		         def->restitution);
+		return true;
+	}
+	return false;
+}
+
+/* Points that do not meet, a length that is not that of the start. */
+static bool gap_fault(const struct rb_scene *scene, const struct rb_joint_def *def,
+                      char text[RB_JOINT_FAULT_SIZE])
+{
+	const double size = rb_joint_size(scene, def);
+	rb_vec3 p_a, p_b;
+
+	rb_joint_points(scene, def, &p_a, &p_b);
+	const double distance = rb_vec3_length(rb_vec3_sub(p_b, p_a));
+	char a[64], b[64];
+
+	rb_scene_body_label(scene, def->a, a);
+	if (def->b < 0)
+		snprintf(b, sizeof b, "the world");
+	else
+		rb_scene_body_label(scene, def->b, b);
+	if (!is_line(def->kind)) {
+		if (distance <= closed_within * size)
+			return false;
+		snprintf(text, RB_JOINT_FAULT_SIZE,
+		         "does not close at the start: the points of %s and %s are %.6g m apart "
+		         "(wanted at most 1e-9 of its size, %.6g m)",
+		         a, b, distance, size);
+		return true;
+	}
+	if (!isnan(def->length_m) && !(def->length_m > 0 && isfinite(def->length_m))) {
+		snprintf(text, RB_JOINT_FAULT_SIZE, "'length' must be positive (got %g)",
+		         def->length_m);
+		return true;
+	}
+	const double length = isnan(def->length_m) ? distance : def->length_m;
+
+	if (!(length > 0)) {
+		snprintf(text, RB_JOINT_FAULT_SIZE,
+		         "the points of %s and %s are at one place: it has no length (kind 'ball' "
+		         "holds them together)",
+		         a, b);
+		return true;
+	}
+	const double over = def->kind == RB_JOINT_ROD ? fabs(distance - length) : distance - length;
+
+	if (over <= closed_within * size)
+		return false;
+	snprintf(text, RB_JOINT_FAULT_SIZE,
+	         "does not close at the start: 'length' is %.6g m, and the points of %s and %s are "
+	         "%.6g m apart",
+	         length, a, b, distance);
+	return true;
+}
+
+static bool axes_fault(const struct rb_joint_def *def, char text[RB_JOINT_FAULT_SIZE])
+{
+	const rb_vec3 none = {0, 0, 1};
+
+	if (needs_axis(def->kind) && !is_given(def->axis)) {
+		snprintf(text, RB_JOINT_FAULT_SIZE, "'axis' must be given for kind '%s'",
+		         rb_joint_kind_name(def->kind));
+		return true;
+	}
+	if (def->kind != RB_JOINT_UNIVERSAL)
+		return false;
+	if (!is_given(def->axis_b)) {
+		snprintf(text, RB_JOINT_FAULT_SIZE,
+		         "'axis_b' must be given for kind 'universal': the axis of b, across "
+		         "'axis'");
+		return true;
+	}
+	const double along = rb_vec3_dot(rb_vec3_unit(def->axis, none),
+	                                 rb_vec3_unit(def->axis_b, none));
+
+	if (fabs(along) <= closed_within)
+		return false;
+	snprintf(text, RB_JOINT_FAULT_SIZE,
+	         "does not close at the start: 'axis' and 'axis_b' must be at right angles (the "
+	         "cosine of their angle is %.6g)",
+	         along);
+	return true;
+}
+
+bool rb_joint_fault(const struct rb_scene *scene, const struct rb_joint_def *def,
+                    char text[RB_JOINT_FAULT_SIZE])
+{
+	RB_ASSERT(def->kind >= 0 && def->kind < RB_JOINT_KIND_COUNT);
+	if (ends_fault(scene, def, text) || numbers_fault(def, text) || axes_fault(def, text) ||
+	    gap_fault(scene, def, text))
+		return true;
+	const char *const missing = unsupported(def);
+
+	if (missing)
+		snprintf(text, RB_JOINT_FAULT_SIZE, "%s is not supported yet", missing);
+	return missing != NULL;
+}
+
+bool rb_scene_joined(const struct rb_scene *scene, int a, int b)
+{
+	for (int k = 0; k < scene->joint_count; k++) {
+		const struct rb_joint_def *def = &scene->joints[k];
+
+		if (!def->collides &&
+		    ((def->a == a && def->b == b) || (def->a == b && def->b == a)))
+			return true;
+	}
+	return false;
+}
+
+/* ---- of a model ---- */
+
+/* Axes of the joint in the world at the start, z along `axis`. */
+static rb_quat axes_along(rb_vec3 axis)
+{
+	const rb_vec3 none = {(double)NAN, 0, 0};
+
+	return is_given(axis) ? rb_plane_orientation(axis, none) : rb_quat_identity;
+}
+
+static rb_quat to_object(const struct rb_scene *scene, int id, rb_quat axes)
+{
+	const rb_quat q = turn_of(scene, id);
+
+	return rb_quat_unit(rb_quat_multiply((rb_quat){q.w, -q.x, -q.y, -q.z}, axes));
+}
+
+static void fill_link(const struct rb_scene *scene, const struct rb_joint_def *def,
+                      struct rb_linkage *link)
+{
+	const rb_quat axes = axes_along(def->axis);
+	rb_vec3 p_a, p_b;
+
+	rb_joint_points(scene, def, &p_a, &p_b);
+	link->kind = (enum rb_joint_kind)def->kind;
+	link->at_a = to_body(scene, def->a, p_a);
+	link->at_b = to_body(scene, def->b, p_b);
+	if (is_given(def->at_a) && def->a >= 0)
+		link->at_a = rb_vec3_sub(def->at_a, center_of(scene, def->a));
+	if (is_given(def->at_b) && def->b >= 0)
+		link->at_b = rb_vec3_sub(def->at_b, center_of(scene, def->b));
+	/* nothing given: exactly at the centres of mass, so that nothing is turned */
+	if (is_line(def->kind) && !is_given(def->at)) {
+		link->at_a = is_given(def->at_a) ? link->at_a : (rb_vec3){0, 0, 0};
+		if (def->b >= 0 && !is_given(def->at_b))
+			link->at_b = (rb_vec3){0, 0, 0};
+	}
+	link->frame_a = to_object(scene, def->a, axes);
+	link->frame_b = to_object(scene, def->b,
+	                          def->kind == RB_JOINT_UNIVERSAL ? axes_along(def->axis_b) : axes);
+	link->length = 0;
+	if (is_line(def->kind))
+		link->length = isnan(def->length_m) ? rb_vec3_length(rb_vec3_sub(p_b, p_a))
+		                                    : def->length_m;
+}
+
+static struct rb_joint sealed(const struct rb_model *model, int k)
+{
+	const struct rb_joint_def *def = &model->scene->joints[k];
+	struct rb_joint joint = {
+		.a = model->index_of[def->a],
+		.b = def->b < 0 ? -1 : model->index_of[def->b],
+		.def = k,
+		.low = isnan(def->limits[0]) ? -(double)INFINITY : def->limits[0],
+		.high = isnan(def->limits[1]) ? (double)INFINITY : def->limits[1],
+		.restitution = def->restitution,
+		.friction = def->friction,
+		.has_motor = rb_joint_has_motor(def),
+		.motor_speed = def->motor_speed,
+		.motor_function = def->motor_function,
+		.motor_max = def->motor_max,
+		.stiffness = def->stiffness,
+		.damping = def->damping,
+		.rest = def->rest,
+		.collides = def->collides,
+		.size = rb_joint_size(model->scene, def),
+	};
+
+	fill_link(model->scene, def, &joint.link);
+	if (def->kind == RB_JOINT_ROPE) {
+		joint.low = 0;
+		joint.high = joint.link.length;
+	}
+	return joint;
+}
+
+/* Fills first, of by a counting sort over body indices (see model/element). */
+static void list_ends(struct rb_joints *joints, int bodies)
+{
+	int *const next = joints->first + 1;
+
+	for (int k = 0; k < joints->count; k++) {
+		next[joints->joint[k].a + 1]++;
+		if (joints->joint[k].b >= 0)
+			next[joints->joint[k].b + 1]++;
+	}
+	for (int i = 0; i < bodies; i++)
+		next[i + 1] += next[i];
+	for (int k = 0; k < joints->count; k++) {
+		joints->of[next[joints->joint[k].a]++] = k;
+		if (joints->joint[k].b >= 0)
+			joints->of[next[joints->joint[k].b]++] = k;
+	}
+	RB_ASSERT(joints->first[0] == 0);
+}
+
+enum rb_status rb_joints_create(struct rb_model *model, struct rb_error *err)
+{
+	const size_t count = (size_t)model->scene->joint_count;
+	const int bodies = model->body_count + model->static_count;
+
+	if (count == 0)
+		return RB_OK;
+	struct rb_joints *const joints = rb_memory_take(1, sizeof *joints);
+
+	model->joints = joints;
+	if (joints) {
+		joints->count = (int)count;
+		joints->joint = rb_memory_take(count, sizeof *joints->joint);
+		joints->first = rb_memory_take((size_t)bodies + 2, sizeof *joints->first);
+		joints->of = rb_memory_take(2 * count, sizeof *joints->of);
+	}
+	if (!joints || !joints->joint || !joints->first || !joints->of)
+		return RB_FAIL(err, RB_ERR_MEMORY, "out of memory for %zu joints", count);
+	for (int k = 0; k < joints->count; k++)
+		joints->joint[k] = sealed(model, k);
+	list_ends(joints, bodies);
+	return RB_OK;
+}
+
+void rb_joints_destroy(struct rb_model *model)
+{
+	if (!model->joints)
+		return;
+	rb_memory_free(model->joints->joint);
+	rb_memory_free(model->joints->first);
+	rb_memory_free(model->joints->of);
+	rb_memory_free(model->joints);
+}
+
+bool rb_joints_between(const struct rb_joints *joints, int a, int b)
+{
+	for (int e = joints->first[a]; e < joints->first[a + 1]; e++) {
+		const struct rb_joint *joint = &joints->joint[joints->of[e]];
+
+		if (!joint->collides && (joint->a == b || joint->b == b))
+			return true;
+	}
+	return false;
+}

@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Joints of a model: those of the scene, completed and sealed; who is at their ends; who does not
+ * touch whom because of them.
+ *
+ * Points and frames are kept in object axes from the centres of mass (geom/linkage): methods ask
+ * nothing but poses of centres of mass. Where b is the world they are world coordinates.
+ */
+#ifndef RB_MODEL_JOINTS_H
+#define RB_MODEL_JOINTS_H
+
+#include <rbsim/model.h>
+
+#include "geom/linkage.h"
+
+enum { RB_JOINT_FAULT_SIZE = 320 };
+
+struct rb_joint {
+	struct rb_linkage link;
+	int a, b; /* indices of bodies; b -1: the world */
+	int def;  /* its place in scene->joints, and here */
+	/* of the free coordinate, rad or m; infinite: none. A rope's are those of |d|: 0, length */
+	double low, high;
+	double restitution, friction; /* friction: N m or N */
+	bool has_motor;
+	double motor_speed; /* NAN: it follows motor_function */
+	int motor_function;
+	double motor_max;
+	double stiffness, damping, rest;
+	bool collides;
+	double size; /* m: of what it joins, to which errors are relative; makes torques forces */
+};
+
+struct rb_joints {
+	int count;
+	struct rb_joint *joint; /* owned */
+	/* owned: those at body i are of[first[i] .. first[i + 1]), ascending; statics too */
+	int *first, *of;
+};
+
+/* What is wrong with the joint by itself or with its bodies at the start; false: nothing. */
+bool rb_joint_fault(const struct rb_scene *scene, const struct rb_joint_def *def,
+                    char text[RB_JOINT_FAULT_SIZE]);
+
+/* "hinge 'knee'", "rod #3" for messages; written to `out`, which is returned. */
+const char *rb_joint_label(const struct rb_scene *scene, int k, char out[96]);
+
+/* Whether it can turn one of its bodies: only rods and ropes at centres of mass cannot. */
+bool rb_joint_turns(const struct rb_scene *scene, const struct rb_joint_def *def);
+
+/*
+ * Its points, world coordinates at the start, as given: p_a = `at` or that of `at_a`, p_b likewise,
+ * or each that of the other; of rods and ropes centres of mass where nothing is given.
+ */
+void rb_joint_points(const struct rb_scene *scene, const struct rb_joint_def *def, rb_vec3 *p_a,
+                     rb_vec3 *p_b);
+
+/* m: the largest of the distances of its points from the bodies' origins and of their sizes. */
+double rb_joint_size(const struct rb_scene *scene, const struct rb_joint_def *def);
+
+/* Whether a joint without `collides` is between the two bodies of the scene (ids). */
+bool rb_scene_joined(const struct rb_scene *scene, int a, int b);
+
+/* model->joints, from the scene's, which have no fault; bodies must be numbered. */
+RB_CHECKED enum rb_status rb_joints_create(struct rb_model *model, struct rb_error *err);
+void rb_joints_destroy(struct rb_model *model);
+
+/* Whether the two bodies (indices) are neighbours that do not touch: see rb_model_joined. */
+bool rb_joints_between(const struct rb_joints *joints, int a, int b);
+
+/* The filter of every search for contacts. Without joints one comparison. */
+static inline bool rb_model_joined(const struct rb_model *model, int a, int b)
+{
+	return model->joints && rb_joints_between(model->joints, a, b);
+}
+
+#endif
