@@ -411,9 +411,9 @@ static void an_ffmpeg_that_is_slow_is_waited_for(void **state)
 		/* reads nothing for a while */
 		"sleep 0.3; cat >/dev/null; echo x >$out",
 		/* a file grows */
-		"cat >/dev/null; for i in 1 2 3 4 5 6 7; do sleep 0.5; echo x >>$out; done",
+		"cat >/dev/null; for i in 1 2 3 4 5 6 7; do sleep 0.4; echo x >>$out; done",
 		/* works and says nothing */
-		"cat >/dev/null; i=0; while [ $i -lt 3000000 ]; do i=$((i+1)); done; echo x >$out"};
+		"cat >/dev/null; i=0; while [ $i -lt 1500000 ]; do i=$((i+1)); done; echo x >$out"};
 	char folder[256], path[300], script[400];
 	struct rb_error err;
 
@@ -424,7 +424,7 @@ static void an_ffmpeg_that_is_slow_is_waited_for(void **state)
 		         scripts[k]);
 		be_ffmpeg(folder, script);
 		/* four of its pauses: a busy machine stretches them */
-		assert_ok(film_with(path, 20, 2, NULL, &err));
+		assert_ok(film_with(path, 20, 1.5, NULL, &err));
 		assert_int_equal(count_files(folder), 2);
 		assert_int_equal(unlink(path), 0);
 	}

@@ -3,6 +3,7 @@
 #include "support.h"
 
 #include "flow/frame.h"
+#include "model/joints.h"
 
 static const struct {
 	unsigned field;
@@ -155,9 +156,35 @@ static void every_kind_of_event_has_a_name_of_its_own(void **state)
 	}
 }
 
+static void joints_have_columns_of_their_own_where_there_are_any(void **state)
+{
+	struct rb_joints joints = {.count = 5};
+	const struct rb_model model = {.body_count = 2, .joints = &joints},
+			      bare = {.body_count = 2};
+	struct rb_frame frame;
+	struct rb_error err;
+
+	(void)state;
+	assert_ok(rb_frame_init(&frame, &model, RB_FIELD_JOINTS, &err));
+	assert_int_equal(frame.joint_count, 5);
+	assert_true(frame.joint_value && frame.joint_speed && frame.joint_force &&
+	            frame.joint_torque);
+	frame.joint_value[4] = frame.joint_speed[4] = 1;
+	frame.joint_force[14] = frame.joint_torque[14] = 1; /* the blocks' ends are watched */
+	assert_int_equal(rb_frame_bytes(&model, RB_FIELD_JOINTS), 8 * 5 * sizeof(double));
+	rb_frame_release(&frame);
+	assert_null(frame.joint_value);
+	assert_ok(rb_frame_init(&frame, &bare, RB_FIELD_JOINTS, &err));
+	assert_null(frame.joint_value);
+	assert_int_equal(rb_frame_fields(&bare, RB_FIELD_JOINTS), 0);
+	assert_int_equal(rb_frame_bytes(&bare, RB_FIELD_JOINTS), 0);
+	rb_frame_release(&frame);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(joints_have_columns_of_their_own_where_there_are_any),
 		cmocka_unit_test(columns_are_there_where_they_are_wanted_and_can_change),
 		cmocka_unit_test(a_scene_without_bodies_has_frames_too),
 		cmocka_unit_test(any_lack_of_memory_leaves_nothing),

@@ -306,9 +306,44 @@ static void there_is_a_picture_of_next_to_nothing(void **state)
 	lab_close(&lab);
 }
 
+/* A ball on a rod: the picture has room for the place where the rod hangs. */
+static void where_joints_hang_on_the_world_is_in_the_picture(void **state)
+{
+	(void)state;
+	for (int visible = 0; visible < 2; visible++) {
+		const rb_vec3 points[2] = {{0, 0, 0}, {0, 0, 3}};
+		const double r[2] = {0.1, 0};
+		struct rb_joint_def def = rb_joint_def_default();
+		struct rb_camera_def camera = rb_camera_def_default();
+		struct rb_framing framing;
+		struct rb_frame frame;
+		struct rb_error err;
+		struct lab lab;
+		char text[160];
+
+		lab_open(&lab, 1, 10);
+		def.kind = RB_JOINT_ROD;
+		def.a = lab_sphere(&lab, 0.1, 1, points[0], (rb_vec3){0, 0, 0});
+		def.at_b = points[1];
+		def.visible = visible;
+		assert_ok(rb_scene_add_joint(&lab.scene, &def, NULL, &err));
+		seal(&lab);
+		open_frame(&lab, &frame);
+		assert_ok(rb_framing_init(&framing, lab.model, &err));
+		(void)rb_framing_see(&framing, &frame);
+		camera.framed = true;
+		assert_int_equal(rb_framing_aim(&framing, &camera, text, sizeof text), 0);
+		assert_int_equal(farthest(&camera, points, r, 2) <= 0.9 + 1e-9, visible);
+		rb_frame_release(&frame);
+		rb_framing_release(&framing);
+		lab_close(&lab);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(where_joints_hang_on_the_world_is_in_the_picture),
 		cmocka_unit_test(every_body_is_in_the_picture_and_fills_it),
 		cmocka_unit_test(what_moves_is_seen_wherever_it_gets),
 		cmocka_unit_test(planes_that_move_are_seen_unless_they_are_the_ground),

@@ -163,7 +163,8 @@ static void a_recording_tells_of_springs_and_driven_bodies(void **slot)
 	assert_true(H5Tget_size(type) < sizeof kinds);
 	assert_true(H5Aread(attribute, type, kinds) >= 0);
 	assert_string_equal(kinds, "0 collision, 1 rest, 2 slide, 3 roll, 4 lift, 5 edge, 6 merge, "
-	                           "7 impulse, 8 angular_impulse, 9 displacement");
+	                           "7 impulse, 8 angular_impulse, 9 displacement, 10 limit, "
+	                           "11 taut, 12 slack, 13 drives, 14 slips");
 	H5Tclose(type);
 	H5Aclose(attribute);
 	H5Fclose(file);

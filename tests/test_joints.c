@@ -212,15 +212,25 @@ static void mistakes_are_named(void **state)
 	def = hinge(0, 2);
 	def.stiffness = -1;
 	refused(def, "'stiffness'");
+	def = hinge(0, 2);
+	def.kind = RB_JOINT_BALL;
+	def.damping = 1;
+	refused(def, "'damping' is of the angle of a hinge, or of the way of a slider");
+	def = hinge(0, 2);
+	def.limits[1] = 1;
+	refused(def, "'limits': only the stepped method has it");
 	/* by methods that have none */
 	struct lab lab;
 
-	open_boxes(&lab);
-	lab.scene.world.method = RB_METHOD_STEPPED;
-	def = hinge(0, 1);
+	lab_open(&lab, 1, 60);
+	lab.scene.world.method = RB_METHOD_CLASSIC;
+	def = rb_joint_def_default();
+	def.kind = RB_JOINT_ROD;
+	def.a = lab_sphere(&lab, 0.1, 1, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 0});
+	def.b = lab_sphere(&lab, 0.1, 1, (rb_vec3){1, 0, 0}, (rb_vec3){0, 0, 0});
 	add(&lab, &def);
 	assert_int_equal(rb_model_create(&lab.model, &lab.scene, NULL, &lab.error), RB_ERR_SCENE);
-	assert_non_null(strstr(lab.error.text, "'stepped' has no joints"));
+	assert_non_null(strstr(lab.error.text, "'classic' has no joints"));
 	lab_close(&lab);
 }
 

@@ -24,6 +24,9 @@ static const struct {
 	{&rb_rows_light, sizeof(struct rb_light_def)},
 	{&rb_rows_record, sizeof(struct rb_record_def)},
 	{&rb_rows_param, sizeof(struct rb_param_def)},
+	{&rb_rows_measure, sizeof(struct rb_measure_def)},
+	{&rb_rows_joint, sizeof(struct rb_joint_def)},
+	{&rb_rows_motor, sizeof(struct rb_joint_def)},
 	{&rb_rows_field, sizeof(struct rb_field_def)},
 };
 enum { TABLES = sizeof tables / sizeof *tables };
@@ -120,7 +123,10 @@ static void every_key_of_a_call_is_there_once_with_its_texts(void **state)
 		check_texts(&rb_element_kinds[k]->keys);
 }
 
-/* Only a light's direction, which suns have in place of a position, shares its place. */
+/*
+ * Only what stands in place of another key shares its place: a sun's direction, a lamp's position;
+ * the way and force of a slider's motor, angle and torque of a hinge's.
+ */
 static void no_two_keys_write_to_one_place(void **state)
 {
 	(void)state;
@@ -133,7 +139,8 @@ static void no_two_keys_write_to_one_place(void **state)
 			assert_true(a->at + size_of(a) <= tables[t].size);
 			for (int j = 0; j < i; j++) {
 				b = row_at(tables[t].table, j);
-				if (b->at == RB_ROW_BY_HAND || strcmp(a->key, "direction") == 0)
+				if (b->at == RB_ROW_BY_HAND || strcmp(a->key, "direction") == 0 ||
+				    (tables[t].table == &rb_rows_motor && a->at == b->at))
 					continue;
 				if (a->at < b->at + size_of(b) && b->at < a->at + size_of(a))
 					fail_msg("%s: '%s' and '%s' share bytes",
@@ -178,7 +185,12 @@ static void choices_stand_in_the_order_of_their_numbers(void **state)
 	static const char *const fields[] = {
 		"position", "orientation", "velocity",     "angular_velocity",
 		"contacts", "events",      "acceleration", "angular_acceleration",
-		"force",    "torque"};
+		"force",    "torque",      "joints"};
+	static const char *const joints[] = {
+		[RB_JOINT_FIXED] = "fixed", [RB_JOINT_BALL] = "ball",
+		[RB_JOINT_HINGE] = "hinge", [RB_JOINT_SLIDER] = "slider",
+		[RB_JOINT_ROD] = "rod",     [RB_JOINT_CYLINDRICAL] = "cylindrical",
+		[RB_JOINT_ROPE] = "rope",   [RB_JOINT_UNIVERSAL] = "universal"};
 	static const char *const overlays[] = {"time", "title", "energy"};
 
 	(void)state;
@@ -186,10 +198,14 @@ static void choices_stand_in_the_order_of_their_numbers(void **state)
 	assert_choices(&rb_rows_world, "method", 4, methods);
 	assert_choices(&rb_rows_force, "frame", 2, frames);
 	assert_choices(&rb_rows_light, "kind", 4, lights);
-	assert_choices(&rb_rows_record, "fields", 10, fields);
+	assert_choices(&rb_rows_record, "fields", 11, fields);
+	assert_choices(&rb_rows_joint, "kind", RB_JOINT_KIND_COUNT, joints);
+	for (int k = 0; k < RB_JOINT_KIND_COUNT; k++)
+		assert_string_equal(rb_joint_kind_name(k), joints[k]);
 	assert_choices(&rb_rows_camera, "overlay", 3, overlays);
 	assert_int_equal(RB_FIELD_EVENTS, 1 << 5);
 	assert_int_equal(RB_FIELD_TORQUE, 1 << 9);
+	assert_int_equal(RB_FIELD_JOINTS, 1 << 10);
 	assert_int_equal(RB_OVERLAY_ENERGY, 1 << 2);
 }
 

@@ -26,9 +26,15 @@ extern "C" {
  * spinning) without slip, lift: it ends; edge: it goes on at a rim or corner; merge: infinitely
  * many impacts have ended in it. Their impulse and approach speed are 0.
  *
- * The last three are changes that a callback has made to one body, a == b, which is then at `point`
- * with its centre of mass; their normal and approach speed are 0, and `impulse` holds the change:
- * of momentum, N s; of angular momentum about the centre of mass, N m s; of position, m.
+ * Impulse, angular impulse and displacement are changes that a callback has made to one body, a ==
+ * b, which is then at `point` with its centre of mass; their normal and approach speed are 0, and
+ * `impulse` holds the change: of momentum, N s; of angular momentum about the centre of mass, N m
+ * s; of position, m.
+ *
+ * The last five are of joints, a == b where the other end is the world. Impacts: one has met its
+ * limit (impulse N s along the axis, or N m s about it; approach speed m/s or rad/s), a rope has
+ * come taut. Transitions: a rope is taut no longer; motor or friction holds the joint at its speed,
+ * or suffices no more.
  */
 enum rb_event_kind {
 	RB_EVENT_COLLISION,
@@ -41,11 +47,22 @@ enum rb_event_kind {
 	RB_EVENT_IMPULSE,
 	RB_EVENT_ANGULAR_IMPULSE,
 	RB_EVENT_DISPLACEMENT,
+	RB_EVENT_LIMIT,
+	RB_EVENT_TAUT,
+	RB_EVENT_SLACK,
+	RB_EVENT_DRIVES,
+	RB_EVENT_SLIPS,
 	RB_EVENT_KIND_COUNT
 };
 
 /* "collision", "rest", ... as in scenes and recordings. */
 const char *rb_event_kind_name(enum rb_event_kind kind);
+
+/* Impacts call on_collision, all other kinds that callbacks are told of on_transition. */
+static inline bool rb_event_is_impact(enum rb_event_kind kind)
+{
+	return kind == RB_EVENT_COLLISION || kind == RB_EVENT_LIMIT || kind == RB_EVENT_TAUT;
+}
 
 struct rb_event {
 	double time_s;
@@ -55,6 +72,7 @@ struct rb_event {
 	rb_vec3 normal;        /* unit, from a to b */
 	rb_vec3 impulse;       /* N s, on b */
 	double approach_speed; /* m/s, > 0, along the normal */
+	int joint;             /* 1 + the number of the joint that it is of; 0: of none */
 };
 
 /* A contact that lasts, as seen at a frame. */
@@ -107,6 +125,13 @@ struct rb_frame {
 	double *angular_acceleration; /* [body_count][3] rad/s^2; NULL when nothing can turn */
 	double *force;                /* [body_count][3] N, of all that acts: struct rb_load */
 	double *torque;               /* [body_count][3] N m; NULL when nothing can turn */
+
+	int joint_count; /* of the scene */
+	/*
+	 * NULL unless asked for and there are joints: [joint_count] of rb_joint_reading, the last
+	 * two [joint_count][3]
+	 */
+	double *joint_value, *joint_speed, *joint_force, *joint_torque;
 
 	struct rb_frame_numbers numbers;
 	double *probes; /* [probe_count] of the scene, in its order; NULL: it has none */

@@ -207,6 +207,8 @@ struct rb_joint_def {
 	double rest;   /* rad or m: where its spring exerts nothing */
 	bool collides; /* a and b touch each other */
 	bool visible;
+	double radius_m; /* of what is drawn; NAN: chosen */
+	double color[3]; /* sRGB in [0, 1]; color[0] is NAN: chosen */
 	int line;
 };
 
@@ -283,7 +285,7 @@ struct rb_camera_vector {
 
 enum { RB_CAMERA_LIGHTS_MAX = 8, RB_CAMERA_TRAILS_MAX = 64 };
 enum { RB_OVERLAY_TIME = 1u << 0, RB_OVERLAY_TITLE = 1u << 1, RB_OVERLAY_ENERGY = 1u << 2 };
-enum { RB_VECTORS_VELOCITY = 1u << 0, RB_VECTORS_CONTACT = 1u << 1 };
+enum { RB_VECTORS_VELOCITY = 1u << 0, RB_VECTORS_CONTACT = 1u << 1, RB_VECTORS_JOINT = 1u << 2 };
 
 enum rb_light_kind { RB_LIGHT_LAMP, RB_LIGHT_SUN, RB_LIGHT_SPOT, RB_LIGHT_AMBIENT };
 
@@ -338,6 +340,7 @@ enum {
 	RB_FIELD_ANGULAR_ACCELERATION = 1u << 7,
 	RB_FIELD_FORCE = 1u << 8,
 	RB_FIELD_TORQUE = 1u << 9,
+	RB_FIELD_JOINTS = 1u << 10,
 	RB_FIELD_LOADS = RB_FIELD_ACCELERATION | RB_FIELD_ANGULAR_ACCELERATION | RB_FIELD_FORCE |
 	                 RB_FIELD_TORQUE,
 	RB_FIELD_DEFAULT = RB_FIELD_POSITION | RB_FIELD_ORIENTATION | RB_FIELD_VELOCITY |

@@ -60,6 +60,12 @@ struct rb_world_hooks {
 	 */
 	enum rb_status (*motion)(void *user, int id, double time_s, struct rb_driven_pose *pose,
 	                         struct rb_error *err);
+	/*
+	 * Angle or way, rad or m, that the motor of a joint follows, by the joint's number; NULL
+	 * where none follows any. Depends on nothing but these.
+	 */
+	enum rb_status (*follow)(void *user, int joint, double time_s, double *value,
+	                         struct rb_error *err);
 };
 
 /* Set before the first step, then only read. */
@@ -144,6 +150,22 @@ struct rb_load {
 RB_CHECKED enum rb_status rb_world_load(struct rb_world *world, int id, struct rb_load *load,
                                         struct rb_error *err);
 
+/* A joint at a moment. */
+struct rb_joint_reading {
+	/*
+	 * of a hinge: its angle, rad, turns counted; slider, cylindrical: its way, m; rod, rope:
+	 * the distance of its ends, m; else 0
+	 */
+	double angle;
+	double speed;   /* rad/s or m/s, of it */
+	rb_vec3 force;  /* N: what the joint exerts on b, or on the world, at its point there */
+	rb_vec3 torque; /* N m, with it */
+	bool released;
+};
+/* By the joint's number in the scene; changes nothing. */
+RB_CHECKED enum rb_status rb_world_joint(struct rb_world *world, int joint,
+                                         struct rb_joint_reading *reading, struct rb_error *err);
+
 int rb_world_id_count(const struct rb_world *world);
 bool rb_world_is_static(const struct rb_world *world, int id);
 double rb_world_mass(const struct rb_world *world, int id); /* kg; INFINITY: static */
@@ -168,6 +190,12 @@ void rb_world_apply_torque(struct rb_world *world, int id, rb_vec3 torque);
 void rb_world_set_velocity(struct rb_world *world, int id, rb_vec3 velocity);
 void rb_world_set_angular_velocity(struct rb_world *world, int id, rb_vec3 angular_velocity);
 void rb_world_set_position(struct rb_world *world, int id, rb_vec3 position);
+/*
+ * Changes of a joint from callbacks: the speed that its motor keeps and the most that it exerts
+ * (NAN: as before; a motor that follows a function does so no longer once it has a speed); its end.
+ */
+void rb_world_joint_set_motor(struct rb_world *world, int joint, double speed, double max);
+void rb_world_joint_release(struct rb_world *world, int joint);
 /* Where an impulse or force goes that names no point: the centre of mass, world. */
 rb_vec3 rb_world_center_of_mass(const struct rb_world *world, int id);
 

@@ -17,6 +17,7 @@
 #include "flow/frame.h"
 #include "flow/ring.h"
 #include "model/element.h"
+#include "model/mobility.h"
 #include "model/validate.h"
 #include "model/features.h"
 #include "sink/module.h"
@@ -249,6 +250,33 @@ static void print_bodies(const struct rb_model *model)
 	print_gravitation(model);
 }
 
+/* Joints, and what they leave free. */
+static void print_joints(const struct rb_model *model)
+{
+	char text[RB_JOINTS_TEXT_SIZE];
+	int kinds[RB_JOINT_KIND_COUNT] = {0};
+	struct rb_mobility mobility;
+
+	if (model->scene->joint_count == 0)
+		return;
+	for (int k = 0; k < model->scene->joint_count; k++)
+		kinds[model->scene->joints[k].kind]++;
+	rb_print(stdout, "  joints      %s\n", rb_text_joints(kinds, text));
+	if (rb_mobility_of(&mobility, model, NULL) != RB_OK)
+		return;
+	if (!mobility.counted)
+		rb_print(stdout,
+		         "  freedoms    %d or more: %d rows of joints are too many to say "
+		         "which are redundant\n",
+		         mobility.freedoms > 0 ? mobility.freedoms : 0, mobility.rows);
+	else
+		rb_print(stdout,
+		         "  freedoms    %d at the start; joints have %d %s, of which %d %s\n",
+		         mobility.freedoms, mobility.rows,
+		         rb_text_plural((uint64_t)mobility.rows, "row", "rows"), mobility.redundant,
+		         mobility.redundant == 1 ? "is redundant" : "are redundant");
+}
+
 /* Parts of a method; classic/stage_list prints those of the classic one. */
 static void print_parts(const struct rb_model *model)
 {
@@ -312,6 +340,7 @@ static void print_text(struct rb_loaded *loaded, const struct rb_options *option
 	         " steps of at most %g s, seed %" PRIu64 "\n",
 	         model->duration_s, model->frame_count, model->frame_rate, needs->steps,
 	         model->time_step_s, loaded->scene.world.seed);
+	print_joints(model);
 	print_time(&needs->run);
 	rb_print(stdout, "  method      %s, rollback %s, tolerance %g m, %d %s\n", info->method,
 	         info->rollback, model->tolerance_m, info->threads,
@@ -341,6 +370,19 @@ static void print_text(struct rb_loaded *loaded, const struct rb_options *option
 	rb_stage_list_print_features(model, stdout);
 	print_parts(model);
 	rb_stage_list_print(model, stdout);
+}
+
+static void json_joints(struct rb_json *json, const struct rb_model *model)
+{
+	struct rb_mobility mobility;
+
+	rb_json_count(json, "joint_count", (uint64_t)model->scene->joint_count);
+	if (model->scene->joint_count == 0 || rb_mobility_of(&mobility, model, NULL) != RB_OK ||
+	    !mobility.counted)
+		return;
+	rb_json_count(json, "freedoms", (uint64_t)mobility.freedoms);
+	rb_json_count(json, "joint_rows", (uint64_t)mobility.rows);
+	rb_json_count(json, "redundant_rows", (uint64_t)mobility.redundant);
 }
 
 static void json_plan(struct rb_json *json, const struct rb_model *model)
@@ -426,6 +468,7 @@ static void print_json(const struct rb_loaded *loaded, const struct rb_run_info 
 	rb_json_forces(&json, elements, model->scene->field_count);
 	if (model->features & RB_FEATURE_GRAVITATION)
 		json_gravitation(&json, model);
+	json_joints(&json, model);
 	rb_json_count(&json, "frames", model->frame_count);
 	rb_json_number(&json, "duration", model->duration_s);
 	rb_json_number(&json, "frame_rate", model->frame_rate);

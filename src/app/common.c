@@ -440,6 +440,28 @@ const char *rb_text_forces(const int element_counts[RB_ELEMENT_KINDS_MAX], int f
 	return out;
 }
 
+const char *rb_text_joints(const int counts[RB_JOINT_KIND_COUNT], char out[RB_JOINTS_TEXT_SIZE])
+{
+	static const char *const called[RB_JOINT_KIND_COUNT] = {
+		[RB_JOINT_FIXED] = "fixed joint",
+		[RB_JOINT_BALL] = "ball joint",
+		[RB_JOINT_HINGE] = "hinge",
+		[RB_JOINT_SLIDER] = "slider",
+		[RB_JOINT_CYLINDRICAL] = "cylindrical joint",
+		[RB_JOINT_UNIVERSAL] = "universal joint",
+		[RB_JOINT_ROD] = "rod",
+		[RB_JOINT_ROPE] = "rope"};
+	size_t used = 0;
+
+	out[0] = '\0';
+	for (int kind = 0; kind < RB_JOINT_KIND_COUNT && used < RB_JOINTS_TEXT_SIZE; kind++)
+		if (counts[kind] > 0)
+			used += (size_t)snprintf(out + used, RB_JOINTS_TEXT_SIZE - used,
+			                         "%s%d %s%s", used > 0 ? ", " : "", counts[kind],
+			                         called[kind], counts[kind] == 1 ? "" : "s");
+	return out;
+}
+
 void rb_json_forces(struct rb_json *json, const int element_counts[RB_ELEMENT_KINDS_MAX],
                     int fields)
 {

@@ -105,6 +105,12 @@ enum { RB_FORCES_TEXT_SIZE = 512 };
 const char *rb_text_forces(const int element_counts[RB_ELEMENT_KINDS_MAX], int fields,
                            char out[RB_FORCES_TEXT_SIZE]);
 struct rb_json;
+/*
+ * "2 hinges, 1 rope", "" without any, from the number of joints of each kind.
+ */
+enum { RB_JOINTS_TEXT_SIZE = 200 };
+const char *rb_text_joints(const int counts[RB_JOINT_KIND_COUNT], char out[RB_JOINTS_TEXT_SIZE]);
+
 /* The same: "spring_count", ..., "field_count". */
 void rb_json_forces(struct rb_json *json, const int element_counts[RB_ELEMENT_KINDS_MAX],
                     int fields);

@@ -244,9 +244,10 @@ static void print_fields(const struct side *side, const struct difference *found
 				         "only '%s' has the column '%s'; what both have is the "
 				         "same\n",
 				         side[i].path, columns[c].name);
-	if ((found->only[0] | found->only[1]) & (RB_FIELD_CONTACTS | RB_FIELD_EVENTS))
-		rb_print(stdout,
-		         "only one of them has contacts or events; the bodies are the same\n");
+	if ((found->only[0] | found->only[1]) &
+	    (RB_FIELD_CONTACTS | RB_FIELD_EVENTS | RB_FIELD_JOINTS))
+		rb_print(stdout, "only one of them has contacts, events or joints; the bodies are "
+		                 "the same\n");
 }
 
 static void print_text(const struct side *side, const struct difference *found)

@@ -214,11 +214,11 @@ void rb_films_tell_missing(const struct rb_model *model, const char *name, unsig
 	} rows[] = {
 		{RB_FIELD_POSITION, "positions", "no film can be made from it"},
 		{RB_FIELD_ORIENTATION, "orientations", "bodies are shown unturned"},
-		{RB_FIELD_VELOCITY, "velocities",
-	         "their arrows are not drawn, and pictures between frames show straight lines"},
+		{RB_FIELD_VELOCITY, "velocities", "no arrows, straight lines between frames"},
 		{RB_FIELD_ANGULAR_VELOCITY, "angular velocities",
 	         "between frames bodies turn the shortest way"},
 		{RB_FIELD_CONTACTS, "contacts", "their arrows are not drawn"},
+		{RB_FIELD_JOINTS, "joints", "arrows of their forces are not drawn"},
 		{RB_FIELD_EVENTS, "events", "pictures between frames show straight lines"},
 	};
 	const unsigned missing = rb_frame_fields(model, wanted) & ~fields;

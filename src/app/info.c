@@ -150,6 +150,7 @@ static const struct {
 	{RB_FIELD_ANGULAR_ACCELERATION, "angular_acceleration"},
 	{RB_FIELD_FORCE, "force"},
 	{RB_FIELD_TORQUE, "torque"},
+	{RB_FIELD_JOINTS, "joints"},
 };
 enum { FIELD_COUNT = sizeof field_names / sizeof *field_names };
 
@@ -213,6 +214,7 @@ static void print_json(const char *path, const struct rb_reading *reading,
 	rb_json_close(&json, '}');
 	rb_json_count(&json, "driven_count", (uint64_t)reading->driven_count);
 	rb_json_forces(&json, reading->element_counts, reading->field_count);
+	rb_json_count(&json, "joint_count", (uint64_t)reading->joint_count);
 	rb_json_count(&json, "events", reading->event_count);
 	rb_json_open(&json, "fields", '[');
 	for (int i = 0; i < FIELD_COUNT; i++)
@@ -308,6 +310,14 @@ static void print_text(const char *path, const struct rb_reading *reading,
 	rb_text_forces(reading->element_counts, reading->field_count, forces);
 	if (*forces)
 		rb_print(stdout, "  forces      %s\n", forces);
+	if (reading->joint_count > 0) {
+		char joints[RB_JOINTS_TEXT_SIZE];
+		int kinds[RB_JOINT_KIND_COUNT] = {0};
+
+		for (int k = 0; k < reading->joint_count; k++)
+			kinds[reading->joint_kind[k]]++;
+		rb_print(stdout, "  joints      %s\n", rb_text_joints(kinds, joints));
+	}
 	rb_print(stdout, "  status      %s%s%s\n", reading->status, *reading->reason ? ": " : "",
 	         reading->reason);
 	rb_print(stdout, "  columns    ");

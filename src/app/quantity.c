@@ -180,6 +180,88 @@ static enum rb_status read_body(struct quantity *quantity, int body, int part, s
 	return RB_OK;
 }
 
+/* ---- joints ---- */
+
+/* What is known of a joint, behind its name and a point. NULL units: of its angle or its way. */
+#define JOINT_VECTOR(x, y, z, length, column, units)                        \
+	{x, 3, 0, COLUMN(column), units}, {y, 3, 1, COLUMN(column), units}, \
+		{z, 3, 2, COLUMN(column), units},                           \
+	{                                                                   \
+		length, 3, -1, COLUMN(column), units                        \
+	}
+static const struct {
+	const char *name;
+	int width, axis; /* axis -1: the length of a vector */
+	size_t column;   /* of struct rb_frame */
+	const char *units;
+} joint_parts[] = {
+	{"angle", 1, 0, COLUMN(joint_value), "rad"},
+	{"way", 1, 0, COLUMN(joint_value), "m"},
+	{"length", 1, 0, COLUMN(joint_value), "m"},
+	{"speed", 1, 0, COLUMN(joint_speed), NULL},
+	JOINT_VECTOR("fx", "fy", "fz", "force", joint_force, "N"),
+	JOINT_VECTOR("tx", "ty", "tz", "torque", joint_torque, "N m"),
+};
+enum { JOINT_PART_COUNT = sizeof joint_parts / sizeof *joint_parts };
+
+/*
+ * Takes "NAME.angle" or "joint#K.angle" apart; false: it is not of that form, or there is no such
+ * joint.
+ */
+static bool find_joint(const struct rb_reading *reading, const char *text, int *joint, int *part)
+{
+	const char *const dot = strrchr(text, '.');
+	const size_t size = dot ? (size_t)(dot - text) : 0;
+
+	for (int p = 0; dot && p < JOINT_PART_COUNT; p++)
+		for (int k = 0; k < reading->joint_count; k++) {
+			char number[24];
+			const char *const name = reading->joint_names[k];
+
+			snprintf(number, sizeof number, "joint#%d", k);
+			if (strcmp(dot + 1, joint_parts[p].name) != 0 ||
+			    !((strlen(name) == size && strncmp(name, text, size) == 0) ||
+			      (strlen(number) == size && strncmp(number, text, size) == 0)))
+				continue;
+			*joint = k;
+			*part = p;
+			return true;
+		}
+	return false;
+}
+
+/* Reads a part of a joint at all frames. */
+static enum rb_status read_joint(struct quantity *quantity, int joint, int part,
+                                 struct rb_error *err)
+{
+	const bool turns = quantity->reading->joint_kind[joint] == RB_JOINT_HINGE;
+	struct rb_frame frame;
+
+	quantity->units = joint_parts[part].units;
+	if (!quantity->units)
+		quantity->units = turns ? "rad/s" : "m/s";
+	for (uint64_t row = 0; row < quantity->reading->frame_count; row++) {
+		const enum rb_status status = quantity->module->reader_frame(quantity->reader, row,
+		                                                             &frame, err);
+		const double *from;
+
+		if (status)
+			return status;
+		memcpy(&from, (const char *)&frame + joint_parts[part].column, sizeof from);
+		if (!from)
+			return RB_FAIL(err, RB_ERR_INPUT,
+			               "'%s' does not record joints (see 'fields' of record)",
+			               quantity->file);
+		from += (size_t)joint_parts[part].width * (size_t)joint;
+		quantity->values[row] = joint_parts[part].axis < 0
+		                                ? rb_vec3_length(rb_vec3_from(from))
+		                                : from[joint_parts[part].axis];
+	}
+	return RB_OK;
+}
+
+/* ---- all of a frame ---- */
+
 /* The energy, the sum of both. */
 static enum rb_status read_energy(struct quantity *quantity, double *more, struct rb_error *err)
 {
@@ -216,7 +298,8 @@ static enum rb_status read_observable(struct quantity *quantity, double *more, s
 	return RB_FAIL(err, RB_ERR_USAGE,
 	               "'%s' has no quantity '%s' (wanted: energy, momentum, ..., a probe, or "
 	               "BODY.x, .vx, .wx, .ax, .fx, .tx, .rx, .speed, .spin, .force, .angle, "
-	               ".yaw, ...; BODY: a name, or #ID of one without)",
+	               ".yaw, ..., or JOINT.angle, .length, .speed, .force, ...; BODY, JOINT: a "
+	               "name, or #ID of a body, joint#NUMBER of a joint without)",
 	               quantity->file, name);
 }
 
@@ -235,7 +318,7 @@ enum rb_status rb_quantity_read(const struct rb_quantity_source *source, const c
 	const struct rb_reading *const reading = quantity.reading;
 	char probe[RB_MEASURE_NAME_MAX * 4];
 	enum rb_status status;
-	int body, part;
+	int body, joint, part;
 
 	/* the scene's own names go first */
 	for (int i = 0; i < reading->probe_count; i++) {
@@ -247,6 +330,8 @@ enum rb_status rb_quantity_read(const struct rb_quantity_source *source, const c
 	}
 	if (find_body(reading, name, &body, &part)) {
 		status = read_body(&quantity, body, part, err);
+	} else if (find_joint(reading, name, &joint, &part)) {
+		status = read_joint(&quantity, joint, part, err);
 	} else {
 		double *const more = rb_memory_take((size_t)reading->frame_count + 1,
 		                                    3 * sizeof *more);

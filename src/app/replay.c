@@ -18,23 +18,29 @@
 #include "base/log.h"
 #include "base/visible.h"
 #include "flow/frame.h"
+#include "model/joints.h"
 #include "script/hooks.h"
 #include "sink/module.h"
 
-enum { COLUMN_COUNT = 8 };
+enum { COLUMN_COUNT = 12 };
 static const struct {
 	const char *name;
 	int width;
 	size_t offset; /* of the column in struct rb_frame */
+	bool of_joints;
 } columns[COLUMN_COUNT] = {
-	{"position", 3, offsetof(struct rb_frame, position)},
-	{"orientation", 4, offsetof(struct rb_frame, orientation)},
-	{"velocity", 3, offsetof(struct rb_frame, velocity)},
-	{"angular_velocity", 3, offsetof(struct rb_frame, angular_velocity)},
-	{"acceleration", 3, offsetof(struct rb_frame, acceleration)},
-	{"angular_acceleration", 3, offsetof(struct rb_frame, angular_acceleration)},
-	{"force", 3, offsetof(struct rb_frame, force)},
-	{"torque", 3, offsetof(struct rb_frame, torque)},
+	{"position", 3, offsetof(struct rb_frame, position), false},
+	{"orientation", 4, offsetof(struct rb_frame, orientation), false},
+	{"velocity", 3, offsetof(struct rb_frame, velocity), false},
+	{"angular_velocity", 3, offsetof(struct rb_frame, angular_velocity), false},
+	{"acceleration", 3, offsetof(struct rb_frame, acceleration), false},
+	{"angular_acceleration", 3, offsetof(struct rb_frame, angular_acceleration), false},
+	{"force", 3, offsetof(struct rb_frame, force), false},
+	{"torque", 3, offsetof(struct rb_frame, torque), false},
+	{"joints' angle", 1, offsetof(struct rb_frame, joint_value), true},
+	{"joints' speed", 1, offsetof(struct rb_frame, joint_speed), true},
+	{"joints' force", 3, offsetof(struct rb_frame, joint_force), true},
+	{"joints' torque", 3, offsetof(struct rb_frame, joint_torque), true},
 };
 
 struct replay {
@@ -48,7 +54,7 @@ struct replay {
 	uint64_t row;          /* of the recording: the next one */
 	bool differs, hash_differs;
 	uint64_t first; /* frame that differs */
-	char what[160]; /* body and column there */
+	char what[200]; /* body and column there */
 	uint64_t state_hash;
 };
 
@@ -76,22 +82,27 @@ static bool same(const struct replay *replay, double now, double then)
 /* Compares the columns that both frames have; notes the first difference. */
 static void compare(struct replay *replay, const struct rb_frame *then)
 {
-	char label[64];
+	char label[96];
 
 	for (int c = 0; c < COLUMN_COUNT; c++) {
 		const double *const a = column_of(&replay->frame, c), *const b = column_of(then, c);
-		const int count = then->body_count * columns[c].width;
+		const int rows = columns[c].of_joints ? then->joint_count : then->body_count;
+		const int count = rows * columns[c].width;
 
 		for (int i = 0; a && b && i < count; i++) {
 			if (same(replay, a[i], b[i]))
 				continue;
-			const int body = replay->loaded.model->id_of[i / columns[c].width];
+			const int row = i / columns[c].width;
 			replay->differs = true;
 			replay->first = then->index;
+			if (columns[c].of_joints)
+				rb_joint_label(&replay->loaded.scene, row, label);
+			else
+				rb_scene_body_label(&replay->loaded.scene,
+				                    replay->loaded.model->id_of[row], label);
 			snprintf(replay->what, sizeof replay->what,
-			         "%s of '%s': %.17g recorded, %.17g now", columns[c].name,
-			         rb_scene_body_label(&replay->loaded.scene, body, label), b[i],
-			         a[i]);
+			         "%s of '%s': %.17g recorded, %.17g now", columns[c].name, label,
+			         b[i], a[i]);
 			return;
 		}
 	}

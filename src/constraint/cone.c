@@ -98,7 +98,7 @@ bool rb_cone_open(struct rb_cone *cone)
 	for (int k = 0; k < cone->row_count; k++) {
 		const struct rb_cone_row *row = &cone->row[k];
 
-		RB_ASSERT_COSTLY(!row->base.central);
+		RB_ASSERT_COSTLY(!row->base.central && row->base.softness == 0);
 		RB_ASSERT_COSTLY(row->base.set == RB_CONSTRAINT_CONE ||
 		                 (row->base.friction == 0 && !row->slide && !row->given));
 		first[row->base.a + 2] += rb_solver_is_dynamic(&cone->bodies.body[row->base.a]);

@@ -19,7 +19,7 @@ static bool is_in_set(const struct rb_constraint *row, double rounding)
 	case RB_CONSTRAINT_FREE:
 		return true;
 	case RB_CONSTRAINT_INTERVAL:
-		return row->low <= row->high && n >= row->low - rounding &&
+		return row->low <= row->high && row->softness >= 0 && n >= row->low - rounding &&
 		       n <= row->high + rounding && across <= rounding;
 	}
 	return false;

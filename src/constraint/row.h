@@ -12,12 +12,14 @@
  *                                                                bound; u_t = 0, or p_t against it
  *                                                                on the cone's edge
  *     FREE       any                                             u = w, in three directions
- *     INTERVAL   p_t = 0, low <= p_n <= high                     u_n = w_n, or below it at p_n =
- *                                                                high, above it at p_n = low
+ *     INTERVAL   p_t = 0, low <= p_n <= high                     u_n + s p_n = w_n, or below it
+ *                                                                at p_n = high, above it at low
  *
  * A contact is a CONE (constraint/contact_row); a ball joint FREE; a motor or the friction of a
  * joint INTERVAL [-tau h, tau h]; a limit or a taut rope INTERVAL [0, inf); a hinge FREE with two
- * INTERVALs (-inf, inf) that are couples. Bounds of one constraint depend on no other one.
+ * INTERVALs (-inf, inf) that are couples; a spring of stiffness k and damping c at the end of a
+ * step h, stretched by x, INTERVAL (-inf, inf) with softness s = 1/(h (h k + c)), w = -s h k x.
+ * Bounds of one constraint depend on no other one.
  *
  * Where the two bodies are taken:
  *
@@ -32,7 +34,7 @@
  *     stepped/gauss_seidel   all sets: blocks of a constraint exactly, one after the other
  *     stepped/wide           CONE alone, four at a time (stepped/sweeper chooses)
  *     stepped/direct         all sets: augmented Lagrangian, factors; chains and unequal masses
- *     constraint/cone        all sets: free of order and handedness
+ *     constraint/cone        all sets, none of them soft: free of order and handedness
  *     constraint/eccentric, impulse   one CONE alone, the impact law; CONEs of the classic method
  *     math/dense (located/modes)      CONEs whose mode is known: equations
  *
@@ -63,6 +65,7 @@ struct rb_constraint {
 	double inverse_mass_n, inverse_mass_t;
 	double friction;         /* CONE */
 	double low, high;        /* INTERVAL: N s, may be infinite */
+	double softness;         /* INTERVAL: 1/kg, >= 0 */
 	rb_along_across target;  /* m/s; its `t` of FREE only */
 	rb_along_across impulse; /* N s on b: a warm start, then what was found */
 };
@@ -167,6 +170,19 @@ static inline void rb_constraint_apply(const struct rb_solver_bodies *bodies,
 		b->angular = rb_vec3_add(
 			b->angular,
 			rb_solver_turn(bodies, row->b, rb_vec3_cross(row->arm_b, impulse)));
+}
+
+/*
+ * Which way a row pushes and never pulls: 1 along its normal (contacts, limits), -1 against it
+ * (ropes, limits of the other side), 0 if it may do both.
+ */
+static inline int rb_constraint_side(const struct rb_constraint *row)
+{
+	if (row->set == RB_CONSTRAINT_CONE)
+		return 1;
+	if (row->set == RB_CONSTRAINT_FREE || row->softness > 0)
+		return 0;
+	return (row->low == 0 && row->high > 0) - (row->high == 0 && row->low < 0);
 }
 
 static inline void rb_constraint_clear(struct rb_constraint *row)

@@ -167,6 +167,12 @@ static void compress(struct rounds *all, const struct rb_solver_body *before)
 	rb_cone_resolve(cone, all->scale);
 }
 
+/* How many rows of this round are of contacts; those of joints follow. */
+static int contact_rows(const struct rounds *all)
+{
+	return all->cone.row_count - all->joint->joint_count;
+}
+
 /*
  * Gives back restitution times what compression took, along the normals, then lets friction stop
  * what it can within the cones of the whole. `spare` is twice the energy that compression took: the
@@ -175,12 +181,22 @@ static void compress(struct rounds *all, const struct rb_solver_body *before)
 static void restore(struct rounds *all, double spare, rb_along_across *back, rb_along_across *after)
 {
 	struct rb_cone *const cone = &all->cone;
-	bool rubs = false;
+	const int contacts = contact_rows(all);
+	bool rubs = contacts < cone->row_count;
+	double most = 0;
 
-	for (int k = 0; k < cone->row_count; k++) {
-		back[k] = (rb_along_across){all->joint->contact[all->contact[k]].restitution *
-		                                    cone->row[k].base.impulse.n,
-		                            {0, 0, 0}};
+	for (int k = 0; k < contacts; k++) {
+		const double restitution = all->joint->contact[all->contact[k]].restitution;
+
+		back[k] = (rb_along_across){restitution * cone->row[k].base.impulse.n, {0, 0, 0}};
+		after[k] = rb_cone_velocity(cone, &cone->row[k]);
+		if (cone->row[k].base.impulse.n > 0)
+			most = fmax(most, restitution);
+	}
+	for (int k = contacts; k < cone->row_count; k++) {
+		const rb_along_across p = cone->row[k].base.impulse;
+
+		back[k] = (rb_along_across){most * p.n, rb_vec3_scale(most, p.t)};
 		after[k] = rb_cone_velocity(cone, &cone->row[k]);
 	}
 	struct rb_solver_body *const kept = cone->kept;
@@ -189,7 +205,9 @@ static void restore(struct rounds *all, double spare, rb_along_across *back, rb_
 	for (int k = 0; k < cone->row_count; k++) {
 		const rb_along_across u = rb_cone_velocity(cone, &cone->row[k]);
 
-		after[k] = (rb_along_across){u.n - after[k].n, {0, 0, 0}};
+		after[k] = (rb_along_across){u.n - after[k].n,
+		                             k < contacts ? (rb_vec3){0, 0, 0}
+		                                          : rb_vec3_sub(u.t, after[k].t)};
 	}
 	const double needed = rb_cone_dot(cone, back, after);
 	if (needed > spare * (1 + 64 * DBL_EPSILON)) {
@@ -197,12 +215,16 @@ static void restore(struct rounds *all, double spare, rb_along_across *back, rb_
 
 		memcpy(cone->bodies.body, kept, (size_t)cone->body_count * sizeof *kept);
 		for (int k = 0; k < cone->row_count; k++) {
-			cone->row[k].base.impulse.n -= back[k].n;
+			struct rb_constraint *const row = &cone->row[k].base;
+
+			row->impulse.n -= back[k].n;
+			row->impulse.t = rb_vec3_sub(row->impulse.t, back[k].t);
 			back[k].n *= share;
+			back[k].t = rb_vec3_scale(share, back[k].t);
 		}
 		rb_cone_apply_normal(cone, back);
 	}
-	for (int k = 0; k < cone->row_count; k++) {
+	for (int k = 0; k < contacts; k++) {
 		cone->row[k].given = true;
 		rubs = rubs || cone->row[k].base.friction > 0;
 	}
@@ -215,7 +237,7 @@ static bool hit_together(struct rounds *all, bool with_restitution)
 {
 	struct rb_simultaneous *const joint = all->joint;
 	struct rb_cone *const cone = &all->cone;
-	const size_t rows = (size_t)cone->row_count;
+	const size_t rows = (size_t)cone->row_count, contacts = (size_t)contact_rows(all);
 	const rb_arena_mark here = rb_arena_here(joint->arena);
 	rb_along_across *const before = rb_arena_take(joint->arena, rows, sizeof *before);
 	rb_along_across *const impulse = rb_arena_take(joint->arena, rows, sizeof *impulse);
@@ -237,14 +259,20 @@ static bool hit_together(struct rounds *all, bool with_restitution)
 
 		impulse[k] = cone->row[k].base.impulse;
 		sum[k] = (rb_along_across){u.n + before[k].n, rb_vec3_add(u.t, before[k].t)};
-		restitution = restitution ||
-		              (impulse[k].n > 0 && joint->contact[all->contact[k]].restitution > 0);
+		restitution = restitution || (k < contacts && impulse[k].n > 0 &&
+		                              joint->contact[all->contact[k]].restitution > 0);
 	}
 	/* change of kinetic energy: the sum of J.(u + u')/2 */
 	const double spare = -rb_cone_dot(cone, impulse, sum);
 	if (restitution && with_restitution)
 		restore(all, spare, impulse, sum);
-	for (size_t k = 0; k < rows; k++) {
+	for (size_t k = contacts; k < rows; k++) {
+		struct rb_constraint *const row = &joint->joint_row[k - contacts].base;
+
+		row->impulse.n += cone->row[k].base.impulse.n;
+		row->impulse.t = rb_vec3_add(row->impulse.t, cone->row[k].base.impulse.t);
+	}
+	for (size_t k = 0; k < contacts; k++) {
 		struct rb_solver_contact *const c = &joint->contact[all->contact[k]];
 		const struct rb_cone_row *const row = &cone->row[k];
 
@@ -324,6 +352,10 @@ static bool run_round(struct rounds *all, bool with_restitution)
 		all->crowd[c->a] += rb_solver_is_dynamic(&joint->body[c->a]);
 		all->crowd[c->b] += rb_solver_is_dynamic(&joint->body[c->b]);
 	}
+	for (int k = 0; k < joint->joint_count; k++) {
+		all->crowd[joint->joint_row[k].base.a] += 2;
+		all->crowd[joint->joint_row[k].base.b] += 2;
+	}
 	for (int k = 0; k < joint->contact_count; k++) {
 		struct rb_solver_contact *const c = &joint->contact[k];
 		const bool alone = all->crowd[c->a] <= 1 && all->crowd[c->b] <= 1;
@@ -339,7 +371,15 @@ static bool run_round(struct rounds *all, bool with_restitution)
 		cone->row[cone->row_count++] = row_of(c);
 	}
 	all->scale = largest_speed(joint);
-	return cone->row_count == 0 || hit_together(all, with_restitution);
+	if (cone->row_count == 0)
+		return true;
+	for (int k = 0; k < joint->joint_count; k++) {
+		struct rb_cone_row *const row = &cone->row[cone->row_count++];
+
+		*row = joint->joint_row[k];
+		rb_constraint_clear(&row->base);
+	}
+	return hit_together(all, with_restitution);
 }
 
 static bool take_rounds(struct rounds *all)
@@ -355,7 +395,8 @@ static bool take_rounds(struct rounds *all)
 	all->active = rb_arena_take(joint->arena, contacts, sizeof *all->active);
 	all->contact = rb_arena_take(joint->arena, contacts, sizeof *all->contact);
 	all->crowd = rb_arena_take(joint->arena, (size_t)joint->body_count, sizeof *all->crowd);
-	all->cone.row = rb_arena_take(joint->arena, contacts, sizeof *all->cone.row);
+	all->cone.row = rb_arena_take(joint->arena, contacts + (size_t)joint->joint_count,
+	                              sizeof *all->cone.row);
 	return all->active && all->contact && all->crowd && all->cone.row;
 }
 
@@ -370,6 +411,8 @@ bool rb_simultaneous_impact(struct rb_simultaneous *joint, int *rounds)
 		joint->contact[k].impulse = (rb_vec3){0, 0, 0};
 		joint->contact[k].approach = 0;
 	}
+	for (int k = 0; k < joint->joint_count; k++)
+		rb_constraint_clear(&joint->joint_row[k].base);
 	const int max = ROUNDS + ROUNDS_PER_CONTACT * joint->contact_count;
 	while (settled && find_active(&all, &only_tail) > 0) {
 		const bool last = only_tail || round == max;
@@ -415,21 +458,39 @@ static void begin_forces(struct rb_simultaneous *joint, struct rb_cone *cone,
 			t = rb_vec3_scale(c->friction * n / length, t);
 		guess[k] = (rb_along_across){n, t};
 	}
+	for (int k = 0; k < joint->joint_count; k++) {
+		cone->row[joint->contact_count + k] = joint->joint_row[k];
+		guess[joint->contact_count + k] = (rb_along_across){0, {0, 0, 0}};
+	}
+}
+
+/* m/s^2: the largest that a row of a joint is a difference of. */
+static double joint_scale(const struct rb_simultaneous *joint, const struct rb_cone_row *row)
+{
+	const struct rb_solver_body *a = &joint->body[row->base.a], *b = &joint->body[row->base.b];
+	const rb_vec3 none = {0, 0, 0};
+
+	if (row->base.couple)
+		return fmax(rb_vec3_length(row->bias),
+		            row->base.arm_a.x *
+		                    fmax(rb_vec3_length(a->angular), rb_vec3_length(b->angular)));
+	return fmax(fmax(rb_vec3_length(row->bias), speed_bound(a, none)), speed_bound(b, none));
 }
 
 double rb_simultaneous_forces(struct rb_simultaneous *joint)
 {
 	const rb_arena_mark here = rb_arena_here(joint->arena);
 	const size_t contacts = (size_t)joint->contact_count;
+	const size_t rows = contacts + (size_t)joint->joint_count;
 	struct rb_cone cone = {.bodies = rb_simultaneous_bodies(joint),
 	                       .body_count = joint->body_count,
-	                       .row_count = joint->contact_count,
+	                       .row_count = (int)rows,
 	                       .arena = joint->arena,
 	                       .max = joint->products_max};
-	rb_along_across *const guess = rb_arena_take(joint->arena, contacts, sizeof *guess);
+	rb_along_across *const guess = rb_arena_take(joint->arena, rows, sizeof *guess);
 	double scale = 0;
 
-	cone.row = rb_arena_take(joint->arena, contacts, sizeof *cone.row);
+	cone.row = rb_arena_take(joint->arena, rows, sizeof *cone.row);
 	if (guess && cone.row)
 		begin_forces(joint, &cone, guess);
 	if (!guess || !cone.row || !rb_cone_open(&cone)) {
@@ -439,6 +500,10 @@ double rb_simultaneous_forces(struct rb_simultaneous *joint)
 	for (size_t k = 0; k < contacts; k++)
 		scale = fmax(scale, fmax(speeds_of(joint, &joint->contact[k]),
 		                         rb_vec3_length(joint->contact[k].bias)));
+	for (int k = 0; k < joint->joint_count; k++) {
+		rb_constraint_clear(&cone.row[contacts + (size_t)k].base);
+		scale = fmax(scale, joint_scale(joint, &joint->joint_row[k]));
+	}
 	rb_cone_apply_normal(&cone, guess);
 	const double left = rb_cone_resolve(&cone, scale);
 	joint->products = cone.iterations;
@@ -450,6 +515,8 @@ double rb_simultaneous_forces(struct rb_simultaneous *joint)
 		c->slipping = row->base.impulse.n > 0 && row->friction_impulse != RB_CONE_STICK &&
 		              rb_vec3_length(row->u.t) > 1e-12 * scale;
 	}
+	for (int k = 0; k < joint->joint_count; k++)
+		joint->joint_row[k].base.impulse = cone.row[contacts + (size_t)k].base.impulse;
 	rb_arena_back(joint->arena, here);
 	return left;
 }

@@ -66,6 +66,13 @@ struct rb_simultaneous {
 	int body_count;
 	struct rb_solver_contact *contact;
 	int contact_count;
+	/*
+	 * Joints: FREE and INTERVAL rows, whose velocity (and bias, of forces and of impacts) is
+	 * held at the target in every round, without restitution. Out: base.impulse, of impacts
+	 * the sum over the rounds.
+	 */
+	struct rb_cone_row *joint_row;
+	int joint_count;
 	struct rb_arena *arena; /* scratch, given back */
 	/* out: of vectors with the problem's matrix, each once through all contacts */
 	long products;
@@ -100,6 +107,12 @@ static inline bool rb_simultaneous_is_over(const struct rb_simultaneous *joint)
  *      all these additions shrink by one factor.
  *   4. Friction is solved again, within the cones of the grown impulses; that takes energy or
  *      leaves it.
+ *
+ * Joints are rows of every round, without restitution: u = 0 after compression, after restitution
+ * (for which they get the largest e of the round, then what is left of their u is taken away, the
+ * smallest change in the metric of kinetic energy) and after friction. All that is said of energy
+ * then holds in the space of velocities that they allow; a contact on a jointed body is never
+ * solved alone.
  *
  * So a touching cradle does what one with vanishing gaps does, for every e, and e = 0 everywhere is
  * one round. Series of rounds that do not end (0 < e < 1: inelastic collapse) are followed to 1e-13

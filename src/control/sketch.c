@@ -13,8 +13,10 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "flow/joint_view.h"
 #include "math/quat.h"
 #include "math/vec3.h"
+#include "model/joints.h"
 
 /* Cells of a grid along each side. */
 enum { GRID = 8 };
@@ -225,6 +227,33 @@ static int find_discs(const struct drawing *d, struct disc *discs)
 	return count;
 }
 
+/* Draws joints as lines: ropes as they hang, others from point to point, or a bit of their axis. */
+static void joints(const struct drawing *d)
+{
+	const struct rb_scene *const scene = d->model->scene;
+	rb_vec3 point[RB_ROPE_PIECES + 1];
+	struct rb_joint_place place;
+
+	for (int k = 0; k < scene->joint_count; k++) {
+		const int kind = scene->joints[k].kind;
+		const double radius = 3 * rb_joint_radius(d->model, k);
+
+		if (!rb_joint_place(d->model, d->frame, k, &place))
+			continue;
+		if (kind == RB_JOINT_ROPE) {
+			rb_joint_rope(&place, d->model->joints->joint[k].link.length,
+			              scene->world.gravity, point);
+			for (int p = 0; p < RB_ROPE_PIECES; p++)
+				line(d, point[p], point[p + 1]);
+		} else if (kind == RB_JOINT_ROD) {
+			line(d, place.a, place.b);
+		} else if (kind != RB_JOINT_FIXED && kind != RB_JOINT_BALL) {
+			line(d, rb_vec3_add_scaled(place.a, -radius, place.axis_a),
+			     rb_vec3_add_scaled(place.b, radius, place.axis_a));
+		}
+	}
+}
+
 enum rb_status rb_sketch_draw(const struct rb_pixmap *picture, const struct rb_model *model,
                               const struct rb_camera_def *camera, const struct rb_stand *stand,
                               const struct rb_frame *frame, struct rb_error *err)
@@ -252,6 +281,7 @@ enum rb_status rb_sketch_draw(const struct rb_pixmap *picture, const struct rb_m
 	for (int i = 0; i < total; i++)
 		if (is_flat(&model->shape[i]) && model->scene->bodies[model->id_of[i]].visible)
 			plane(&d, i);
+	joints(&d);
 	const int count = find_discs(&d, discs);
 	qsort(discs, (size_t)count, sizeof *discs, farther_first);
 	for (int i = 0; i < count; i++)

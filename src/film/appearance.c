@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "film/png.h"
+#include "flow/joint_view.h"
 #include "model/colour.h"
 
 /*
@@ -167,13 +168,26 @@ static enum rb_status decorate(struct rb_looks *looks, struct rb_look *look,
 	return load(looks, &look->image, texture, model, id, err);
 }
 
+/* A joint is plain and shines like metal; a rope does not. */
+static void paint_joint(struct rb_look *look, const struct rb_scene *scene, int joint)
+{
+	double color[3];
+
+	*look = (struct rb_look){.image = -1, .visible = scene->joints[joint].visible};
+	look->gloss = scene->joints[joint].kind == RB_JOINT_ROPE ? 0 : (float)SOLID_GLOSS;
+	rb_joint_color(scene, joint, color);
+	for (int k = 0; k < 3; k++)
+		look->colour[k] = look->other[k] = (float)(0.9 * rb_look_linear(color[k]));
+}
+
 enum rb_status rb_looks_make(struct rb_looks *looks, const struct rb_model *model,
                              struct rb_error *err)
 {
 	const struct rb_scene *scene = model->scene;
 
 	*looks = (struct rb_looks){0};
-	looks->of = rb_memory_take((size_t)scene->body_count, sizeof *looks->of);
+	looks->of = rb_memory_take((size_t)scene->body_count + (size_t)scene->joint_count,
+	                           sizeof *looks->of);
 	if (!looks->of)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot draw: out of memory");
 	enum rb_status status = measure(looks, model, err);
@@ -185,6 +199,8 @@ enum rb_status rb_looks_make(struct rb_looks *looks, const struct rb_model *mode
 		colour(look, scene, body);
 		status = decorate(looks, look, model, id, err);
 	}
+	for (int k = 0; k < scene->joint_count; k++)
+		paint_joint(&looks->of[scene->body_count + k], scene, k);
 	if (status != RB_OK)
 		rb_looks_release(looks);
 	return status;

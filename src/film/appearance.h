@@ -32,7 +32,7 @@ struct rb_look {
 };
 
 struct rb_looks {
-	struct rb_look *of;       /* [body_count + static_count] by index, owned */
+	struct rb_look *of; /* [body_count + static_count] by index, then those of joints, owned */
 	struct rb_pixmap *images; /* [image_count], owned: each picture once */
 	const char **names;       /* [image_count], owned; the texts are the scene's */
 	int image_count;

@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "film/glsl.h"
+#include "film/joint_shapes.h"
 #include "math/quat.h"
 #include "model/shape.h"
 
@@ -50,6 +51,7 @@ static const double USUAL_HEIGHT_PX = 720;
 
 static const double velocity_colour[3] = {1.00, 0.80, 0.10};
 static const double contact_colour[3] = {0.93, 0.16, 0.30};
+static const double joint_colour[3] = {0.62, 0.20, 0.85};
 
 /* ---- set-up ---- */
 
@@ -280,6 +282,49 @@ static void add_contacts(struct rb_lines *lines, struct pen *pen, const struct r
 		const rb_vec3 tip = rb_vec3_add_scaled(contact->point, lines->per_force,
 		                                       contact->force);
 		stroke(pen, rb_view_point(view, contact->point), rb_view_point(view, tip), 1, 1);
+	}
+}
+
+/* Arrows of what joints do to b, from their points. */
+static void add_joint_forces(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
+                             const struct rb_view *view)
+{
+	struct rb_joint_place place;
+
+	for (int k = 0; frame->joint_force && k < frame->joint_count; k++) {
+		const rb_vec3 force = rb_vec3_from(frame->joint_force + 3 * (size_t)k);
+
+		if (!rb_joint_place(lines->setup.model, frame, k, &place))
+			continue;
+		stroke(pen, rb_view_point(view, place.b),
+		       rb_view_point(view, rb_vec3_add_scaled(place.b, lines->per_force, force)), 1,
+		       1);
+	}
+}
+
+/* Joints of a wire model: the middle lines of their pieces. */
+static void add_joints(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
+                       const struct rb_view *view)
+{
+	const struct rb_model *model = lines->setup.model;
+	struct rb_joint_piece piece[RB_JOINT_PIECES_MAX];
+
+	pen->width_px = thickness(lines, WIRE_PX);
+	for (int k = 0; k < model->scene->joint_count; k++) {
+		const int count = rb_joint_piece_count(model, k);
+
+		pen->colour =
+			lines->setup.looks->of[model->body_count + model->static_count + k].colour;
+		if (!rb_joint_pieces(model, frame, k, piece))
+			continue;
+		for (int p = 0; p < count; p++) {
+			const rb_vec3 half = rb_quat_rotate(piece[p].pose.orientation,
+			                                    (rb_vec3){0, 0, 0.5 * piece[p].length});
+			const rb_vec3 middle = piece[p].pose.position;
+
+			stroke(pen, rb_view_point(view, rb_vec3_sub(middle, half)),
+			       rb_view_point(view, rb_vec3_add(middle, half)), 1, 1);
+		}
 	}
 }
 
@@ -552,8 +597,10 @@ enum rb_status rb_lines_draw(struct rb_lines *lines, const struct rb_frame *fram
 
 	for (int kind = 0; kind < PROGRAM_COUNT; kind++)
 		lines->list[kind].count = 0;
-	if (camera->wireframe)
+	if (camera->wireframe) {
 		add_wires(lines, &pen, frame, view);
+		add_joints(lines, &pen, frame, view);
+	}
 	if (trails)
 		add_trails(lines, &pen, frame, view, trails);
 	for (int k = 0; k < 3; k++)
@@ -564,6 +611,10 @@ enum rb_status rb_lines_draw(struct rb_lines *lines, const struct rb_frame *fram
 		colour[k] = (float)rb_look_linear(contact_colour[k]);
 	if (camera->vectors & RB_VECTORS_CONTACT)
 		add_contacts(lines, &arrow, frame, view);
+	for (int k = 0; k < 3; k++)
+		colour[k] = (float)rb_look_linear(joint_colour[k]);
+	if (camera->vectors & RB_VECTORS_JOINT)
+		add_joint_forces(lines, &arrow, frame, view);
 	if (pen.failed || arrow.failed)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot draw lines: out of memory");
 	draw_list(lines, LINE);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All solids but spheres: meshes shared by shape, drawn instanced in batches of one mesh and
- * program, sorted from near to far. What is out of view is drawn into shadow maps only.
+ * All solids but spheres, and joints: meshes shared by shape, drawn instanced in batches of one
+ * mesh and program, sorted from near to far. What is out of view is drawn into shadow maps only.
  */
 #include "film/solid_shapes.h"
 
@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/sort.h"
+#include "film/joint_shapes.h"
 #include "film/mesh.h"
 #include "math/quat.h"
 
@@ -26,9 +27,10 @@ static const double LEAST_PX = 0.6;
 /* Thickness in texels below which a lit side may be shaded by the other side. */
 static const double THIN_TEXELS = 4;
 
-/* Constant data of one part that is drawn. */
+/* One part that is drawn; of a joint, size and shape change with every picture. */
 struct item {
-	int index; /* of its body */
+	int index; /* of its body; of a joint its number after all bodies */
+	int piece; /* of a joint */
 	int batch;
 	struct rb_solid_part part;
 	struct rb_part_size size;
@@ -58,7 +60,7 @@ enum { VERTEX_PLACES = 4, INSTANCE_PLACES = 5 };
 struct rb_solids {
 	struct rb_solids_setup setup;
 	struct item *item; /* [count], owned, like what follows */
-	int count;
+	int count, shown;  /* shown: in the picture that was seen last, without what is hidden */
 	struct batch *batch;
 	int batch_count;
 	struct rb_sort_item *order, *scratch; /* [count] */
@@ -80,12 +82,40 @@ static bool is_drawn(const struct rb_solid_part *part)
 	return form != RB_FORM_SURFACE && form != RB_FORM_BALL;
 }
 
+static int bodies_of(const struct rb_model *model)
+{
+	return model->body_count + model->static_count;
+}
+
+/* Lists pieces of joints. */
+static int list_pieces(const struct rb_model *model, const struct rb_looks *looks,
+                       struct item *item)
+{
+	const struct rb_solid_part part = {
+		.shape = {.kind = RB_SHAPE_CAPSULE, .solid = -1, .radius = 1, .size = {0, 0, 1}},
+		.orientation = {1, 0, 0, 0}};
+	int count = 0;
+
+	for (int k = 0; k < model->scene->joint_count; k++) {
+		const int index = bodies_of(model) + k;
+		const int pieces = looks->of[index].visible ? rb_joint_piece_count(model, k) : 0;
+
+		for (int p = 0; p < pieces; p++, count++) {
+			if (!item)
+				continue;
+			item[count] = (struct item){.index = index, .piece = p, .part = part};
+			item[count].part.shape.radius = rb_joint_radius(model, k);
+		}
+	}
+	return count;
+}
+
 /* Lists the parts drawn here; with `item` NULL only counts them. */
 static int list_items(const struct rb_model *model, const struct rb_looks *looks, struct item *item)
 {
 	int count = 0;
 
-	for (int i = 0; i < model->body_count + model->static_count; i++) {
+	for (int i = 0; i < bodies_of(model); i++) {
 		struct rb_solid_part own;
 		int part_count;
 		if (!looks->of[i].visible || !rb_shape_has_parts(model->shape[i].kind))
@@ -98,7 +128,7 @@ static int list_items(const struct rb_model *model, const struct rb_looks *looks
 			count += is_drawn(&parts[p]);
 		}
 	}
-	return count;
+	return count + list_pieces(model, looks, item ? item + count : NULL);
 }
 
 int rb_solids_number(const struct rb_model *model, const struct rb_looks *looks)
@@ -331,7 +361,8 @@ static void fill(struct instance *to, const struct item *item, const struct rb_l
 static void surround(struct rb_solids *solids, const struct item *item, rb_vec3 centre,
                      const rb_mat3 *turn)
 {
-	const bool moves = item->index < solids->setup.model->body_count;
+	const bool moves = item->index < solids->setup.model->body_count ||
+	                   item->index >= bodies_of(solids->setup.model);
 	float(*to)[4] = solids->corner + (moves ? solids->moving_corners
 	                                        : 8 * solids->count - solids->still_corners - 8);
 
@@ -374,39 +405,86 @@ static uint32_t bits_of(double distance)
 	return bits;
 }
 
+/* A view of a frame, while its items are gathered. */
+struct scan {
+	const struct rb_frame *frame;
+	const struct rb_view *view;
+	struct rb_view_edges edges;
+	rb_quat to_view;
+	struct rb_joint_piece piece[RB_JOINT_PIECES_MAX]; /* of the joint that is being listed */
+	bool shown;                                       /* it is to be seen */
+};
+
+/*
+ * Where an item is, and of a joint how large; false: it is not to be seen. Pieces of a joint come
+ * one after the other, from the first on.
+ */
+static bool place_item(struct rb_solids *solids, struct scan *scan, struct item *item,
+                       rb_pose *pose)
+{
+	const struct rb_model *model = solids->setup.model;
+	const int joint = item->index - bodies_of(model);
+
+	if (joint < 0) {
+		*pose = rb_view_part(rb_view_pose(model, scan->frame, model->id_of[item->index]),
+		                     &item->part);
+		return true;
+	}
+	if (item->piece == 0)
+		scan->shown = rb_joint_pieces(model, scan->frame, joint, scan->piece);
+	if (!scan->shown)
+		return false;
+	const struct rb_joint_piece *piece = &scan->piece[item->piece];
+	item->part.shape.radius = piece->radius;
+	item->part.shape.size[2] = piece->length;
+	item->size = rb_part_size(model->scene, &item->part.shape);
+	*pose = piece->pose;
+	return true;
+}
+
+/* Fills the instance of an item and its place in the order. */
+static void see_item(struct rb_solids *solids, const struct scan *scan, int k, rb_pose pose)
+{
+	const struct rb_view *view = scan->view;
+	const struct item *item = &solids->item[k];
+	const struct rb_look *look = &solids->setup.looks->of[item->index];
+	const rb_vec3 middle = rb_quat_rotate(pose.orientation, item->size.middle);
+	const rb_vec3 centre = rb_view_point(view, rb_vec3_add(pose.position, middle));
+	const double distance = rb_view_distance(view, centre);
+	const double least = 0.5 * LEAST_PX * rb_view_pixel_at(view, distance);
+	const rb_mat3 turn = rb_view_turn(view, pose.orientation);
+	const rb_quat q = rb_quat_unit(rb_quat_multiply(scan->to_view, pose.orientation));
+	struct instance *to = &solids->instance[k];
+
+	fill(to, item, look, centre, least);
+	to->turn[0] = (float)q.x;
+	to->turn[1] = (float)q.y;
+	to->turn[2] = (float)q.z;
+	to->turn[3] = (float)q.w;
+	surround(solids, item, centre, &turn);
+	solids->around[k] = (struct rb_apart_ball){.centre = centre,
+	                                           .radius = fmax(item->size.reach, least)};
+	const int bucket = item->batch * BUCKETS +
+	                   bucket_of(item, view, &scan->edges, centre, least);
+	solids->order[solids->shown++] = (struct rb_sort_item){
+		(uint64_t)bucket << 32 | bits_of(distance), (uint64_t)k};
+}
+
 static void gather(struct rb_solids *solids, const struct rb_frame *frame,
                    const struct rb_view *view)
 {
-	const struct rb_model *model = solids->setup.model;
-	const struct rb_view_edges edges = rb_view_edges(view);
-	const rb_quat to_view = rb_view_quat(view);
+	struct scan scan = {.frame = frame,
+	                    .view = view,
+	                    .edges = rb_view_edges(view),
+	                    .to_view = rb_view_quat(view)};
 
-	solids->moving_corners = solids->still_corners = 0;
+	solids->moving_corners = solids->still_corners = solids->shown = 0;
 	for (int k = 0; k < solids->count; k++) {
-		const struct item *item = &solids->item[k];
-		const struct rb_look *look = &solids->setup.looks->of[item->index];
-		const rb_pose pose = rb_view_part(
-			rb_view_pose(model, frame, model->id_of[item->index]), &item->part);
-		const rb_vec3 middle = rb_quat_rotate(pose.orientation, item->size.middle);
-		const rb_vec3 centre = rb_view_point(view, rb_vec3_add(pose.position, middle));
-		const double distance = rb_view_distance(view, centre);
-		const double least = 0.5 * LEAST_PX * rb_view_pixel_at(view, distance);
-		const rb_mat3 turn = rb_view_turn(view, pose.orientation);
-		const rb_quat q = rb_quat_unit(rb_quat_multiply(to_view, pose.orientation));
-		struct instance *to = &solids->instance[k];
+		rb_pose pose;
 
-		fill(to, item, look, centre, least);
-		to->turn[0] = (float)q.x;
-		to->turn[1] = (float)q.y;
-		to->turn[2] = (float)q.z;
-		to->turn[3] = (float)q.w;
-		surround(solids, item, centre, &turn);
-		solids->around[k] = (struct rb_apart_ball){.centre = centre,
-		                                           .radius = fmax(item->size.reach, least)};
-		const int bucket = item->batch * BUCKETS +
-		                   bucket_of(item, view, &edges, centre, least);
-		solids->order[k] = (struct rb_sort_item){(uint64_t)bucket << 32 | bits_of(distance),
-		                                         (uint64_t)k};
+		solids->around[k] = (struct rb_apart_ball){.radius = 0};
+		if (place_item(solids, &scan, &solids->item[k], &pose))
+			see_item(solids, &scan, k, pose);
 	}
 }
 
@@ -418,18 +496,18 @@ enum rb_status rb_solids_see(struct rb_solids *solids, const struct rb_frame *fr
 	if (solids->count == 0)
 		return RB_OK;
 	gather(solids, frame, view);
-	rb_sort_by_key(solids->order, solids->scratch, (size_t)solids->count);
+	rb_sort_by_key(solids->order, solids->scratch, (size_t)solids->shown);
 	for (int b = 0; b < solids->batch_count; b++)
 		for (int k = 0; k <= BUCKETS; k++) {
 			solids->batch[b].first[k] = next;
-			while (k < BUCKETS && next < solids->count &&
+			while (k < BUCKETS && next < solids->shown &&
 			       (int)(solids->order[next].key >> 32) == b * BUCKETS + k) {
 				solids->sorted[next] = solids->instance[solids->order[next].value];
 				next++;
 			}
 		}
 	glBindBuffer(GL_ARRAY_BUFFER, solids->instances);
-	glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)((size_t)solids->count * sizeof *solids->sorted),
+	glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)((size_t)solids->shown * sizeof *solids->sorted),
 	             solids->sorted, GL_STREAM_DRAW);
 	return rb_canvas_check("gather solids", err);
 }
@@ -474,7 +552,7 @@ static double texel_of(const struct rb_solids *solids, const struct rb_shadow_fi
 	const rb_vec3 across = {(double)m[0], (double)m[4], (double)m[8]};
 	double farthest = fit->source[3] > 0 ? 0 : 1;
 
-	for (int k = 0; k < solids->count && fit->source[3] > 0; k++) {
+	for (int k = 0; k < solids->shown && fit->source[3] > 0; k++) {
 		const float *c = solids->sorted[k].centre;
 		farthest = fmax(farthest,
 		                (double)(m[3] * c[0] + m[7] * c[1] + m[11] * c[2] + m[15]));

@@ -9,6 +9,7 @@
 #include <math.h>
 
 #include "base/error.h"
+#include "flow/joint_view.h"
 #include "math/quat.h"
 
 /* Sine below which two directions count as one: their cross product has no digits left. */
@@ -77,6 +78,31 @@ static double distance(const struct rb_scene *scene, const struct rb_shape *shap
 	}
 }
 
+/* Pins and rails of joints reach beyond its points: at most so many of its radii. */
+static const double JOINT_RADII = 20;
+
+/* Brings `near` to the nearest joint that is to be seen. */
+static void near_joints(struct rb_view *view, const struct rb_model *model,
+                        const struct rb_frame *frame)
+{
+	struct rb_joint_place place;
+
+	for (int k = 0; k < model->scene->joint_count; k++) {
+		if (!rb_joint_place(model, frame, k, &place))
+			continue;
+		const rb_vec3 way = rb_vec3_sub(place.b, place.a),
+			      to = rb_vec3_sub(view->eye, place.a);
+		const double square = rb_vec3_dot(way, way);
+		const double s = square > 0 ? fmin(1, fmax(0, rb_vec3_dot(to, way) / square)) : 0;
+		const rb_vec3 foot = rb_vec3_add_scaled(place.a, s, way);
+		const double d = rb_vec3_length(rb_vec3_sub(view->eye, foot)) -
+		                 rb_joint_radius(model, k);
+
+		if (d > 0 && (view->near == 0 || d < view->near))
+			view->near = d;
+	}
+}
+
 /*
  * Sets `near` to the distance of the nearest visible surface, 0 without any. An eye inside of a
  * body is an error unless commands have moved it there.
@@ -110,6 +136,7 @@ static enum rb_status nearest(struct rb_view *view, const struct rb_model *model
 		if (d > 0 && isfinite(d) && (view->near == 0 || d < view->near))
 			view->near = d;
 	}
+	near_joints(view, model, frame);
 	return RB_OK;
 }
 
@@ -224,6 +251,16 @@ static struct span depths(const struct rb_view *view, const struct rb_model *mod
 		if (model->scene->bodies[id].visible && isfinite(radius) &&
 		    rb_vec3_finite(centre) && !rb_view_misses(&edges, centre, radius))
 			reach(&bodies, -centre.z - radius, -centre.z + radius);
+	}
+	for (int k = 0; k < model->scene->joint_count; k++) {
+		struct rb_joint_place place;
+
+		if (!rb_joint_place(model, frame, k, &place))
+			continue;
+		const double radius = JOINT_RADII * rb_joint_radius(model, k);
+		const double a = -rb_view_point(view, place.a).z,
+			     b = -rb_view_point(view, place.b).z;
+		reach(&bodies, fmin(a, b) - radius, fmax(a, b) + radius);
 	}
 	if (!(bodies.low <= bodies.high))
 		bodies = (struct span){0, 0};

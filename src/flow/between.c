@@ -77,6 +77,13 @@ enum rb_status rb_frame_copy(struct rb_frame *to, const struct rb_frame *from, s
 	held &= copy_column(&to->orientation, from->orientation, had, count, 4);
 	held &= copy_column(&to->velocity, from->velocity, had, count, 3);
 	held &= copy_column(&to->angular_velocity, from->angular_velocity, had, count, 3);
+	const int had_joints = to->joint_count, joints = from->joint_count;
+
+	held &= copy_column(&to->joint_value, from->joint_value, had_joints, joints, 1);
+	held &= copy_column(&to->joint_speed, from->joint_speed, had_joints, joints, 1);
+	held &= copy_column(&to->joint_force, from->joint_force, had_joints, joints, 3);
+	held &= copy_column(&to->joint_torque, from->joint_torque, had_joints, joints, 3);
+	to->joint_count = joints;
 	held &= copy_list(&to->events, &to->event_capacity, from->events, from->event_count,
 	                  sizeof *to->events);
 	held &= copy_list(&to->contacts, &to->contact_capacity, from->contacts, from->contact_count,
@@ -114,6 +121,19 @@ static void mix_column(double *out, const double *a, int count, double part)
 {
 	for (int i = 0; i < count; i++)
 		out[i] = mix(a[i], out[i], part);
+}
+
+/* What joints carry jumps at impacts, which the mean of both sides hides no better than either. */
+static void mix_joints(struct rb_frame *out, const struct rb_frame *a, double part)
+{
+	const int count = out->joint_count;
+
+	if (!out->joint_value || !a->joint_value)
+		return;
+	mix_column(out->joint_value, a->joint_value, count, part);
+	mix_column(out->joint_speed, a->joint_speed, count, part);
+	mix_column(out->joint_force, a->joint_force, 3 * count, part);
+	mix_column(out->joint_torque, a->joint_torque, 3 * count, part);
 }
 
 /* ---- impacts of the interval ---- */
@@ -157,7 +177,8 @@ static bool link_events(struct rb_between *between, const struct rb_model *model
 	for (size_t link = links; link-- > 0;) {
 		const struct rb_event *const event = &b->events[link / SIDES];
 		const int i = model->index_of[link % SIDES ? event->b : event->a];
-		const bool is_change = event->kind >= RB_EVENT_IMPULSE; /* of one body */
+		const bool is_change = event->kind >= RB_EVENT_IMPULSE &&
+		                       event->kind <= RB_EVENT_DISPLACEMENT; /* of one body */
 		if ((event->kind != RB_EVENT_COLLISION && !is_change) ||
 		    (is_change && link % SIDES) || i >= model->body_count ||
 		    !(model->inverse_mass[i] > 0))
@@ -620,6 +641,7 @@ enum rb_status rb_frame_between(struct rb_between *between, const struct rb_mode
 		mix_column(out->position, a->position, 3 * out->body_count, part);
 	if (out->velocity && a->velocity)
 		mix_column(out->velocity, a->velocity, 3 * out->body_count, part);
+	mix_joints(out, a, part);
 	for (int i = 0; i < out->body_count; i++)
 		move_body(&in, i, out);
 	mix_numbers(&out->numbers, &a->numbers, part);

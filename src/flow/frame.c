@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "model/joints.h"
 
 /* Room at the start: a scene with few impacts never grows it. */
 enum { EVENTS_AT_START = 16, CONTACTS_AT_START = 16 };
@@ -23,6 +24,13 @@ enum { EVENTS_AT_START = 16, CONTACTS_AT_START = 16 };
 	X(RB_FIELD_FORCE, force, 3)                               \
 	X(RB_FIELD_TORQUE, torque, 3)
 
+/* Those of joints. */
+#define JOINT_COLUMNS(X)  \
+	X(joint_value, 1) \
+	X(joint_speed, 1) \
+	X(joint_force, 3) \
+	X(joint_torque, 3)
+
 const char *rb_event_kind_name(enum rb_event_kind kind)
 {
 	static const char *const names[RB_EVENT_KIND_COUNT] = {
@@ -36,10 +44,20 @@ const char *rb_event_kind_name(enum rb_event_kind kind)
 		[RB_EVENT_IMPULSE] = "impulse",
 		[RB_EVENT_ANGULAR_IMPULSE] = "angular_impulse",
 		[RB_EVENT_DISPLACEMENT] = "displacement",
+		[RB_EVENT_LIMIT] = "limit",
+		[RB_EVENT_TAUT] = "taut",
+		[RB_EVENT_SLACK] = "slack",
+		[RB_EVENT_DRIVES] = "drives",
+		[RB_EVENT_SLIPS] = "slips",
 	};
 
 	RB_ASSERT(kind < RB_EVENT_KIND_COUNT);
 	return names[kind];
+}
+
+static size_t joints_of(const struct rb_model *model)
+{
+	return model->joints ? (size_t)model->joints->count : 0;
 }
 
 unsigned rb_frame_fields(const struct rb_model *model, unsigned fields)
@@ -47,6 +65,8 @@ unsigned rb_frame_fields(const struct rb_model *model, unsigned fields)
 	if (!(model->features & RB_FEATURE_ROTATION))
 		fields &= ~(unsigned)(RB_FIELD_ORIENTATION | RB_FIELD_ANGULAR_VELOCITY |
 		                      RB_FIELD_ANGULAR_ACCELERATION | RB_FIELD_TORQUE);
+	if (joints_of(model) == 0)
+		fields &= ~(unsigned)RB_FIELD_JOINTS;
 	return fields;
 }
 
@@ -65,8 +85,11 @@ size_t rb_frame_bytes(const struct rb_model *model, unsigned fields)
 #define X(field, name, width) doubles += wanted & (field) ? (size_t)(width) : 0;
 	COLUMNS(X)
 #undef X
-	return doubles * (size_t)model->body_count * sizeof(double) +
-	       probe_count(model) * sizeof(double);
+	doubles *= (size_t)model->body_count;
+#define X(name, width) doubles += wanted & RB_FIELD_JOINTS ? (width)*joints_of(model) : 0;
+	JOINT_COLUMNS(X)
+#undef X
+	return (doubles + probe_count(model)) * sizeof(double);
 }
 
 enum rb_status rb_frame_init(struct rb_frame *frame, const struct rb_model *model, unsigned fields,
@@ -76,7 +99,9 @@ enum rb_status rb_frame_init(struct rb_frame *frame, const struct rb_model *mode
 	const size_t count = (size_t)model->body_count;
 	bool failed = false;
 
-	*frame = (struct rb_frame){.body_count = model->body_count};
+	const size_t joints = joints_of(model);
+
+	*frame = (struct rb_frame){.body_count = model->body_count, .joint_count = (int)joints};
 #define X(field, name, width) \
 	if (wanted & (field)) \
 		failed |= !(frame->name = rb_memory_take(count, (width) * sizeof(double)));
@@ -87,6 +112,11 @@ enum rb_status rb_frame_init(struct rb_frame *frame, const struct rb_model *mode
 		frame->probes = rb_memory_take(probe_count(model), sizeof *frame->probes);
 		failed |= !frame->probes;
 	}
+#define X(name, width)                \
+	if (wanted & RB_FIELD_JOINTS) \
+		failed |= !(frame->name = rb_memory_take(joints, (width) * sizeof(double)));
+	JOINT_COLUMNS(X)
+#undef X
 	if (wanted & RB_FIELD_EVENTS) {
 		frame->events = rb_memory_take(EVENTS_AT_START, sizeof *frame->events);
 		frame->event_capacity = EVENTS_AT_START;
@@ -111,6 +141,9 @@ void rb_frame_release(struct rb_frame *frame)
 	COLUMNS(X)
 #undef X
 	rb_memory_free(frame->probes);
+#define X(name, width) rb_memory_free(frame->name);
+	JOINT_COLUMNS(X)
+#undef X
 	rb_memory_free(frame->events);
 	rb_memory_free(frame->contacts);
 	rb_memory_free(frame->shots);

@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "math/vec3.h"
+#include "model/joints.h"
 
 /*
  * Box of where a body has been, with its whole size. `low` above `high`: it has no extent, as
@@ -97,6 +98,23 @@ static double plate_most(const struct rb_framing *framing)
 	return plates_only ? (double)INFINITY : rb_vec3_length(rb_vec3_sub(all.high, all.low));
 }
 
+/* What hangs on the world belongs into the picture with the place where it hangs. */
+static void add_joints(struct rb_framing *framing)
+{
+	const struct rb_scene *scene = framing->model->scene;
+
+	for (int k = 0; k < scene->joint_count; k++) {
+		const struct rb_joint_def *def = &scene->joints[k];
+		const int index = framing->model->index_of[def->a];
+		rb_vec3 a, b;
+
+		if (def->b >= 0 || !def->visible || index >= framing->count)
+			continue;
+		rb_joint_points(scene, def, &a, &b);
+		(void)grow(&framing->reach[index], b, 0);
+	}
+}
+
 enum rb_status rb_framing_init(struct rb_framing *framing, const struct rb_model *model,
                                struct rb_error *err)
 {
@@ -126,6 +144,7 @@ enum rb_status rb_framing_init(struct rb_framing *framing, const struct rb_model
 	}
 	if (low.x <= high.x)
 		framing->middle = rb_vec3_scale(0.5, rb_vec3_add(low, high));
+	add_joints(framing);
 	return RB_OK;
 }
 

@@ -72,6 +72,8 @@ unsigned rb_schedule_fields(const struct rb_camera_def *camera, const struct rb_
 		fields |= RB_FIELD_VELOCITY;
 	if (camera->vectors & RB_VECTORS_CONTACT)
 		fields |= RB_FIELD_CONTACTS;
+	if (camera->vectors & RB_VECTORS_JOINT)
+		fields |= RB_FIELD_JOINTS;
 	if (fabs(step - nearbyint(step)) > noise * step ||
 	    fabs(first - nearbyint(first)) > noise * first)
 		fields |= RB_FIELD_VELOCITY | RB_FIELD_ANGULAR_VELOCITY | RB_FIELD_EVENTS;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/drift.h"
 
+#include "located/joint_rows.h"
 #include "located/mechanics.h"
 #include "located/external_force.h"
 #include "located/work.h"
@@ -137,6 +138,7 @@ struct errors {
 	int n;
 	rb_vec3 *left, *along, *image, *answer, *sum; /* [n] */
 	rb_vec3 *linear, *angular;                    /* [set_count]: motions by impulses */
+	struct rb_joint_hold hold;                    /* what these must respect */
 };
 
 static rb_vec3 asked_of(const struct errors *e, int k, rb_vec3 v)
@@ -183,6 +185,7 @@ static void respond(struct errors *e, const rb_vec3 *impulse, rb_vec3 *image)
 		give(e, m->a, m->arm_a, rb_vec3_neg(impulse[k]));
 		give(e, m->b, m->arm_b, impulse[k]);
 	}
+	rb_joint_hold_apply(&e->hold, e->linear, e->angular);
 	for (int k = 0; k < e->n; k++) {
 		const struct rb_contact_point *m = &e->drift->contact_point[e->row[k]];
 
@@ -261,7 +264,7 @@ static bool take(struct errors *e)
 	for (int k = 0; k < e->drift->count; k++)
 		if (e->drift->kept[k])
 			e->row[e->n++] = k;
-	return true;
+	return rb_joint_hold_take(&e->hold, e->drift->l, e->drift->pose, e->drift->t);
 }
 
 static void contact_points_of(const struct rb_drift *drift)
@@ -317,6 +320,14 @@ static void enter(const struct errors *e)
 		rb_work_impact(e->drift->l, m, e->sum[k], m->velocity,
 		               rb_vec3_add(m->velocity, change));
 	}
+	if (e->hold.rows.count == 0 || !e->drift->l->account_s)
+		return;
+	struct rb_entries entries = {0};
+
+	for (int k = 0; k < e->hold.rows.count; k++)
+		rb_joint_rows_enter(&e->hold.rows, &e->hold.rows.row[k], e->hold.dense.right[k],
+		                    e->drift->t, &entries);
+	rb_ledger_enter(&e->drift->l->world->ledger, &entries);
 }
 
 static void move_velocities(struct errors *e)
@@ -345,7 +356,7 @@ static void move_velocities(struct errors *e)
 
 static bool is_single(const struct rb_drift *drift)
 {
-	bool single = true;
+	bool single = !drift->l->model->joints;
 
 	for (int k = 0; k < drift->count; k++)
 		single = single && rb_set_is_single(drift->l, drift->contact_point[k].a,

@@ -23,6 +23,7 @@
 #include "located/integrate.h"
 #include "located/inspect.h"
 #include "located/external_force.h"
+#include "located/joint_rows.h"
 #include "located/resolve_contacts.h"
 #include "located/resolve_impact.h"
 #include "located/drift.h"
@@ -66,7 +67,7 @@ static bool is_unfelt(const struct rb_located *l, int i)
 
 	return model->shape[i].kind == RB_SHAPE_SPHERE && !model->center_of_mass &&
 	       !isnan(model->inverse_inertia_scalar[i]) && !rb_located_driven(l, i) &&
-	       !rb_external_turns_with(l, i);
+	       !rb_external_turns_with(l, i) && !rb_joint_rows_hold(l, i);
 }
 
 /* Allocates and initialises everything by body. */
@@ -84,6 +85,9 @@ static bool make_rows(struct rb_located *l)
 	l->near = row(n, sizeof *l->near, &failed);
 	l->set = row(n, sizeof *l->set, &failed);
 	l->place = row(n, sizeof *l->place, &failed);
+	if (l->model->joints)
+		l->drive_mode = row((size_t)l->model->joints->count * RB_JOINT_DRIVES,
+		                    sizeof *l->drive_mode, &failed);
 	l->plane_normal = row((size_t)l->model->static_count, sizeof *l->plane_normal, &failed);
 	if (l->world->state.orientation) {
 		l->top = row(n, sizeof *l->top, &failed);
@@ -128,7 +132,7 @@ static bool wants_cells(const struct rb_located *l)
 	    l->model->center_of_mass)
 		return false;
 	/* bodies on pieces leave their cells at moments that have no closed form */
-	return !(l->model->features & (RB_FEATURES_VARIED | RB_FEATURE_DRIVEN));
+	return !(l->model->features & (RB_FEATURES_VARIED | RB_FEATURE_DRIVEN | RB_FEATURE_JOINTS));
 }
 
 enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world,
@@ -190,6 +194,7 @@ void rb_engine_destroy(struct rb_located *l)
 	rb_memory_free(l->set);
 	rb_memory_free(l->place);
 	rb_memory_free(l->plane_normal);
+	rb_memory_free(l->drive_mode);
 	rb_memory_free(l->switch_s);
 	rb_gravitation_release(&l->gravitation);
 	rb_memory_free(l->merge);
@@ -336,14 +341,15 @@ static void cluster_event(struct rb_located *l, int cluster, double t)
 	l->world->frame_counts.substeps++;
 	for (int k = 0; k < c->member_count; k++)
 		rb_set_add(l, c->member[k]);
-	if (c->integrated && c->held_count == 0) { /* only external forces: the next piece */
+	if (c->integrated && c->held_count == 0 &&
+	    !l->model->joints) { /* only external forces: the next piece */
 		rb_integrate_piece(l, cluster, t, true);
 		rb_queue_set(l->queue, l->n + cluster, rb_transition_next(l, cluster));
 		predict_set(l, t);
 		return;
 	}
 	/* a next piece is no crowd, however many there are; its arithmetic is counted */
-	if (!c->integrated || c->is_cut || c->hits || c->has_jammed)
+	if ((!c->integrated || c->is_cut || c->hits || c->has_jammed) && c->held_count > 0)
 		count_crowd(l);
 	if (c->hits) { /* bodies in contact touch at another point */
 		rb_resolve_impacts(l, c->hit_a, c->hit_b, t);
@@ -390,6 +396,9 @@ static void driven_event(struct rb_located *l, int i, double t)
 					rb_set_add(l, l->cluster[k].member[m]);
 				break;
 			}
+	for (int k = 0; k < l->n && rb_joint_rows_hold(l, i); k++)
+		if (l->cluster_of[k] >= 0 && rb_joint_rows_joined(l, i, k))
+			rb_set_add(l, k);
 	if (l->set_count > 0)
 		resolve_set(l, t);
 }
@@ -450,9 +459,9 @@ static void call_hooks(struct rb_located *l, size_t first, double t)
 
 			world->called++;
 			world->moment++;
-			if (event.kind == RB_EVENT_COLLISION && hooks->collision)
+			if (rb_event_is_impact(event.kind) && hooks->collision)
 				l->status = hooks->collision(hooks->user, world, &event, l->err);
-			else if (event.kind != RB_EVENT_COLLISION && hooks->transition)
+			else if (!rb_event_is_impact(event.kind) && hooks->transition)
 				l->status = hooks->transition(hooks->user, world, &event, l->err);
 		}
 		if (l->status == RB_OK)
@@ -497,6 +506,12 @@ static void predict_thrown(struct rb_located *l, double t)
 	}
 }
 
+/* Whether the body has a joint, released or not. */
+static bool has_joint(const struct rb_located *l, int i)
+{
+	return l->model->joints->first[i] < l->model->joints->first[i + 1];
+}
+
 enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_error *err)
 {
 	const struct rb_state *now = &l->world->state, *before = &l->world->start;
@@ -505,11 +520,15 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 	RB_ASSERT(l->set_count == 0);
 	l->err = err;
 	l->moment++;
+	/* bodies of a joint that was released, or of a changed motor, go on from where they are */
+	const bool joints_changed = l->world->joints_changed;
+	l->world->joints_changed = false;
 	for (int i = 0; i < l->n && l->started; i++) {
 		const bool moved = differs(now->position, before->position, i, 3);
 		const bool kicked = moved || differs(now->velocity, before->velocity, i, 3) ||
 		                    differs(now->spin, before->spin, i, 3) ||
-		                    differs(now->orientation, before->orientation, i, 4);
+		                    differs(now->orientation, before->orientation, i, 4) ||
+		                    (joints_changed && has_joint(l, i));
 
 		if (rb_located_driven(l, i) ||
 		    (!kicked && !differs(now->push, before->push, i, 3) &&
@@ -598,7 +617,8 @@ static void start(struct rb_located *l, double t)
 		const int touching = rb_predict(l, i, t, -1);
 
 		if (rb_located_driven(l, i) || l->cluster_of[i] >= 0 ||
-		    (touching == 0 && rb_external_is_constant(l, i, t)))
+		    (touching == 0 && rb_external_is_constant(l, i, t) &&
+		     !rb_joint_rows_hold(l, i)))
 			continue;
 		rb_set_add(l, i);
 		resolve_set(l, t);

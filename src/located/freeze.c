@@ -7,6 +7,7 @@
 #include "located/driven.h"
 #include "located/integrate.h"
 #include "located/past.h"
+#include "model/joints.h"
 
 #include <math.h>
 
@@ -264,6 +265,14 @@ void rb_freeze_pack(struct rb_located *l, struct rb_pack *pack)
 	RB_ASSERT(l->set_count == 0);
 	rb_fields_pack(rb_located_fields(), l, 1, limits.high, pack);
 	pack_bodies(l, pack);
+	for (int k = 0;
+	     l->model->joints && !pack->failed && k < RB_JOINT_DRIVES * l->model->joints->count;
+	     k++) {
+		int mode = l->drive_mode[k];
+
+		rb_pack_int(pack, &mode, RB_DRIVE_LOW, RB_DRIVE_REACHED);
+		l->drive_mode[k] = (signed char)mode;
+	}
 	if (!pack->failed)
 		pack_clusters(l, pack);
 	if (!pack->failed)

@@ -38,8 +38,12 @@ static void add_cluster(struct rb_located *l, struct rb_contacts *contacts, int 
                         rb_vec3 *force)
 {
 	const struct rb_cluster *c = &l->cluster[cluster];
-	const bool now = force && c->held_count > 0 && c->integrated && !c->has_jammed &&
-	                 rb_integrate_forces(l, cluster, t, force);
+	const bool carries = c->used && (c->held_count > 0 || l->model->joints);
+	/* of one at rest the forces of contacts are known, those of joints are not */
+	const bool rests = c->at_rest && !c->integrated && l->model->joints;
+	const bool found = force && carries && (c->integrated || rests) && !c->has_jammed &&
+	                   rb_integrate_forces(l, cluster, t, force);
+	const bool now = found && c->integrated;
 
 	for (int h = 0; h < c->held_count; h++)
 		add_contact(l, contacts, &c->held[h], t, now ? force[h] : c->held[h].force);

@@ -146,7 +146,8 @@ static bool jams(struct rb_modes *w)
 
 	for (int k = 0; k < c->held_count; k++)
 		slips = slips || c->held[k].slipping;
-	if (!slips || !friction || !painleve.impulse || !painleve.scratch ||
+	/* its impulses know no joints: where friction jams a mechanism the piece fails */
+	if (w->joints.count > 0 || !slips || !friction || !painleve.impulse || !painleve.scratch ||
 	    !rb_rates_evaluate(w, w->origin_s, c->piece.start))
 		return false;
 	for (int k = 0; k < c->held_count; k++)
@@ -205,6 +206,14 @@ static double next_switch(const struct rb_located *l, double t)
 	return HUGE_VAL;
 }
 
+/* The end of what is known of a body, if it is driven, and that is after `soon`. */
+static double driven_end(const struct rb_located *l, int body, double soon)
+{
+	return body >= 0 && rb_located_driven(l, body) && l->piece[body].until_s > soon
+	               ? l->piece[body].until_s
+	               : HUGE_VAL;
+}
+
 /*
  * Where a driven body that one of the contacts leans on, or that attracts, comes to the end of what
  * is known of it.
@@ -215,12 +224,14 @@ static double partners_end(const struct rb_modes *w)
 	double end = HUGE_VAL;
 
 	for (int k = 0; k < w->c->held_count; k++) {
-		const int pair[2] = {w->c->held[k].a, w->c->held[k].b};
+		end = fmin(end, driven_end(w->l, w->c->held[k].a, soon));
+		end = fmin(end, driven_end(w->l, w->c->held[k].b, soon));
+	}
+	for (int k = 0; k < w->joints.joint_count; k++) {
+		const struct rb_joint *joint = &w->l->model->joints->joint[w->joints.joint[k]];
 
-		for (int side = 0; side < 2; side++)
-			if (rb_located_driven(w->l, pair[side]) &&
-			    w->l->piece[pair[side]].until_s > soon)
-				end = fmin(end, w->l->piece[pair[side]].until_s);
+		end = fmin(end, driven_end(w->l, joint->a, soon));
+		end = fmin(end, driven_end(w->l, joint->b, soon));
 	}
 	for (int i = 0; w->l->model->driven && rb_located_gravitates(w->l) && i < w->l->n; i++)
 		if (rb_located_driven(w->l, i) && w->l->model->attraction[i] > 0 &&
@@ -438,6 +449,8 @@ static void run(struct rb_modes *w, const struct room *room)
 		c->try_s = cut && c->piece.length_s >= tried ? fmax(c->try_s, try_s) : try_s;
 		length = c->held_count > 0 ? rb_check_change_within(w, room->value)
 		                           : c->piece.length_s;
+		if (w->joints.count > 0)
+			length = rb_check_drives_within(w, length, room->value);
 		c->is_cut = length < c->piece.length_s;
 	} while (l->status == RB_OK && (rb_check_turns_aside(w, length, room->value) ||
 	                                rb_check_turns_aside(w, 0.5 * length, room->value)));
@@ -493,32 +506,53 @@ void rb_integrate_piece(struct rb_located *l, int cluster, double t, bool goes_o
 	rb_arena_back(l->arena, here);
 }
 
+/* Values of a cluster at rest, as those of a piece. */
+static void rest_values(const struct rb_modes *w, double t, double *value)
+{
+	for (int k = 0; k < w->c->member_count; k++) {
+		const struct rb_pose pose = rb_arc_pose(w->l, w->c->member[k], t);
+		double *const v = value + (size_t)k * (size_t)w->row;
+
+		memset(v, 0, (size_t)w->row * sizeof *v);
+		w->base[k] = pose.position;
+		if (w->l->top)
+			rb_quat_to(v + RB_PIECE_ORIENTATION, pose.orientation);
+	}
+}
+
 bool rb_integrate_forces(struct rb_located *l, int cluster, double t, rb_vec3 *force)
 {
 	RB_ASSERT(cluster >= 0 && cluster < l->cluster_count && l->cluster[cluster].used);
-	RB_ASSERT(l->cluster[cluster].integrated);
+	RB_ASSERT(l->cluster[cluster].integrated || l->cluster[cluster].at_rest);
 	struct rb_cluster *const c = &l->cluster[cluster];
 	struct rb_modes w = {.l = l,
 	                     .c = c,
-	                     .origin_s = l->piece[c->member[0]].origin_s,
+	                     .origin_s = c->integrated ? l->piece[c->member[0]].origin_s : t,
 	                     .row = rb_located_row(l)};
 	const rb_arena_mark here = rb_arena_here(l->arena);
 	/* a look that somebody asks for decides nothing */
 	const uint64_t products = l->products;
-	double *const value = rb_arena_take(l->arena, (size_t)c->piece.n + 1, sizeof *value);
+	const size_t values = (size_t)c->member_count * (size_t)w.row;
+	double *const value = rb_arena_take(l->arena, values + (size_t)c->piece.n + 1,
+	                                    sizeof *value);
 	const int *const kept = value && rb_modes_reserve(&w) ? rb_modes_take_places(l, c) : NULL;
 	bool good = kept != NULL;
 
 	if (good) {
-		for (int k = 0; k < c->member_count; k++)
+		for (int k = 0; c->integrated && k < c->member_count; k++)
 			w.base[k] = l->piece[c->member[k]].base;
 		w.dense.least = c->least;
-		rb_gauss_values(&c->piece, t - w.origin_s, value);
+		if (c->integrated)
+			rb_gauss_values(&c->piece, t - w.origin_s, value);
+		else
+			rest_values(&w, t, value);
 		good = rb_rates_evaluate(&w, t, value);
 		memcpy(force, w.force, (size_t)c->held_count * sizeof *force);
 		if (good && w.dense.open && !rb_modes_are_lawful(&w) &&
 		    rb_check_holds_otherwise(&w, t))
 			memcpy(force, w.force, (size_t)c->held_count * sizeof *force);
+		if (good && w.joints.count > 0)
+			rb_joint_rows_wrenches(&w.joints, w.multiplier, t, l->world->joint_load);
 		rb_modes_give_back_places(l, c, kept);
 	}
 	if (l->status == RB_ERR_PHYSICS) /* too much to look at */

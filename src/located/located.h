@@ -241,6 +241,9 @@ struct rb_located {
 	size_t cluster_capacity;
 	rb_vec3 *plane_normal; /* [statics]: of planes and rectangles */
 
+	/* [joints][RB_JOINT_DRIVES]: enum rb_drive_mode; NULL without joints */
+	signed char *drive_mode;
+
 	struct rb_queue *queue; /* [n] bodies, [n] clusters, 1 switch of forces */
 	struct rb_cells *cells; /* NULL: few bodies, all are candidates */
 	int *near;              /* [n] scratch */
@@ -272,6 +275,9 @@ struct rb_located {
 };
 
 RB_FIELDS_DECLARE(rb_located_fields);
+
+/* Motor or friction of a joint: at a bound, keeping its speed, or having just come to it. */
+enum rb_drive_mode { RB_DRIVE_LOW = -1, RB_DRIVE_HELD, RB_DRIVE_HIGH, RB_DRIVE_REACHED };
 
 /* Values of a body in a piece: x, v and, where bodies turn, q, w. */
 enum { RB_PIECE_POSITION = 0, RB_PIECE_VELOCITY = 3, RB_PIECE_ORIENTATION = 6, RB_PIECE_SPIN = 10 };

@@ -262,3 +262,77 @@ bool rb_check_turns_aside(struct rb_modes *w, double s, double *value)
 	}
 	return any;
 }
+
+/* ---- motors and friction of joints ---- */
+
+/* The mode that a drive has no more at this state, and what it has then; NULL: all hold. */
+static signed char *broken_drive(struct rb_modes *w, signed char *then)
+{
+	const struct rb_located *l = w->l;
+
+	for (int k = 0; k < w->joints.count; k++) {
+		const struct rb_joint_row *row = &w->joints.row[k];
+
+		if (row->drive < 0 ||
+		    fabs(w->multiplier[k]) <= rb_joint_rows_bound(&w->joints, row) * (1 + clear))
+			continue;
+		*then = w->multiplier[k] > 0 ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
+		return &l->drive_mode[RB_JOINT_DRIVES * row->joint + row->drive];
+	}
+	for (int k = 0; k < w->joints.joint_count; k++) {
+		const int which = w->joints.joint[k];
+		struct rb_joint_spring_row spring;
+
+		if (!rb_joint_rows_spring(&w->joints, k, w->time_s, &spring))
+			continue;
+		for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
+			const struct rb_joint_drive drive = rb_joint_rows_drive_now(l, which, kind);
+			signed char *const mode = &l->drive_mode[RB_JOINT_DRIVES * which + kind];
+			const double v = spring.row.velocity - drive.speed;
+
+			*then = RB_DRIVE_REACHED;
+			if (drive.max > 0 &&
+			    ((*mode == RB_DRIVE_HIGH && v > 0) || (*mode == RB_DRIVE_LOW && v < 0)))
+				return mode;
+		}
+	}
+	return NULL;
+}
+
+static signed char *broken_drive_at(struct rb_modes *w, double s, double *value, signed char *then)
+{
+	rb_gauss_values(&w->c->piece, s, value);
+	return rb_rates_evaluate(w, w->origin_s + s, value) ? broken_drive(w, then) : NULL;
+}
+
+double rb_check_drives_within(struct rb_modes *w, double length, double *value)
+{
+	double good = 0, bad = length;
+	signed char *which = NULL, then = 0;
+
+	for (int k = 1; k <= SAMPLES && !which; k++) {
+		bad = k < SAMPLES ? length * k / SAMPLES : length;
+		which = broken_drive_at(w, bad, value, &then);
+		if (!which)
+			good = bad;
+	}
+	if (!which || w->l->status != RB_OK)
+		return length;
+	for (int round = 0; round < BISECTIONS && bad - good > 0; round++) {
+		const double middle = good + 0.5 * (bad - good);
+		signed char mode;
+
+		if (middle <= good || middle >= bad)
+			break;
+		signed char *const now = broken_drive_at(w, middle, value, &mode);
+		if (now) {
+			bad = middle;
+			which = now;
+			then = mode;
+		} else {
+			good = middle;
+		}
+	}
+	*which = then;
+	return bad;
+}

@@ -162,6 +162,67 @@ static void fill_row(struct rb_modes *w, int i, int row, double t)
 		w->dense.right[row + r] = -asked_of(w, i, r, free);
 }
 
+static rb_vec3 relative_acceleration(const struct rb_modes *w, int i, double t)
+{
+	const struct rb_contact_point *m = &w->contact_point[i];
+
+	return rb_vec3_add(rb_vec3_sub(point_acceleration(w, m->b, m->arm_b, t),
+	                               point_acceleration(w, m->a, m->arm_a, t)),
+	                   w->contact[i].bias);
+}
+
+/* The k-th unknown of a contact among those of joints. */
+static struct rb_coupled_row contact_row(const struct rb_modes *w, int contact, int k)
+{
+	const struct rb_contact_point *m = &w->contact_point[contact];
+	const rb_vec3 unit = unit_of(w, contact, k);
+	rb_vec3 asked = {k == 0, k == 1, k == 2};
+
+	if (w->c->held[contact].slipping)
+		asked = k == 0 ? m->normal : aside(w, contact);
+	return (struct rb_coupled_row){
+		.a = rb_modes_place(w, m->a),
+		.b = rb_modes_place(w, m->b),
+		.asked = {asked, rb_vec3_cross(asked, m->arm_a), rb_vec3_cross(m->arm_b, asked)},
+		.unit = {unit, rb_vec3_cross(unit, m->arm_a), rb_vec3_cross(m->arm_b, unit)}};
+}
+
+/* All rows, those of joints first; the matrix; the right side with the guessed forces. */
+static void fill_coupled(struct rb_modes *w, double t)
+{
+	struct rb_coupled *const system = &w->coupled;
+	const int joints = w->joints.count;
+	double *const right = w->dense.right;
+	int row = joints;
+
+	system->count = w->dense.n;
+	for (int k = 0; k < joints; k++) {
+		system->row[k] = rb_joint_rows_coupled(&w->joints.row[k]);
+		right[k] = -(rb_coupled_felt(&system->row[k], w->linear, w->angular) +
+		             w->joints.row[k].bias);
+	}
+	for (int i = 0; i < w->c->held_count; i++) {
+		const rb_vec3 free = relative_acceleration(w, i, t);
+
+		for (int k = 0; k < rb_modes_unknowns(&w->c->held[i]); k++, row++) {
+			system->row[row] = contact_row(w, i, k);
+			right[row] = -asked_of(w, i, k, free);
+		}
+	}
+	for (int k = 0; k < system->count; k++)
+		rb_coupled_respond(system, &system->row[k]);
+	rb_coupled_sort(system);
+	rb_coupled_fill(system, w->dense.matrix);
+	row = joints;
+	for (int i = 0; i < w->c->held_count; i++)
+		for (int k = 0; k < rb_modes_unknowns(&w->c->held[i]); k++, row++) {
+			const double guess = guess_of(w, i, k);
+
+			for (int r = 0; r < system->count && guess != 0; r++)
+				right[r] -= guess * w->dense.matrix[r * w->dense.n + row];
+		}
+}
+
 /* Removes the component of v along `way`. */
 static void take_off(double *v, const double *way, size_t n)
 {
@@ -212,7 +273,10 @@ static bool close_open(struct rb_modes *w, double *least, double *change)
 /* Forces from unknowns. */
 static void set_forces(struct rb_modes *w, const double *unknown)
 {
-	int row = 0;
+	int row = w->joints.count;
+
+	for (int k = 0; k < row; k++)
+		w->multiplier[k] = unknown[k];
 
 	for (int i = 0; i < w->c->held_count; i++) {
 		w->force[i] = (rb_vec3){0, 0, 0};
@@ -247,11 +311,12 @@ static bool choose_forces(struct rb_modes *w)
 	const rb_arena_mark here = rb_arena_here(w->l->arena);
 	double *const least = rb_arena_take(w->l->arena, 2 * n, sizeof *least);
 	double *const change = least ? least + n : NULL;
-	int row = 0;
+	int row = w->joints.count;
 
 	if (!least)
 		return false;
 	memcpy(change, w->dense.right, n * sizeof *change);
+	memcpy(least, change, (size_t)row * sizeof *change);
 	for (int i = 0; i < c->held_count; i++)
 		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
 			least[row] = guess_of(w, i, k) + change[row];
@@ -259,7 +324,7 @@ static bool choose_forces(struct rb_modes *w)
 	if (good)
 		set_forces(w, least);
 	if (good && w->dense.open && !rb_modes_are_lawful(w)) {
-		row = 0;
+		row = w->joints.count;
 		for (int i = 0; i < c->held_count; i++)
 			for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
 				change[row] += guess_of(w, i, k);
@@ -273,14 +338,17 @@ static bool choose_forces(struct rb_modes *w)
 static bool solve_modes(struct rb_modes *w, double t)
 {
 	const struct rb_cluster *c = w->c;
-	int n = 0, row = 0;
+	int n = w->joints.count, row = 0;
 
 	for (int k = 0; k < c->held_count; k++)
 		n += rb_modes_unknowns(&c->held[k]);
 	if (n > RB_MODES_DENSE)
 		return false;
 	w->dense.n = n;
-	for (int i = 0; i < c->held_count; row += rb_modes_unknowns(&c->held[i]), i++)
+	if (w->joints.count > 0)
+		fill_coupled(w, t);
+	for (int i = 0; i < c->held_count && w->joints.count == 0;
+	     row += rb_modes_unknowns(&c->held[i]), i++)
 		fill_row(w, i, row, t);
 	rb_dense_solve(&w->dense);
 	return choose_forces(w);
@@ -393,7 +461,26 @@ static void press(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force
 	sum[2 * place + 1] = rb_vec3_add(sum[2 * place + 1], rb_vec3_cross(arm, force));
 }
 
-bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force)
+/* Adds what a multiplier of a joint's row exerts. */
+static void press_joint(const struct rb_joint_row *row, double multiplier, rb_vec3 *sum)
+{
+	const struct rb_coupled_wrench *wrench = &row->wrench;
+
+	if (row->a >= 0) {
+		rb_vec3 *const on = &sum[2 * row->a];
+
+		on[0] = rb_vec3_add_scaled(on[0], -multiplier, wrench->linear);
+		on[1] = rb_vec3_add_scaled(on[1], multiplier, wrench->angular_a);
+	}
+	if (row->b >= 0) {
+		rb_vec3 *const on = &sum[2 * row->b];
+
+		on[0] = rb_vec3_add_scaled(on[0], multiplier, wrench->linear);
+		on[1] = rb_vec3_add_scaled(on[1], multiplier, wrench->angular_b);
+	}
+}
+
+bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force, const double *multiplier)
 {
 	struct rb_located *l = w->l;
 	const struct rb_cluster *c = w->c;
@@ -411,6 +498,8 @@ bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force)
 		press(w, c->held[k].a, w->contact_point[k].arm_a, rb_vec3_neg(force[k]), sum);
 		press(w, c->held[k].b, w->contact_point[k].arm_b, force[k], sum);
 	}
+	for (int k = 0; k < w->joints.count; k++)
+		press_joint(&w->joints.row[k], multiplier[k], sum);
 	for (int k = 0; k < c->member_count; k++) {
 		const int i = c->member[k];
 
@@ -424,15 +513,6 @@ bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force)
 	}
 	rb_arena_back(l->arena, here);
 	return true;
-}
-
-static rb_vec3 relative_acceleration(const struct rb_modes *w, int i, double t)
-{
-	const struct rb_contact_point *m = &w->contact_point[i];
-
-	return rb_vec3_add(rb_vec3_sub(point_acceleration(w, m->b, m->arm_b, t),
-	                               point_acceleration(w, m->a, m->arm_a, t)),
-	                   w->contact[i].bias);
 }
 
 bool rb_modes_is_slow(const struct rb_modes *w, int contact, double t)
@@ -465,6 +545,12 @@ double rb_modes_left(struct rb_modes *w, double t)
 	double max = 0;
 	int row = 0;
 
+	for (; row < w->joints.count; row++) {
+		w->dense.right[row] = -(
+			rb_coupled_felt(&w->coupled.row[row], w->linear, w->angular) +
+			w->joints.row[row].bias);
+		max = fmax(max, fabs(w->dense.right[row]));
+	}
 	for (int i = 0; i < c->held_count; i++) {
 		const rb_vec3 left = relative_acceleration(w, i, t);
 
@@ -483,13 +569,17 @@ bool rb_modes_refine(struct rb_modes *w, double t)
 
 	for (int round = 0; round < REFINEMENTS; round++) {
 		const double left = rb_modes_left(w, t);
-		int row = 0;
+		int row = w->joints.count;
 
 		/* redundant contacts may contradict each other: then a residual remains */
 		if (!(left > 4 * DBL_EPSILON * w->max) || !(left < 0.5 * before))
 			return true;
 		before = left;
 		rb_dense_again(&w->dense);
+		for (int k = 0; k < row; k++) {
+			w->joint_change[k] = w->dense.right[k];
+			w->multiplier[k] += w->joint_change[k];
+		}
 		for (int i = 0; i < c->held_count; i++) {
 			w->change[i] = (rb_vec3){0, 0, 0};
 			for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
@@ -497,7 +587,7 @@ bool rb_modes_refine(struct rb_modes *w, double t)
 				                                  unit_of(w, i, k));
 			w->force[i] = rb_vec3_add(w->force[i], w->change[i]);
 		}
-		if (!rb_modes_press(w, w->change))
+		if (!rb_modes_press(w, w->change, w->joint_change))
 			return false;
 	}
 	return true;
@@ -523,11 +613,14 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **fo
 
 	if (found)
 		*found = NULL;
-	joint.body = rb_arena_take(l->arena, (size_t)(c->member_count + 2 * c->held_count),
-	                           sizeof *joint.body);
+	joint.body = rb_arena_take(
+		l->arena, (size_t)(c->member_count + 2 * c->held_count + 2 * w->joints.count),
+		sizeof *joint.body);
+	joint.joint_row = rb_arena_take(l->arena, (size_t)w->joints.count + 1,
+	                                sizeof *joint.joint_row);
 	joint.contact = rb_arena_take(l->arena, (size_t)c->held_count, sizeof *joint.contact);
 	rb_mat3 *const root = rb_arena_take(l->arena, (size_t)c->member_count, sizeof *root);
-	if (!joint.body || !joint.contact || !root)
+	if (!joint.body || !joint.contact || !root || !joint.joint_row)
 		return false;
 	joint.root = root;
 	joint.body_count = c->member_count;
@@ -543,7 +636,10 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **fo
 		joint.contact[k].b = joint_body(w, &joint, c->held[k].b, t);
 		joint.contact[k].impulse = c->held[k].force;
 	}
+	joint.joint_count = rb_joint_rows_pose_problem(&w->joints, true, joint.joint_row,
+	                                               joint.body, &joint.body_count);
 	rb_simultaneous_forces(&joint);
+	rb_joint_rows_read_problem(&w->joints, true, joint.joint_row, w->multiplier);
 	if (rb_modes_move(w))
 		rb_located_count(l, joint.products, c->held_count);
 	for (int k = 0; k < c->held_count; k++)
@@ -597,6 +693,40 @@ void rb_modes_give_back_places(struct rb_located *l, const struct rb_cluster *c,
 		l->place[c->member[k]] = kept[k];
 }
 
+/* The elimination, and what joints of the members need; places are not the members' yet. */
+static bool reserve_joints(struct rb_modes *w, size_t unknowns)
+{
+	struct rb_arena *const arena = w->l->arena;
+
+	w->joints = (struct rb_joint_rows){
+		.l = w->l, .body = w->c->member, .pose = w->pose, .body_count = w->c->member_count};
+	if (w->l->model->joints) {
+		const int *const kept = rb_modes_take_places(w->l, w->c);
+
+		if (!kept)
+			return false;
+		const bool good = rb_joint_rows_collect(&w->joints);
+
+		rb_modes_give_back_places(w->l, w->c, kept);
+		if (!good)
+			return false;
+	}
+	const size_t rows = (size_t)w->joints.count;
+
+	if (rows > 0) {
+		unknowns = unknowns + rows > RB_MODES_DENSE ? 0 : unknowns + rows;
+		w->coupled = (struct rb_coupled){.l = w->l,
+		                                 .body = w->c->member,
+		                                 .pose = w->pose,
+		                                 .body_count = w->c->member_count};
+		w->multiplier = rb_arena_take(arena, 2 * rows, sizeof *w->multiplier);
+		if (!w->multiplier || !rb_coupled_reserve(&w->coupled, (int)unknowns))
+			return false;
+		w->joint_change = w->multiplier + rows;
+	}
+	return rb_coupled_reserve_dense(arena, &w->dense, (int)unknowns);
+}
+
 bool rb_modes_reserve(struct rb_modes *w)
 {
 	struct rb_cluster *c = w->c;
@@ -624,18 +754,6 @@ bool rb_modes_reserve(struct rb_modes *w)
 		if (!w->parts || !w->seen)
 			return false;
 	}
-	struct rb_dense *d = &w->dense;
-	d->matrix = rb_arena_take(arena, unknowns * unknowns + 1, sizeof *d->matrix);
-	d->right = rb_arena_take(arena, 3 * unknowns + 1, sizeof *d->right);
-	d->last = rb_arena_take(arena, 5 * unknowns + 1, sizeof *d->last);
-	if (!d->matrix || !d->right || !d->last)
-		return false;
-	d->size = d->right + unknowns;
-	d->found = d->size + unknowns;
-	d->down = d->last + unknowns;
-	d->pivot = d->down + unknowns;
-	d->from = d->pivot + unknowns;
-	d->order = d->from + unknowns;
-	return w->pose && w->base && w->linear && w->angular && w->contact_point && w->contact &&
-	       w->force && w->change && w->slow;
+	return reserve_joints(w, unknowns) && w->pose && w->base && w->linear && w->angular &&
+	       w->contact_point && w->contact && w->force && w->change && w->slow;
 }

@@ -3,12 +3,14 @@
  * Forces of a cluster's contacts, each in its mode: they stick, slip along a direction, or creep
  * (rb_set_creep). An elimination for the forces that the modes ask for; where it is too large, the
  * solver of constraint/simultaneous.
+ *
+ * Joints of the members are in the same elimination: their rows come first (located/joint_rows).
  */
 #ifndef RB_LOCATED_MODES_H
 #define RB_LOCATED_MODES_H
 
+#include "located/joint_rows.h"
 #include "located/mechanics.h"
-#include "math/dense.h"
 
 /* More unknowns are not eliminated. */
 enum { RB_MODES_DENSE = 1536 };
@@ -25,13 +27,16 @@ struct rb_modes {
 	rb_vec3 *linear, *angular; /* [member_count] */
 	struct rb_contact_point *contact_point; /* [held_count] */
 	struct rb_solver_contact *contact;      /* [held_count] */
-	bool *slow;               /* [held_count]: its slip begins slowly (rb_modes_is_slow) */
-	rb_vec3 *force, *change;  /* [held_count]: N on b; what refining adds */
-	struct rb_dense dense;    /* for contacts in their modes */
-	bool balanced;            /* forces across slips that creep, by rb_modes_solve */
-	bool slip_ends, hits;     /* why `broken` said so */
-	double force_max;         /* N: largest force at the beginning */
-	double doubt;             /* N: what the modes at the beginning leave open */
+	bool *slow;              /* [held_count]: its slip begins slowly (rb_modes_is_slow) */
+	rb_vec3 *force, *change; /* [held_count]: N on b; what refining adds */
+	struct rb_dense dense;   /* for joints, and contacts in their modes */
+	struct rb_joint_rows joints;
+	struct rb_coupled coupled;         /* of joints and contacts, where there are joints */
+	double *multiplier, *joint_change; /* [joints.count]: N; what refining adds */
+	bool balanced;                     /* forces across slips that creep, by rb_modes_solve */
+	bool slip_ends, hits;              /* why `broken` said so */
+	double force_max;                  /* N: largest force at the beginning */
+	double doubt;                      /* N: what the modes at the beginning leave open */
 	double max;               /* m/s^2: largest acceleration that forces are to balance */
 	bool goes_on;             /* from a piece that nothing has cut */
 	uint64_t *calls, counted; /* of its rates, so far and at the last one */
@@ -75,8 +80,11 @@ void rb_modes_part_slips(struct rb_modes *w);
 /* Is none of the forces outside its cone? */
 bool rb_modes_are_lawful(const struct rb_modes *w);
 
-/* Accelerations by forces at the contacts; [held_count]. False: no memory. */
-bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force);
+/*
+ * Accelerations by forces at the contacts, [held_count], and multipliers of joints, [joints.count].
+ * False: no memory.
+ */
+bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force, const double *multiplier);
 
 /*
  * After rb_modes_solve and rb_modes_press: accelerations that are of the modes to the rounding of

@@ -12,9 +12,11 @@ static const struct rb_method_part rows[] = {
          RB_FEATURE_CONTACT},
 	{"integrator", "Gauss collocation of order 16, where a force has no closed form",
          RB_FEATURES_VARIED | RB_FEATURE_DRIVEN | RB_FEATURE_CONTACT | RB_FEATURE_FORCES |
-                 RB_FEATURE_PUSHES},
+                 RB_FEATURE_PUSHES | RB_FEATURE_JOINTS},
 	{"gravitation", "what attracts each other has one clock; impacts go from touch to touch",
          RB_FEATURE_GRAVITATION},
+	{"joints", "bodies that joints hold together, in one system with their contacts",
+         RB_FEATURE_JOINTS},
 	{"switches", "moments at which forces begin and end", RB_FEATURE_FORCES},
 	{"callbacks", "every body as of the moment of each impact and transition",
          RB_FEATURE_HOOK_COLLISION | RB_FEATURE_HOOK_TRANSITION},

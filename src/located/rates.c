@@ -82,6 +82,7 @@ bool rb_rates_external(struct rb_modes *w, double t, double *max)
 	for (int k = 0; k < w->c->member_count; k++)
 		rb_external_force_at(l, w->c->member[k], &w->pose[k], &view, &w->linear[k],
 		                     &w->angular[k]);
+	rb_joint_rows_add_springs(&w->joints, t, w->linear, w->angular);
 	for (int k = 0; k < w->c->member_count; k++)
 		*max = fmax(*max, rb_vec3_max_abs(w->linear[k]));
 	return l->status == RB_OK;
@@ -101,6 +102,8 @@ static double largest_acceleration(const struct rb_modes *w)
 		                                w->l->model->shape[w->c->member[k]].radius);
 	for (int k = 0; k < w->c->held_count; k++)
 		max = fmax(max, rb_vec3_length(w->contact[k].bias));
+	for (int k = 0; k < w->joints.count; k++)
+		max = fmax(max, fabs(w->joints.row[k].bias));
 	return max;
 }
 
@@ -118,9 +121,11 @@ static bool count_inspection(struct rb_modes *w)
 	if (rb_located_gravitates(l))
 		l->products += RB_LOCATED_PULL * (uint64_t)c->member_count *
 		               (uint64_t)c->member_count / 2;
-	l->products += c->held_count > 0 ? (uint64_t)w->dense.products +
-	                                           RB_LOCATED_INSPECTION * (uint64_t)c->held_count
-	                                 : RB_LOCATED_FLIGHT * (uint64_t)c->member_count;
+	l->products += c->held_count + w->joints.count > 0
+	                       ? (uint64_t)w->dense.products +
+	                                 RB_LOCATED_INSPECTION *
+	                                         (uint64_t)(c->held_count + w->joints.joint_count)
+	                       : RB_LOCATED_FLIGHT * (uint64_t)c->member_count;
 	if (rb_located_is_dense(l))
 		l->status = c->held_count > 0
 		                    ? RB_FAIL(l->err, RB_ERR_PHYSICS,
@@ -178,13 +183,14 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 				w->contact[k].slip = rb_vec3_scale(1 / speed, slip);
 		}
 	}
+	rb_joint_rows_fill(&w->joints, t);
 	w->max = largest_acceleration(w);
-	if (c->held_count == 0)
+	if (c->held_count == 0 && w->joints.count == 0)
 		return count_inspection(w);
 	const bool solved = rb_modes_solve(w, t);
 	if (!solved && !rb_modes_solve_any(w, t, NULL))
 		return false;
-	if (!rb_modes_press(w, w->force) || (solved && !rb_modes_refine(w, t)))
+	if (!rb_modes_press(w, w->force, w->multiplier) || (solved && !rb_modes_refine(w, t)))
 		return false;
 	are_at_rest(w, external);
 	return count_inspection(w);

@@ -15,6 +15,7 @@
 #include "located/account.h"
 #include "located/cluster.h"
 #include "located/integrate.h"
+#include "located/joint_settling.h"
 #include "located/mechanics.h"
 #include "located/past.h"
 #include "located/external_force.h"
@@ -82,6 +83,12 @@ static bool begin(struct rb_settling *s)
 	for (int k = 0; k < l->set_count; k++) {
 		s->pose[k] = rb_arc_pose(l, l->set[k], s->t);
 		s->root[k] = k;
+	}
+	s->joints = (struct rb_joint_rows){
+		.l = l, .body = l->set, .pose = s->pose, .body_count = l->set_count};
+	if (!rb_joint_rows_collect(&s->joints)) {
+		rb_slips_take(s, -1, SIZE_MAX / 2);
+		return false;
 	}
 	for (int k = 0; k < s->contact_point_count; k++) {
 		const struct rb_held *held = rb_set_held_like(l, &s->contact_point[k]);
@@ -199,6 +206,8 @@ static void keep_what_lasts(struct rb_settling *s)
 		          !parts(s, &s->contact_point[k]) && !opens_anew(s, k);
 	}
 	rb_drift(&drift);
+	rb_joint_rows_begin_drives(&s->joints, s->t, s->struck || s->l->starting);
+	rb_joint_rows_correct(&s->joints, s->t, s->pose, s->struck || s->l->starting);
 	for (int k = 0; k < s->contact_point_count; k++) {
 		rb_drift_point(s->l, s->pose, &s->contact_point[k]);
 		kept[k] = s->before[k].a < 0 || !parts(s, &s->contact_point[k]);
@@ -231,6 +240,7 @@ static void pulls(struct rb_settling *s)
 		s->still[k] = rb_external_is_still(l, l->set[k], s->t);
 		s->external_max = fmax(s->external_max, rb_vec3_max_abs(s->linear[k]));
 	}
+	rb_joint_rows_add_springs(&s->joints, s->t, s->linear, s->angular);
 }
 
 /* A dynamic body of the pair; of two, the first. */
@@ -269,6 +279,12 @@ static void join_all(struct rb_settling *s)
 	for (int k = 0; k < s->contact_point_count; k++)
 		if (rb_slips_press(s, k))
 			join(s, s->contact_point[k].a, s->contact_point[k].b);
+	for (int k = 0; k < s->joints.joint_count; k++) {
+		const struct rb_joint *joint = &model->joints->joint[s->joints.joint[k]];
+
+		if (joint->b >= 0)
+			join(s, joint->a, joint->b);
+	}
 	for (int k = 0; k < model->element_list_count; k++)
 		for (int m = 0; model->elements[k].end && m < model->elements[k].count; m++)
 			join(s, model->elements[k].end[m][0], model->elements[k].end[m][1]);
@@ -430,7 +446,8 @@ static bool in_closed_form(const struct rb_settling *s, int part, const struct r
 
 	for (int k = 0; k < l->set_count; k++)
 		if (root_of(s->root, k) == part &&
-		    (!s->constant[k] || l->model->center_of_mass || turns_oddly(s, k)))
+		    (!s->constant[k] || l->model->center_of_mass || turns_oddly(s, k) ||
+		     rb_joint_rows_hold(l, l->set[k])))
 			return false;
 	for (int k = 0; k < s->contact_point_count; k++) {
 		const struct rb_held *held = rb_set_held_like(l, &s->contact_point[k]);
@@ -549,6 +566,18 @@ static void rate_centers(const struct rb_settling *s, int member, struct rb_acco
 	}
 }
 
+/* The same of joints. */
+static void rate_joints(struct rb_settling *s, int part, struct rb_account_rates *rates)
+{
+	bool *const own = rb_slips_take(s, s->l->set_count, sizeof *own);
+
+	if (!own)
+		return;
+	for (int k = 0; k < s->l->set_count; k++)
+		own[k] = root_of(s->root, k) == part;
+	rb_joint_settling_rate(s, own, rates);
+}
+
 /* Starts a part on arcs or on its first piece. */
 static void start_part(struct rb_settling *s, int part, struct rb_cluster *c,
                        const int *contact_point)
@@ -577,6 +606,8 @@ static void start_part(struct rb_settling *s, int part, struct rb_cluster *c,
 	}
 	for (int k = 0; closed && l->account_s && k < c->held_count; k++)
 		rate_contact(s, contact_point[k], rest_speed, &c->rates);
+	if (rest_speed && l->account_s && s->joints.joint_count > 0)
+		rate_joints(s, part, &c->rates);
 	for (int k = 0; rest_speed && l->account_s && k < c->member_count; k++)
 		rate_centers(s, c->member[k], &c->rates);
 	if (!closed)
@@ -637,7 +668,8 @@ static void write_parts(struct rb_settling *s, double try_s)
 			held_count += rb_slips_press(s, k) &&
 			              root_of(s->root, l->place[yielding(s, k)]) == part;
 		for (int k = 0; k < count; k++)
-			alone = alone && s->constant[l->place[member[k]]];
+			alone = alone && s->constant[l->place[member[k]]] &&
+			        !rb_joint_rows_hold(l, member[k]);
 		if (held_count == 0 && alone) { /* a body in flight */
 			for (int k = 0; k < count; k++)
 				fly(s, member[k]);
@@ -759,10 +791,10 @@ static bool resolve_once(struct rb_settling *s, bool looks, bool may_seize)
 		return false;
 	}
 	pulls(s);
-	if (l->status != RB_OK || !rb_slips_solve(s))
+	if (l->status != RB_OK || !rb_slips_solve(s) || !rb_joint_settling_decide(s))
 		return false;
 	join_all(s);
-	if (may_seize && rb_seize(s))
+	if (may_seize && s->joints.count == 0 && rb_seize(s))
 		return true;
 	forget_before(s, &try_s);
 	record_lifts(s);

@@ -15,6 +15,7 @@
 #include "base/memory.h"
 #include "constraint/contact_row.h"
 #include "located/account.h"
+#include "located/joint_rows.h"
 #include "located/mechanics.h"
 #include "located/external_force.h"
 #include "located/resolve_contacts.h"
@@ -240,6 +241,7 @@ struct striking {
 	int contact_point_count;
 	struct rb_pose *pose; /* [set_count] */
 	struct rb_simultaneous joint;
+	struct rb_joint_rows joints;
 	double slack; /* m/s: rounding of the velocities that came in */
 };
 
@@ -291,13 +293,20 @@ static bool build(struct striking *s)
 	struct rb_located *l = s->l;
 
 	s->pose = rb_arena_take(l->arena, (size_t)l->set_count + 1, sizeof *s->pose);
-	s->joint.body = rb_arena_take(l->arena,
-	                              (size_t)(l->set_count + 2 * s->contact_point_count + 1),
-	                              sizeof *s->joint.body);
+	s->joints = (struct rb_joint_rows){
+		.l = l, .body = l->set, .pose = s->pose, .body_count = l->set_count};
+	if (!rb_joint_rows_collect(&s->joints))
+		return false;
+	s->joint.body = rb_arena_take(
+		l->arena,
+		(size_t)(l->set_count + 2 * s->contact_point_count + 2 * s->joints.count + 1),
+		sizeof *s->joint.body);
+	s->joint.joint_row = rb_arena_take(l->arena, (size_t)s->joints.count + 1,
+	                                   sizeof *s->joint.joint_row);
 	s->joint.contact = rb_arena_take(l->arena, (size_t)s->contact_point_count + 1,
 	                                 sizeof *s->joint.contact);
 	rb_mat3 *const root = rb_arena_take(l->arena, (size_t)l->set_count + 1, sizeof *root);
-	if (!s->pose || !s->joint.body || !s->joint.contact || !root)
+	if (!s->pose || !s->joint.body || !s->joint.contact || !root || !s->joint.joint_row)
 		return false;
 	s->joint.root = root;
 	s->joint.arena = l->arena;
@@ -321,6 +330,9 @@ static bool build(struct striking *s)
 		s->joint.contact[k].b = joint_body(s, m->b, &m->pose_b);
 		s->slack = fmax(s->slack, s->joint.contact[k].noise);
 	}
+	rb_joint_rows_fill(&s->joints, s->t);
+	s->joint.joint_count = rb_joint_rows_pose_problem(&s->joints, false, s->joint.joint_row,
+	                                                  s->joint.body, &s->joint.body_count);
 	return true;
 }
 
@@ -564,7 +576,7 @@ static void end_accumulations(struct striking *s)
 	struct rb_located *l = s->l;
 	bool *const ends = rb_arena_take(l->arena, (size_t)s->contact_point_count + 1,
 	                                 sizeof *ends);
-	bool any = false, single = true;
+	bool any = false, single = s->joints.count == 0;
 
 	if (!ends || !rb_memory_reserve(&l->merge, &l->merge_capacity,
 	                                (size_t)(l->merge_count + s->contact_point_count),
@@ -653,12 +665,31 @@ static rb_vec3 *see_approaches(struct striking *s)
 	return approach;
 }
 
+/* Enters what joints give to the momentum; they do no work but that of driven ends. */
+static void enter_joints(struct striking *s)
+{
+	struct rb_entries e = {0};
+	double *const impulse = rb_arena_take(s->l->arena, (size_t)s->joints.count,
+	                                      sizeof *impulse);
+
+	if (!impulse) {
+		s->l->status = RB_FAIL(s->l->err, RB_ERR_MEMORY, "no memory for an impact");
+		return;
+	}
+	rb_joint_rows_read_problem(&s->joints, false, s->joint.joint_row, impulse);
+	for (int k = 0; k < s->joints.count; k++)
+		rb_joint_rows_enter(&s->joints, &s->joints.row[k], impulse[k], s->t, &e);
+	rb_ledger_enter(&s->l->world->ledger, &e);
+}
+
 /* Enters the work of the impulses. */
 static void enter_impulses(struct striking *s, const rb_vec3 *approach)
 {
 	for (int k = 0; approach && k < s->contact_point_count; k++)
 		rb_work_impact(s->l, &s->contact_point[k], s->joint.contact[k].impulse, approach[k],
 		               velocity_after(s, k));
+	if (approach && s->joints.count > 0)
+		enter_joints(s);
 }
 
 /* Solves the impact, ends series, anchors the members. */

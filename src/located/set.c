@@ -8,6 +8,7 @@
 #include "located/set.h"
 
 #include "base/error.h"
+#include "model/joints.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -484,6 +485,20 @@ static void add_partners(struct rb_located *l, int i)
 	}
 }
 
+/* Adds the bodies at the other ends of joints. */
+static void add_joined(struct rb_located *l, int i)
+{
+	const struct rb_joints *joints = l->model->joints;
+
+	for (int e = joints->first[i]; e < joints->first[i + 1]; e++) {
+		const struct rb_joint *joint = &joints->joint[joints->of[e]];
+		const int other = joint->a == i ? joint->b : joint->a;
+
+		if (other >= 0)
+			rb_set_add(l, other);
+	}
+}
+
 static int by_name(const void *left, const void *right)
 {
 	const struct rb_contact_name x = rb_contact_name_of(left), y = rb_contact_name_of(right);
@@ -527,6 +542,8 @@ int rb_set_grow(struct rb_located *l, double t, double slack, rb_set_joins *join
 				rb_set_add(l, c->member[m]);
 		}
 		add_partners(l, i);
+		if (l->model->joints)
+			add_joined(l, i);
 		if (!(l->model->features & RB_FEATURE_CONTACT))
 			continue;
 		const int near = rb_set_near(l, i);

@@ -32,6 +32,18 @@ static double largest_load(const struct rb_modes *w)
 		max = fmax(max, load_of(w, held->a, w->contact_point[k].arm_a, w->force[k]));
 		max = fmax(max, load_of(w, held->b, w->contact_point[k].arm_b, w->force[k]));
 	}
+	for (int k = 0; k < w->joints.count; k++) {
+		const struct rb_joint_row *row = &w->joints.row[k];
+		const double force = fabs(w->multiplier[k]) * rb_vec3_length(row->wrench.linear);
+
+		for (int e = 0; e < 2; e++) {
+			const int place = e == 0 ? row->a : row->b;
+
+			if (place >= 0)
+				max = fmax(max,
+				           w->l->model->inverse_mass[w->c->member[place]] * force);
+		}
+	}
 	return max;
 }
 
@@ -60,6 +72,17 @@ static double bends_over(const struct rb_modes *w, int k)
 	return rb_attract_distance(&l->gravitation.all, w->c->member[k], &depth);
 }
 
+/* m: of the body, or of the joints that hold it. */
+static double size_of(const struct rb_modes *w, int body)
+{
+	const struct rb_joints *joints = w->l->model->joints;
+	double size = rb_model_reach(w->l->model, body);
+
+	for (int e = joints ? joints->first[body] : 0; joints && e < joints->first[body + 1]; e++)
+		size = fmax(size, joints->joint[joints->of[e]].size);
+	return size;
+}
+
 double rb_sizes_of(struct rb_modes *w, double *scale)
 {
 	const struct rb_located *l = w->l;
@@ -68,8 +91,7 @@ double rb_sizes_of(struct rb_modes *w, double *scale)
 
 	for (int k = 0; k < w->c->member_count; k++) {
 		const struct rb_pose *pose = &w->pose[k];
-		const double radius = fmax(rb_model_reach(l->model, w->c->member[k]),
-		                           bends_over(w, k));
+		const double radius = fmax(size_of(w, w->c->member[k]), bends_over(w, k));
 		const double external = rb_vec3_length(w->linear[k]);
 		const double own = fmax(rb_vec3_length(pose->velocity), sqrt(external * radius));
 		const double speed = fmax(own, balanced(w, load, radius));

@@ -168,12 +168,32 @@ void rb_slips_too_many(const struct rb_settling *s)
 	                       s->contact_point_count);
 }
 
+/* Accelerations where joints alone act. */
+static bool solve_joints(struct rb_settling *s)
+{
+	const size_t count = (size_t)s->l->set_count;
+	rb_vec3 *const linear = rb_slips_take(s, 2 * s->l->set_count, sizeof *linear);
+
+	if (!linear)
+		return false;
+	memcpy(linear, s->linear, count * sizeof *linear);
+	memcpy(linear + count, s->angular, count * sizeof *linear);
+	if (!rb_joint_rows_accelerate(&s->joints, linear, linear + count))
+		return false;
+	for (size_t k = 0; k < count; k++) {
+		s->joint.body[k].linear = linear[k];
+		s->joint.body[k].angular = linear[count + k];
+	}
+	return true;
+}
+
 /* Forces and modes in the given directions. */
 static bool solve(struct rb_settling *s)
 {
 	s->joint.arena = s->l->arena;
-	s->joint.body = rb_slips_take(s, s->l->set_count + 2 * s->contact_point_count,
-	                              sizeof *s->joint.body);
+	s->joint.body = rb_slips_take(
+		s, s->l->set_count + 2 * s->contact_point_count + 2 * s->joints.count,
+		sizeof *s->joint.body);
 	s->joint.contact = rb_slips_take(s, s->contact_point_count, sizeof *s->joint.contact);
 	rb_mat3 *const root = rb_slips_take(s, s->l->set_count, sizeof *root);
 	if (s->l->status != RB_OK)
@@ -183,9 +203,16 @@ static bool solve(struct rb_settling *s)
 		joint_contact(s, k);
 	share_loads(s);
 	s->joint.contact_count = s->contact_point_count;
+	s->joint.joint_row = rb_slips_take(s, s->joints.count, sizeof *s->joint.joint_row);
+	if (!s->joint.joint_row)
+		return false;
+	s->joint.joint_count = rb_joint_rows_pose_problem(&s->joints, true, s->joint.joint_row,
+	                                                  s->joint.body, &s->joint.body_count);
 	s->joint.products_max = s->moves ? rb_located_products(s->l, s->contact_point_count) : 0;
-	if (s->contact_point_count > 0)
+	if (s->contact_point_count > 0 || rb_joint_rows_drive(&s->joints))
 		rb_simultaneous_forces(&s->joint);
+	else if (s->joints.count > 0 && !solve_joints(s))
+		return false;
 	if (s->moves)
 		rb_located_count(s->l, s->joint.products, s->contact_point_count);
 	if (rb_simultaneous_is_over(&s->joint)) {

@@ -9,6 +9,7 @@
 #ifndef RB_LOCATED_SLIPS_H
 #define RB_LOCATED_SLIPS_H
 
+#include "located/joint_rows.h"
 #include "located/set.h"
 #include "constraint/simultaneous.h"
 
@@ -25,6 +26,7 @@ struct rb_settling {
 	struct rb_held *before;    /* [meet_count]: what was held of each, a < 0: nothing */
 	struct rb_pose *pose;      /* [set_count] */
 	rb_vec3 *linear, *angular; /* [set_count]: accelerations without contacts, then with them */
+	struct rb_joint_rows joints;  /* of the set, at `pose` */
 	struct rb_simultaneous joint; /* bodies: the set, then the fixed partners */
 	bool *constant;               /* [set_count]: its other forces are constant */
 	bool *still;                  /* [set_count]: ... while all stands still */

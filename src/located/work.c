@@ -247,4 +247,7 @@ void rb_work_rates(const struct rb_modes *w, const struct rb_external_parts *par
 		rb_entries_energy(rate, RB_ENERGY_SLIDING, -rb_vec3_dot(w->force[k], m->velocity));
 		add_sides(w->l, m, w->force[k], rate);
 	}
+	for (int k = 0; k < w->joints.count; k++)
+		rb_joint_rows_enter(&w->joints, &w->joints.row[k], w->multiplier[k], t, rate);
+	rb_joint_rows_enter_springs(&w->joints, w->multiplier, t, rate);
 }

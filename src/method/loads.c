@@ -18,13 +18,15 @@
 #include "located/external_force.h"
 #include "classic/classic.h"
 #include "method/numbers.h"
+#include "stepped/joint_steps.h"
 #include "stepped/stepped.h"
 #include "model/descriptor.h"
+#include "world/joint_state.h"
 
 struct rb_loads {
 	bool known; /* the rows below are of `moment` */
 	uint64_t moment;
-	rb_vec3 *force, *torque;     /* of contacts, by index, static bodies too */
+	rb_vec3 *force, *torque;     /* of contacts and joints, by index, static bodies too */
 	struct rb_contacts contacts; /* scratch */
 	struct rb_located *
 		/*
@@ -98,7 +100,29 @@ static void add(rb_vec3 *to, double sign, rb_vec3 more)
 	*to = rb_vec3_add_scaled(*to, sign, more);
 }
 
-/* Sums the contacts' forces and torques over each body, N and N m. */
+/* Adds what a joint exerts: on a the opposite of that on b, at the same point. */
+static void gather_joint(struct rb_loads *loads, const struct rb_world *world, int k)
+{
+	const struct rb_joint *joint = &world->model->joints->joint[k];
+	const struct rb_wrench *load = &world->joint_load[k];
+	const struct rb_pose pose = joint->b < 0 ? rb_linkage_world()
+	                                         : rb_world_pose(world, &world->state, joint->b);
+	const rb_vec3 point = rb_linkage_point_b(&joint->link, &pose);
+	const int end[2] = {joint->a, joint->b};
+
+	for (int side = 0; side < 2; side++) {
+		const double sign = side ? 1 : -1;
+
+		if (end[side] < 0)
+			continue;
+		const rb_vec3 arm = rb_vec3_sub(point, center_of(world, end[side]));
+		add(&loads->force[end[side]], sign, load->force);
+		add(&loads->torque[end[side]], sign, load->torque);
+		add(&loads->torque[end[side]], sign, rb_vec3_cross(arm, load->force));
+	}
+}
+
+/* Sums the forces and torques of contacts and joints over each body, N and N m. */
 static void gather(struct rb_loads *loads, const struct rb_world *world)
 {
 	const int all = world->model->body_count + world->model->static_count;
@@ -120,6 +144,8 @@ static void gather(struct rb_loads *loads, const struct rb_world *world)
 			add(&loads->torque[i], side ? 1 : -1, rb_vec3_cross(arm, force));
 		}
 	}
+	for (int k = 0; world->joint_load && k < world->model->joints->count; k++)
+		gather_joint(loads, world, k);
 }
 
 /*
@@ -144,6 +170,14 @@ static enum rb_status copy(struct rb_contacts *to, const struct rb_world *world,
                            struct rb_error *err)
 {
 	to->count = 0;
+	for (int k = 0; world->joint_load && world->stepped && k < world->model->joints->count;
+	     k++) {
+		struct rb_wrench *const load = &world->joint_load[k];
+
+		*load = (struct rb_wrench){{0, 0, 0}, {0, 0, 0}};
+		if (!world->joint[k].released)
+			rb_joints_load(world->stepped, k, &load->force, &load->torque);
+	}
 	return rb_contacts_join(to, world->has_shown ? &world->shown : &world->contacts, err);
 }
 
@@ -160,8 +194,8 @@ static enum rb_status first_step(struct rb_world *other, struct rb_error *err)
 }
 
 /*
- * Contacts before the first step: those of another world with the same state and no callbacks.
- * Where its step fails for physical reasons there are none.
+ * Contacts and joints before the first step: those of another world with the same state and no
+ * callbacks. Where its step fails for physical reasons there are none.
  */
 static enum rb_status try_beginning(struct rb_world *world, struct rb_error *err)
 {
@@ -170,7 +204,8 @@ static enum rb_status try_beginning(struct rb_world *world, struct rb_error *err
 	const struct rb_world_hooks hooks = {.user = world->hooks.user,
 	                                     .field = world->hooks.field,
 	                                     .potential = world->hooks.potential,
-	                                     .motion = world->hooks.motion};
+	                                     .motion = world->hooks.motion,
+	                                     .follow = world->hooks.follow};
 	struct rb_world *other;
 	enum rb_status status = rb_world_create(&other, world->model, &options, &hooks, err);
 
@@ -187,6 +222,9 @@ static enum rb_status try_beginning(struct rb_world *world, struct rb_error *err
 		if (status == RB_OK)
 			status = copy(to, other, err);
 	}
+	if (world->joint_load)
+		memcpy(world->joint_load, other->joint_load,
+		       (size_t)world->model->joints->count * sizeof *world->joint_load);
 	gather(world->loads, other);
 	rb_world_destroy(other);
 	return status == RB_ERR_PHYSICS ? RB_OK : status;
@@ -229,7 +267,8 @@ static enum rb_status refresh(struct rb_world *world, struct rb_error *err)
 
 	if (loads->known && loads->moment == world->moment)
 		return RB_OK;
-	const bool begins = !world->begun && (world->model->features & RB_FEATURE_CONTACT);
+	const bool begins = !world->begun &&
+	                    (world->model->features & (RB_FEATURE_CONTACT | RB_FEATURE_JOINTS));
 	if (is_located(world))
 		status = polls(world->located, &loads->contacts, err);
 	else if (begins)
@@ -425,6 +464,21 @@ enum rb_status rb_world_load(struct rb_world *world, int id, struct rb_load *loa
 	return RB_OK;
 }
 
+enum rb_status rb_world_joint(struct rb_world *world, int joint, struct rb_joint_reading *now,
+                              struct rb_error *err)
+{
+	enum rb_status status = world->loads ? RB_OK : create(world, err);
+
+	*now = rb_joint_state_now(world, joint);
+	if (status == RB_OK)
+		status = refresh(world, err);
+	if (status != RB_OK)
+		return status;
+	now->force = world->joint_load[joint].force;
+	now->torque = world->joint_load[joint].torque;
+	return RB_OK;
+}
+
 /* ---- frames ---- */
 
 /* True if a frame asks for loads. */
@@ -452,6 +506,17 @@ enum rb_status rb_world_fill_frame(struct rb_world *world, struct rb_frame *fram
 			rb_vec3_to(frame->force + 3 * (size_t)i, load.force);
 		if (frame->torque)
 			rb_vec3_to(frame->torque + 3 * (size_t)i, load.torque);
+	}
+	for (int k = 0; frame->joint_value && k < frame->joint_count; k++) {
+		struct rb_joint_reading now;
+		const enum rb_status status = rb_world_joint(world, k, &now, err);
+
+		if (status != RB_OK)
+			return status;
+		frame->joint_value[k] = now.angle;
+		frame->joint_speed[k] = now.speed;
+		rb_vec3_to(frame->joint_force + 3 * (size_t)k, now.force);
+		rb_vec3_to(frame->joint_torque + 3 * (size_t)k, now.torque);
 	}
 	return rb_numbers_fill_frame(world, frame, err);
 }

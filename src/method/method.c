@@ -17,6 +17,7 @@
 #include "model/descriptor.h"
 #include "classic/stage_list.h"
 #include "world/invariants.h"
+#include "world/joint_state.h"
 
 #include <float.h>
 #include <string.h>
@@ -133,6 +134,8 @@ enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *mo
 		status = rb_state_init(&world->state, model->body_count, model->features, err);
 	if (status == RB_OK)
 		status = rb_state_init(&world->start, model->body_count, model->features, err);
+	if (status == RB_OK)
+		status = rb_joint_states_create(world, err);
 	if (status == RB_OK && !prepare_loads(world))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for a world");
 	if (status == RB_OK)
@@ -142,6 +145,7 @@ enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *mo
 	if (status == RB_OK) {
 		rb_stage_list_build(world->plan, model->features);
 		start_state(world);
+		rb_joint_states_see(world);
 	}
 	if (status == RB_OK && method_of(world)->locates)
 		status = rb_engine_create(&world->located, world, err);
@@ -164,6 +168,8 @@ void rb_world_destroy(struct rb_world *world)
 	rb_team_destroy(world->team);
 	rb_loads_destroy(world->loads);
 	rb_memory_free(world->held);
+	rb_memory_free(world->joint);
+	rb_memory_free(world->joint_load);
 	rb_engine_destroy(world->located);
 	for (int k = 0; world->arena && k < world->worker_count; k++)
 		rb_arena_release(&world->arena[k]);
@@ -553,6 +559,7 @@ enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
 	if (status != RB_OK || world->stopped)
 		return status;
 	world->state.frame++;
+	rb_joint_states_see(world);
 	world->stopped = rb_world_is_stopped(world);
 	return RB_IS_CHECKED_BUILD ? rb_world_validate(world, err) : RB_OK;
 }

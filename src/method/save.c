@@ -5,6 +5,7 @@
 #include "located/freeze.h"
 #include "step/broadphase.h"
 #include "model/descriptor.h"
+#include "world/joint_state.h"
 #include "world/world.h"
 
 #include <math.h>
@@ -109,6 +110,13 @@ static void pack_methods(struct rb_world *world, struct rb_pack *pack)
 		rb_freeze_pack(world->located, pack);
 }
 
+uint64_t rb_world_hash(const struct rb_world *world)
+{
+	const uint64_t state = rb_joint_states_hash(world, rb_state_hash(&world->state));
+
+	return rb_contacts_hash(&world->contacts, state);
+}
+
 size_t rb_world_pack_guess(const struct rb_world *world)
 {
 	const size_t state = world->state.size_bytes * (world->state.push ? 2 : 1);
@@ -127,6 +135,8 @@ enum rb_status rb_world_pack(struct rb_world *world, struct rb_pack *pack, struc
 	                    "a frame after the last one");
 	if (pack->loading)
 		world->begun = world->state.frame > 0;
+	if (!pack->failed)
+		rb_joint_states_pack(world, pack);
 	/* what changes that a callback makes are told from */
 	if (world->state.push && !pack->failed)
 		pack_state(&world->start, pack);

@@ -53,7 +53,7 @@ static inline const struct rb_method *rb_model_method_row(const struct rb_model 
 	return rb_methods[model->method];
 }
 
-/* Whether `auto` may leave to steps what it does not come to the end of: they have no joints. */
+/* Whether `auto` may leave to steps what it does not come to the end of. */
 static inline bool rb_model_may_change_method(const struct rb_model *model)
 {
 	return rb_model_method_row(model)->changes &&

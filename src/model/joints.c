@@ -136,19 +136,17 @@ static bool needs_axis(int kind)
 	       kind == RB_JOINT_UNIVERSAL;
 }
 
-/* What no method does yet; NULL: nothing. */
-static const char *unsupported(const struct rb_joint_def *def)
+/* What the method does not do yet; NULL: nothing. */
+static const char *unsupported(const struct rb_scene *scene, const struct rb_joint_def *def)
 {
+	if (scene->world.method == RB_METHOD_STEPPED)
+		return NULL;
 	if (def->kind == RB_JOINT_ROPE)
 		return "kind 'rope'";
 	if (!isnan(def->limits[0]) || !isnan(def->limits[1]))
 		return "'limits'";
-	if (rb_joint_has_motor(def))
-		return "'motor'";
-	if (def->friction > 0)
-		return "'friction'";
-	if (def->stiffness > 0 || def->damping > 0)
-		return "'stiffness' and 'damping'";
+	if (def->motor_function >= 0)
+		return "a 'motor' that follows a function";
 	return NULL;
 }
 
@@ -214,6 +212,29 @@ static bool numbers_fault(const struct rb_joint_def *def, char text[RB_JOINT_FAU
 		return true;
 	}
 	return false;
+}
+
+/* What is of a free coordinate, which some kinds do not have. */
+static bool free_fault(const struct rb_joint_def *def, char text[RB_JOINT_FAULT_SIZE])
+{
+	const char *key = NULL;
+
+	if (rb_linkage_has_free((enum rb_joint_kind)def->kind))
+		return false;
+	if (!isnan(def->limits[0]) || !isnan(def->limits[1]))
+		key = "limits";
+	else if (rb_joint_has_motor(def))
+		key = "motor";
+	else if (def->friction > 0)
+		key = "friction";
+	else if (def->stiffness > 0 || def->damping > 0)
+		key = def->stiffness > 0 ? "stiffness" : "damping";
+	if (key)
+		snprintf(text, RB_JOINT_FAULT_SIZE,
+		         "'%s' is of the angle of a hinge, or of the way of a slider or "
+		         "cylindrical joint; kind '%s' has neither",
+		         key, rb_joint_kind_name(def->kind));
+	return key != NULL;
 }
 
 /* Points that do not meet, a length that is not that of the start. */
@@ -300,12 +321,15 @@ bool rb_joint_fault(const struct rb_scene *scene, const struct rb_joint_def *def
 {
 	RB_ASSERT(def->kind >= 0 && def->kind < RB_JOINT_KIND_COUNT);
 	if (ends_fault(scene, def, text) || numbers_fault(def, text) || axes_fault(def, text) ||
-	    gap_fault(scene, def, text))
+	    free_fault(def, text) || gap_fault(scene, def, text))
 		return true;
-	const char *const missing = unsupported(def);
+	const char *const missing = unsupported(scene, def);
 
 	if (missing)
-		snprintf(text, RB_JOINT_FAULT_SIZE, "%s is not supported yet", missing);
+		snprintf(text, RB_JOINT_FAULT_SIZE,
+		         "%s: only the stepped method has it in this version (world { method = "
+		         "\"stepped\" })",
+		         missing);
 	return missing != NULL;
 }
 

@@ -31,12 +31,39 @@ struct rb_joint {
 	double size; /* m: of what it joins, to which errors are relative; makes torques forces */
 };
 
+/*
+ * What keeps a free coordinate at a speed with a force or torque within bounds: a motor, or
+ * friction, whose speed is 0. A motor of speed 0 is a brake: it is one with the friction.
+ */
+enum rb_joint_drive_kind { RB_DRIVE_MOTOR, RB_DRIVE_FRICTION, RB_JOINT_DRIVES };
+struct rb_joint_drive {
+	double speed; /* rad/s or m/s */
+	double max;   /* N m or N; 0: there is none */
+};
+/* `motor`: as it is now; max 0: there is none. */
+static inline struct rb_joint_drive rb_joint_drive(const struct rb_joint *joint,
+                                                   struct rb_joint_drive motor_now, int kind)
+{
+	const bool brakes = motor_now.max > 0 && motor_now.speed == 0;
+	const double motor = motor_now.max;
+
+	if (kind == RB_DRIVE_MOTOR)
+		return (struct rb_joint_drive){motor_now.speed, brakes ? 0 : motor};
+	return (struct rb_joint_drive){0, joint->friction + (brakes ? motor : 0)};
+}
+
 struct rb_joints {
 	int count;
 	struct rb_joint *joint; /* owned */
 	/* owned: those at body i are of[first[i] .. first[i + 1]), ascending; statics too */
 	int *first, *of;
 };
+
+/* Force or torque of the joint's spring and damper along its free coordinate, N or N m. */
+static inline double rb_joint_spring(const struct rb_joint *joint, double value, double rate)
+{
+	return -joint->stiffness * (value - joint->rest) - joint->damping * rate;
+}
 
 /* What is wrong with the joint by itself or with its bodies at the start; false: nothing. */
 bool rb_joint_fault(const struct rb_scene *scene, const struct rb_joint_def *def,

@@ -260,6 +260,8 @@ struct rb_joint_def rb_joint_def_default(void)
 		.motor_speed = (double)NAN,
 		.motor_function = -1,
 		.visible = true,
+		.radius_m = (double)NAN,
+		.color = {(double)NAN, 0, 0},
 	};
 }
 

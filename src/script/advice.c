@@ -12,7 +12,6 @@ struct advice {
 	const char *word, *text;
 };
 
-static const char joints[] = "joints are not in this version";
 static const char meshes[] = "meshes are not in this version; hull { file = ... } is the convex "
 			     "solid of an STL or OBJ file";
 static const char outside[] = "scenes reach no files or programs; record { } says what is written";
@@ -20,11 +19,13 @@ static const char of_material[] = "it belongs to a material: material { ... }";
 static const char of_spin[] = "a vector in rad/s is 'angular_velocity'";
 
 static const struct advice globals[] = {
-	{"joint", joints},
-	{"rod", joints},
-	{"rope", joints},
-	{"hinge", joints},
-	{"motor", joints},
+	{"constraint", "joint { kind = ..., a = ..., b = ... }"},
+	{"rod", "joint { kind = \"rod\", a = ..., b = ... }"},
+	{"rope", "joint { kind = \"rope\", a = ..., b = ... }"},
+	{"hinge", "joint { kind = \"hinge\", a = ..., b = ..., at = ..., axis = ... }"},
+	{"slider", "joint { kind = \"slider\", a = ..., b = ..., axis = ... }"},
+	{"motor",
+         "a key of joint: joint { kind = \"hinge\", ..., motor = {speed = ..., torque = ...} }"},
 	{"mesh", meshes},
 	{"terrain", meshes},
 	{"os", outside},
@@ -67,6 +68,14 @@ static const struct advice keys[] = {
 	{"dt", "time_step, of world"},
 	{"timestep", "time_step, of world"},
 	{"fps", "frame_rate, of world"},
+	{"body_a", "a, of joint and spring"},
+	{"body_b", "b, of joint and spring"},
+	{"anchor", "at, of joint: a point in world coordinates"},
+	{"pivot", "at, of joint: a point in world coordinates"},
+	{"lower", "limits = {low, high}, of joint"},
+	{"upper", "limits = {low, high}, of joint"},
+	{"max_force", "force, of a motor"},
+	{"max_torque", "torque, of a motor"},
 };
 
 /* The text for a word, NULL: none. */

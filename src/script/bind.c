@@ -17,6 +17,8 @@
 #include "script/fields.h"
 #include "script/force_calls.h"
 #include "script/handles.h"
+#include "script/joint_calls.h"
+#include "script/joint_handles.h"
 #include "script/nearest.h"
 #include "script/params.h"
 #include "script/values.h"
@@ -227,6 +229,8 @@ void rb_bind_open(lua_State *L)
 	rb_handles_open(L);
 	rb_bodies_open(L);
 	rb_forces_open(L);
+	rb_joint_handles_open(L);
+	rb_joints_open(L);
 	rb_camera_open(L);
 	rb_params_open(L);
 }

@@ -145,6 +145,7 @@ const char *rb_describe(lua_State *L, int index, char out[80])
 		snprintf(out, 80, "%s",
 		         rb_handle_id(L, index) >= 0                  ? "a body"
 		         : luaL_testudata(L, index, RB_MATERIAL_TYPE) ? "a material"
+		         : luaL_testudata(L, index, RB_JOINT_TYPE)    ? "a joint"
 		                                                      : "an object");
 		break;
 	case LUA_TNIL:
@@ -205,6 +206,7 @@ struct rb_call rb_call_part(const struct rb_call *call, const struct rb_row_tabl
 	RB_ASSERT(number >= 0);
 	part.table = table;
 	part.given = part.wrong = 0;
+	part.unknown = 0;
 	part.index = lua_absindex(call->L, index);
 	const size_t used = strlen(part.label);
 	if (number > 0)

@@ -31,8 +31,8 @@ struct rb_call {
 struct rb_call rb_call_begin(lua_State *L, const char *word, const struct rb_row_table *table,
                              int index);
 
-/* A part of a call, like the second of its forces: its own table at `index`, the same place in the
- * scene. */
+/* A part of a call, like the second of its forces, or its motor (`number` 0: there is but one): its
+ * own table at `index`, the same place in the scene. */
 struct rb_call rb_call_part(const struct rb_call *call, const struct rb_row_table *table, int index,
                             int number);
 
@@ -54,5 +54,6 @@ int rb_scene_line(lua_State *L, char *helper, size_t helper_size);
 int rb_handle_id(lua_State *L, int index);
 #define RB_HANDLE_TYPE "rbsim.body"
 #define RB_MATERIAL_TYPE "rbsim.material"
+#define RB_JOINT_TYPE "rbsim.joint"
 
 #endif

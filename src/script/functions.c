@@ -18,9 +18,11 @@
 
 #include "base/error.h"
 #include "math/quat.h"
+#include "model/joints.h"
 #include "model/validate.h"
 #include "script/call.h"
 #include "script/handles.h"
+#include "script/joint_handles.h"
 #include "script/vector.h"
 
 /* Registry: [id + 1] = bits of what the scene gave: a position, an orientation. */
@@ -44,6 +46,7 @@ struct request {
 	int id, placed;
 	bool starts; /* the first call: whether it turns is not known yet */
 	struct rb_driven_pose pose;
+	double way; /* that a motor follows; `id` is the joint's number then */
 };
 
 /* Values below the results of a function: what the closures have as upvalues. */
@@ -253,6 +256,22 @@ static int serve_motion(lua_State *L)
 	return 0;
 }
 
+/* Calls the function that a joint's motor follows: one finite number. */
+static int serve_follow(lua_State *L)
+{
+	struct request *request = lua_touserdata(L, 1);
+	const struct rb_joint_def *joint = &rb_script_of(L)->scene->joints[request->id];
+	const char *const way = rb_joint_way_name(joint->kind);
+
+	lua_rawgeti(L, lua_upvalueindex(1), joint->motor_function);
+	lua_pushnumber(L, request->time_s);
+	lua_call(L, 1, 1);
+	if (lua_type(L, -1) != LUA_TNUMBER || !isfinite(lua_tonumber(L, -1)))
+		return rb_function_refuse(L, joint->motor_function, way, "a finite number", -1);
+	request->way = lua_tonumber(L, -1);
+	return 0;
+}
+
 /* Has the function on the stack more parameters than that, or any number of them? */
 static bool asks_for_more(lua_State *L, int usual)
 {
@@ -297,6 +316,9 @@ void rb_functions_prepare(lua_State *L)
 	rb_script_push_functions(L);
 	lua_pushcclosure(L, serve_motion, 1);
 	script->motion_closure = luaL_ref(L, LUA_REGISTRYINDEX);
+	rb_script_push_functions(L);
+	lua_pushcclosure(L, serve_follow, 1);
+	script->follow_closure = luaL_ref(L, LUA_REGISTRYINDEX);
 }
 
 void rb_functions_placed(lua_State *L, int id, bool position, bool orientation)
@@ -379,6 +401,22 @@ enum rb_status rb_functions_motion(struct rb_script *script, int id, double time
 	RB_ASSERT(pose && id >= 0 && id < script->scene->body_count);
 	*pose = request.pose;
 	return status == RB_OK ? RB_OK : tell(script, id, time_s, status, &own, err);
+}
+
+enum rb_status rb_functions_follow(struct rb_script *script, int joint, double time_s, double *way,
+                                   struct rb_error *err)
+{
+	struct request request = {.time_s = time_s, .id = joint};
+	struct rb_error own;
+	char label[96];
+
+	RB_ASSERT(way && joint >= 0 && joint < script->scene->joint_count);
+	const enum rb_status status = ask(script, script->follow_closure, &request, &own);
+	*way = request.way;
+	if (status != RB_OK)
+		return RB_FAIL(err, status, "%s (motor of %s at t = %.9g s)", own.text,
+		               rb_joint_label(script->scene, joint, label), time_s);
+	return RB_OK;
 }
 
 /* Name of what the scene states beside the motion and differs from it; NULL: nothing. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Functions of a scene that a run asks for values, thousands of times in a simulated second:
- * `field` and `motion`. They depend on nothing but their arguments: what they see of the world is
- * the start.
+ * `field`, `motion`, and what a motor follows. They depend on nothing but their arguments: what
+ * they see of the world is the start.
  *
  * Same thread, errors and budget as the callbacks (script/hooks), of which they may be called from
  * within. An error is RB_ERR_SCENE with the place of the function, the body and the time.
@@ -47,5 +47,9 @@ RB_CHECKED enum rb_status rb_functions_potential(struct rb_script *script, int i
 /* Pose of a driven body, by id. */
 RB_CHECKED enum rb_status rb_functions_motion(struct rb_script *script, int id, double time_s,
                                               struct rb_driven_pose *pose, struct rb_error *err);
+
+/* The angle or way, rad or m, that the motor of a joint follows, by the joint's number. */
+RB_CHECKED enum rb_status rb_functions_follow(struct rb_script *script, int joint, double time_s,
+                                              double *way, struct rb_error *err);
 
 #endif

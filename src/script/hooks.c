@@ -20,6 +20,7 @@
 #include "script/expects.h"
 #include "script/functions.h"
 #include "script/handles.h"
+#include "script/joint_handles.h"
 #include "script/measures.h"
 #include "script/vector.h"
 
@@ -135,7 +136,7 @@ static int serve_frame(lua_State *L)
 /* Pushes a table with what all events have in common. */
 static void push_event(lua_State *L, const struct rb_event *event)
 {
-	lua_createtable(L, 0, 8);
+	lua_createtable(L, 0, 9);
 	lua_pushnumber(L, event->time_s);
 	lua_setfield(L, -2, "time");
 	lua_pushstring(L, rb_event_kind_name(event->kind));
@@ -148,6 +149,10 @@ static void push_event(lua_State *L, const struct rb_event *event)
 	lua_setfield(L, -2, "point");
 	rb_vector_push(L, event->normal);
 	lua_setfield(L, -2, "normal");
+	if (event->joint == 0)
+		return;
+	rb_joint_handle_push(L, event->joint - 1);
+	lua_setfield(L, -2, "joint");
 }
 
 static int serve_transition(lua_State *L)
@@ -240,6 +245,21 @@ static enum rb_status motion(void *user, int id, double time_s, struct rb_driven
 	return rb_functions_motion(user, id, time_s, pose, err);
 }
 
+static enum rb_status follow(void *user, int joint, double time_s, double *value,
+                             struct rb_error *err)
+{
+	return rb_functions_follow(user, joint, time_s, value, err);
+}
+
+/* Whether the motor of some joint follows a function. */
+static bool has_follower(const struct rb_scene *scene)
+{
+	for (int k = 0; k < scene->joint_count; k++)
+		if (scene->joints[k].motor_function >= 0)
+			return true;
+	return false;
+}
+
 /* Whether some body is driven by a function. */
 static bool has_driven(const struct rb_scene *scene)
 {
@@ -259,6 +279,7 @@ struct rb_world_hooks rb_script_hooks(struct rb_script *script)
 		.field = script->scene->field_count > 0 ? field : NULL,
 		.potential = has_potential(script->scene) ? potential : NULL,
 		.motion = has_driven(script->scene) ? motion : NULL,
+		.follow = has_follower(script->scene) ? follow : NULL,
 	};
 }
 

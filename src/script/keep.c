@@ -21,6 +21,7 @@
 #include "base/field_list.h"
 #include "script/call.h"
 #include "script/handles.h"
+#include "script/joint_handles.h"
 #include "script/vector.h"
 
 /*
@@ -41,6 +42,7 @@ enum tag {
 	TAG_VECTOR, /* the same with the vectors' metatable */
 	TAG_AGAIN,  /* the table of that number */
 	TAG_BODY,
+	TAG_JOINT,
 	TAG_COUNT
 };
 
@@ -125,6 +127,13 @@ static void save_plain(lua_State *L, struct walk *walk, int index)
 	}
 	default: {
 		int id = rb_handle_id(L, index);
+		const int *const joint = luaL_testudata(L, index, RB_JOINT_TYPE);
+		if (joint) {
+			id = *joint;
+			pack_tag(walk, TAG_JOINT);
+			rb_pack_int(walk->pack, &id, 0, rb_script_of(L)->scene->joint_count - 1);
+			return;
+		}
 		if (id < 0) {
 			refuse(L, walk,
 			       lua_type(L, index) == LUA_TFUNCTION ? "a function"
@@ -250,6 +259,11 @@ static void load_plain(lua_State *L, struct walk *walk, int tag)
 		rb_pack_int(pack, &id, 0, walk->body_count - 1);
 		need(L, walk);
 		rb_handle_push(L, id);
+		return;
+	case TAG_JOINT:
+		rb_pack_int(pack, &id, 0, rb_script_of(L)->scene->joint_count - 1);
+		need(L, walk);
+		rb_joint_handle_push(L, id);
 		return;
 	default:
 		lua_pushnil(L);

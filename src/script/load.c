@@ -12,6 +12,7 @@
 
 #include <ctype.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,6 +25,7 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "model/element.h"
+#include "model/shape.h"
 #include "model/validate.h"
 #include "script/bind.h"
 #include "script/call.h"
@@ -33,6 +35,7 @@
 #include "script/files.h"
 #include "script/functions.h"
 #include "script/hooks.h"
+#include "script/joint_handles.h"
 #include "script/library.h"
 #include "script/measures.h"
 #include "script/advice.h"
@@ -66,6 +69,7 @@ static const struct {
 	{"plane", "plane { ... }"},
 	{"material", "material { ... }"},
 	{"camera", "camera { ... }"},
+	{"joint", "joint { ... }"},
 	{"light", "light { ... }"},
 	{"param", "param(name, default, help)"},
 };
@@ -402,6 +406,48 @@ static enum rb_status start_driven(struct rb_script *script)
 	return RB_OK;
 }
 
+/*
+ * Whether what a motor follows begins where the joint is at the start: at 0, to 1e-9 of the size of
+ * its body, or rad.
+ */
+static bool begins_at_start(const struct rb_scene *scene, const struct rb_joint_def *joint,
+                            double way)
+{
+	const bool turns = joint->kind == RB_JOINT_HINGE;
+
+	if (turns || joint->a < 0)
+		return fabs(way) <= 1e-9;
+	return fabs(way) <= 1e-9 * rb_shape_reach(scene->solids, &scene->bodies[joint->a].shape);
+}
+
+/* Asks all functions that motors follow for the start. */
+static enum rb_status start_motors(struct rb_script *script)
+{
+	const struct rb_scene *scene = script->scene;
+	struct rb_error err;
+	double way;
+
+	for (int k = 0; k < scene->joint_count; k++) {
+		const struct rb_joint_def *joint = &scene->joints[k];
+
+		if (joint->motor_function < 0)
+			continue;
+		const enum rb_status status = rb_functions_follow(script, k, 0, &way, &err);
+		if (status == RB_ERR_SCENE)
+			note_error(script, &err);
+		else if (status != RB_OK)
+			return status;
+		else if (!begins_at_start(scene, joint, way))
+			rb_script_mistake(
+				script, joint->line,
+				"joint%s%s%s: motor: '%s' must be 0 at t = 0, as that of the "
+				"joint is at the start (got %.12g)",
+				joint->name ? " '" : "", joint->name ? joint->name : "",
+				joint->name ? "'" : "", rb_joint_way_name(joint->kind), way);
+	}
+	return RB_OK;
+}
+
 /* Runs the source with a budget; what stops it becomes a mistake. */
 static enum rb_status run(struct rb_script *script, lua_CFunction part, struct rb_error *err)
 {
@@ -481,6 +527,8 @@ static enum rb_status load(struct rb_script *script, struct rb_error *err)
 	const bool whole = status == RB_OK;
 	if (status == RB_OK)
 		status = start_driven(script);
+	if (status == RB_OK)
+		status = start_motors(script);
 	if (status != RB_OK && status != RB_ERR_SCENE)
 		return status;
 	rb_params_check(script, whole);

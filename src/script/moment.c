@@ -24,6 +24,7 @@ struct source {
 	struct rb_load (*load)(lua_State *L, int id, const char *name);
 	double (*time)(lua_State *L);
 	struct rb_frame_numbers (*numbers)(lua_State *L, const char *call, bool of_run);
+	struct rb_joint_reading (*joint)(lua_State *L, int joint, const char *name);
 };
 
 /* The body's definition. */
@@ -75,6 +76,13 @@ static struct rb_frame_numbers start_numbers(lua_State *L, const char *call, boo
 	return (struct rb_frame_numbers){0};
 }
 
+static struct rb_joint_reading start_joint(lua_State *L, int joint, const char *name)
+{
+	(void)joint;
+	luaL_error(L, "a joint's '%s': only in callbacks and at the end of a run", name);
+	return (struct rb_joint_reading){0};
+}
+
 /* ---- the world ---- */
 
 static rb_vec3 world_position(lua_State *L, int id)
@@ -117,6 +125,16 @@ static struct rb_frame_numbers world_numbers(lua_State *L, const char *call, boo
 	(void)call;
 	(void)of_run;
 	return rb_world_totals(rb_script_of(L)->world);
+}
+
+static struct rb_joint_reading world_joint(lua_State *L, int joint, const char *name)
+{
+	struct rb_joint_reading now;
+	struct rb_error err;
+
+	(void)name;
+	rb_script_need(L, rb_world_joint(rb_script_of(L)->world, joint, &now, &err), &err);
+	return now;
 }
 
 /* ---- a frame ---- */
@@ -203,6 +221,23 @@ static struct rb_frame_numbers frame_numbers(lua_State *L, const char *call, boo
 	return rb_script_of(L)->frame->numbers;
 }
 
+static struct rb_joint_reading frame_joint(lua_State *L, int joint, const char *name)
+{
+	const struct rb_frame *frame = rb_script_of(L)->frame;
+
+	if (!frame->joint_value)
+		luaL_error(L,
+		           "a joint's '%s' is not in the frames that are drawn (see 'fields' of "
+		           "record)",
+		           name);
+	return (struct rb_joint_reading){
+		.angle = frame->joint_value[joint],
+		.speed = frame->joint_speed[joint],
+		.force = rb_vec3_from(frame->joint_force + 3 * (size_t)joint),
+		.torque = rb_vec3_from(frame->joint_torque + 3 * (size_t)joint),
+	};
+}
+
 /* ---- whichever it is ---- */
 
 /* What handles show now. */
@@ -210,13 +245,13 @@ static const struct source *source_of(lua_State *L)
 {
 	static const struct source start = {
 		start_position, start_orientation, start_velocity, start_angular_velocity,
-		start_load,     start_time,        start_numbers};
+		start_load,     start_time,        start_numbers,  start_joint};
 	static const struct source world = {
 		world_position, world_orientation, world_velocity, world_angular_velocity,
-		world_load,     world_time,        world_numbers};
+		world_load,     world_time,        world_numbers,  world_joint};
 	static const struct source frame = {
 		frame_position, frame_orientation, frame_velocity, frame_angular_velocity,
-		frame_load,     frame_time,        frame_numbers};
+		frame_load,     frame_time,        frame_numbers,  frame_joint};
 	const struct rb_script *script = rb_script_of(L);
 
 	return script->frame ? &frame : script->world ? &world : &start;
@@ -245,6 +280,11 @@ rb_vec3 rb_moment_angular_velocity(lua_State *L, int id)
 struct rb_load rb_moment_load(lua_State *L, int id, const char *name)
 {
 	return source_of(L)->load(L, id, name);
+}
+
+struct rb_joint_reading rb_moment_joint(lua_State *L, int joint, const char *name)
+{
+	return source_of(L)->joint(L, joint, name);
 }
 
 rb_vec3 rb_moment_point(lua_State *L, int id, rb_vec3 point)

@@ -20,6 +20,9 @@ struct rb_load rb_moment_load(lua_State *L, int id, const char *name);
 rb_vec3 rb_moment_point(lua_State *L, int id,
                         rb_vec3 point); /* world position of an object point */
 
+/* The same of a joint, by its number. */
+struct rb_joint_reading rb_moment_joint(lua_State *L, int joint, const char *name);
+
 double rb_moment_mass(lua_State *L, int id);     /* INFINITY: nothing pushes it */
 rb_mat3 rb_moment_inertia(lua_State *L, int id); /* object axes; 0: nothing pushes it */
 

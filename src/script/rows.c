@@ -250,9 +250,10 @@ static const struct rb_row camera_rows[] = {
          "one or a list"},
 	{"trails", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "none", "",
          "a list of bodies whose paths since the start are drawn, at most 64"},
-	{"vectors", RB_ROW_FLAGS, 0, 0, AT(rb_camera_def, vectors), "velocity, contact", NULL,
-         "none", "",
-         "arrows over the picture: of velocities, and of the forces in lasting contacts; one or a "
+	{"vectors", RB_ROW_FLAGS, 0, 0, AT(rb_camera_def, vectors), "velocity, contact, joint",
+         NULL, "none", "",
+         "arrows over the picture: of velocities, of the forces in lasting contacts, and of those "
+         "of joints on their b; one or a "
          "list; on the same scale in "
          "all pictures, at any speed: a length of three diameters of a typical body stands for the "
          "fastest body at the start, or for a fall over two diameters if that is faster; one "
@@ -299,7 +300,7 @@ static const struct rb_row record_rows[] = {
          "frames", "record every n-th frame"},
 	{"fields", RB_ROW_FLAGS, 0, 0, AT(rb_record_def, fields),
          "position, orientation, velocity, angular_velocity, contacts, events, acceleration, "
-         "angular_acceleration, force, torque",
+         "angular_acceleration, force, torque, joints",
          NULL, "the first four, and events if there is a camera", "",
          "what is recorded of each frame: one or a list, which replaces the default, or adds to it "
          "if its first entry is \"+\""},
@@ -309,6 +310,75 @@ static const struct rb_row record_rows[] = {
          NULL, "double", "", ""},
 	{"compression", RB_ROW_INTEGER, RB_RANGE_DIGIT, 0, AT(rb_record_def, compression), NULL,
          NULL, "0", "", "0 is none, 9 the most"},
+};
+
+/* Which of these a kind of joint has: script/joint_calls. */
+static const struct rb_row joint_rows[] = {
+	{"kind", RB_ROW_CHOICE, 0, 0, AT(rb_joint_def, kind), RB_JOINT_KIND_NAMES, NULL, "required",
+         "", "what it leaves free, see JOINTS"},
+	{"name", RB_ROW_TEXT, 0, 0, AT(rb_joint_def, name), NULL, NULL, "none", "",
+         "unique among joints; recorded"},
+	{"a", RB_ROW_BODY, 0, 0, AT(rb_joint_def, a), NULL, NULL, "required", "",
+         "a body or its name"},
+	{"b", RB_ROW_BODY, 0, 0, AT(rb_joint_def, b), NULL, NULL, "the world", "",
+         "another body or its name"},
+	{"at", RB_ROW_VECTOR, 0, 0, AT(rb_joint_def, at), NULL, NULL,
+         "required, or at_a or at_b; fixed, slider: the centre of mass of a", "m",
+         "the point that a and b share, in world coordinates at the start; not of rods and ropes"},
+	{"at_a", RB_ROW_VECTOR, 0, 0, AT(rb_joint_def, at_a), NULL, NULL,
+         "from at or at_b; rod, rope: the centre of mass", "m",
+         "the same point in object coordinates of a; of rods and ropes the end on a"},
+	{"at_b", RB_ROW_VECTOR, 0, 0, AT(rb_joint_def, at_b), NULL, NULL,
+         "from at or at_a; rod, rope: the centre of mass", "m",
+         "in object coordinates of b, or in world coordinates if b is the world; of rods and ropes "
+         "the end on b, required if that is the world"},
+	{"axis", RB_ROW_VECTOR, RB_RANGE_NOT_ZERO, 0, AT(rb_joint_def, axis), NULL, NULL,
+         "required: hinge, slider, cylindrical, universal", "",
+         "of turning or sliding, of any length, in world axes at the start; of a universal joint "
+         "the axis that is fixed to a"},
+	{"axis_b", RB_ROW_VECTOR, RB_RANGE_NOT_ZERO, 0, AT(rb_joint_def, axis_b), NULL, NULL,
+         "required: universal", "", "the axis that is fixed to b, at right angles to axis"},
+	{"length", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_joint_def, length_m), NULL, NULL,
+         "the distance of its ends at the start", "m",
+         "of a rod the distance of its ends, of a rope the largest"},
+	{"limits", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "none", "rad or m",
+         "{low, high}: the smallest and largest angle of a hinge, way of a slider or cylindrical "
+         "joint; both are 0 at the start, so low is at most 0 and high at least 0; -math.huge or "
+         "math.huge: none on that side"},
+	{"restitution", RB_ROW_NUMBER, RB_RANGE_UNIT, 0, AT(rb_joint_def, restitution), NULL, NULL,
+         "0", "1", "at limits, and of a rope that comes taut"},
+	{"friction", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_joint_def, friction), NULL,
+         NULL, "0", "N m or N", "the largest torque, or force, with which it resists motion"},
+	{"motor", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "none", "", "a table, see below"},
+	{"stiffness", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_joint_def, stiffness), NULL,
+         NULL, "0", "N m/rad or N/m", "of a spring for the angle or the way"},
+	{"damping", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_joint_def, damping), NULL, NULL,
+         "0", "N m s/rad or N s/m", "torque or force per speed, against it"},
+	{"rest", RB_ROW_NUMBER, 0, 0, AT(rb_joint_def, rest), NULL, NULL, "0", "rad or m",
+         "angle or way at which its spring exerts nothing"},
+	{"collides", RB_ROW_BOOLEAN, 0, 0, AT(rb_joint_def, collides), NULL, NULL, "false", "",
+         "whether a and b touch each other"},
+	{"visible", RB_ROW_BOOLEAN, 0, 0, AT(rb_joint_def, visible), NULL, NULL, "true", "",
+         "drawn by cameras: rods as bars, ropes as cords, hinges and other joints as pins"},
+	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_joint_def, radius_m), NULL, NULL,
+         "from the sizes of its bodies", "m", "of what is drawn"},
+	{"color", RB_ROW_COLOR, 0, 0, AT(rb_joint_def, color), NULL, NULL, "grey; ropes: brown", "",
+         "of what is drawn"},
+};
+
+/* `motor` of a joint, and the argument of set_motor. */
+static const struct rb_row motor_rows[] = {
+	{"speed", RB_ROW_NUMBER, 0, 0, AT(rb_joint_def, motor_speed), NULL, NULL,
+         "required, or angle or way", "rad/s or m/s", "the motor keeps this speed"},
+	{"angle", RB_ROW_FUNCTION, 0, 0, AT(rb_joint_def, motor_function), NULL, NULL, "none", "",
+         "of a hinge: a function of t that returns the angle, rad, that it follows; 0 at the "
+         "start"},
+	{"way", RB_ROW_FUNCTION, 0, 0, AT(rb_joint_def, motor_function), NULL, NULL, "none", "",
+         "the same of a slider or cylindrical joint, m"},
+	{"torque", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_joint_def, motor_max), NULL, NULL,
+         "required: hinge", "N m", "the most that it exerts"},
+	{"force", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_joint_def, motor_max), NULL, NULL,
+         "required: slider, cylindrical", "N", "the most that it exerts"},
 };
 
 /* The last argument of field. */
@@ -346,6 +416,8 @@ const struct rb_row_table rb_rows_camera = {"camera", ROWS(camera_rows), NULL};
 const struct rb_row_table rb_rows_light = {"lights", ROWS(light_rows), NULL};
 const struct rb_row_table rb_rows_record = {"record", ROWS(record_rows), NULL};
 const struct rb_row_table rb_rows_field = {"field", ROWS(field_rows), NULL};
+const struct rb_row_table rb_rows_joint = {"joint", ROWS(joint_rows), NULL};
+const struct rb_row_table rb_rows_motor = {"motor", ROWS(motor_rows), NULL};
 const struct rb_row_table rb_rows_param = {"param", ROWS(param_rows), NULL};
 const struct rb_row_table rb_rows_measure = {"result", ROWS(measure_rows), NULL};
 
@@ -538,8 +610,9 @@ void rb_fields_print(FILE *file)
 	static const struct rb_row_table *const before[] = {
 		&rb_rows_world, &rb_rows_gravitation, &rb_rows_material, &rb_rows_contact_pair};
 	static const struct rb_row_table *const after[] = {
-		&rb_rows_body,   &rb_rows_force, &rb_rows_particle, &rb_rows_camera, &rb_rows_light,
-		&rb_rows_record, &rb_rows_param, &rb_rows_field,    &rb_rows_measure};
+		&rb_rows_body,    &rb_rows_force,  &rb_rows_particle, &rb_rows_camera,
+		&rb_rows_light,   &rb_rows_record, &rb_rows_param,    &rb_rows_field,
+		&rb_rows_measure, &rb_rows_joint,  &rb_rows_motor};
 
 	for (size_t t = 0; t < sizeof before / sizeof *before; t++)
 		print_table(file, before[t]);

@@ -69,7 +69,8 @@ struct rb_script {
 	struct rb_expect_state *expects; /* owned: [scene->expect_count] */
 	int function_count;              /* stored under numbers, from 1 */
 	int callback_count[RB_CALLBACK_COUNT];
-	int field_closure, potential_closure, motion_closure; /* references in the registry */
+	/* references in the registry */
+	int field_closure, potential_closure, motion_closure, follow_closure;
 };
 
 static inline struct rb_script *rb_script_of(lua_State *L)

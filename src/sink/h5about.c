@@ -11,6 +11,7 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "model/element.h"
+#include "model/joints.h"
 #include "sink/h5solids.h"
 
 #include <math.h>
@@ -100,6 +101,25 @@ static const struct cell force_cells[] = {
 	{"start", CELL_NUMBER, 1, offsetof(struct rb_force_def, start_s), "s"},
 	{"duration", CELL_NUMBER, 1, offsetof(struct rb_force_def, duration_s), "s"},
 	{"frame", CELL_INT, 1, offsetof(struct rb_force_def, frame), NULL},
+};
+
+#define JOINT(member) offsetof(struct rb_joint_def, member)
+static const struct cell joint_cells[] = {
+	{"name", CELL_TEXT, 1, JOINT(name), NULL},
+	{"kind", CELL_INT, 1, JOINT(kind), NULL},
+	{"a", CELL_INT, 1, JOINT(a), NULL},
+	{"b", CELL_INT, 1, JOINT(b), NULL},
+	{"axis", CELL_NUMBER, 3, JOINT(axis), NULL},
+	{"axis_b", CELL_NUMBER, 3, JOINT(axis_b), NULL},
+	{"limits", CELL_NUMBER, 2, JOINT(limits), "rad, m"},
+	{"restitution", CELL_NUMBER, 1, JOINT(restitution), NULL},
+	{"friction", CELL_NUMBER, 1, JOINT(friction), "N m, N"},
+	{"motor_speed", CELL_NUMBER, 1, JOINT(motor_speed), "rad/s, m/s"},
+	{"motor_max", CELL_NUMBER, 1, JOINT(motor_max), "N m, N"},
+	{"stiffness", CELL_NUMBER, 1, JOINT(stiffness), "N m/rad, N/m"},
+	{"damping", CELL_NUMBER, 1, JOINT(damping), "N m s/rad, N s/m"},
+	{"rest", CELL_NUMBER, 1, JOINT(rest), "rad, m"},
+	{"collides", CELL_BOOL, 1, JOINT(collides), NULL},
 };
 
 struct rows {
@@ -429,6 +449,52 @@ static void put_elements(struct rb_h5 *h5, const struct rb_elements *elements)
 	}
 }
 
+/* Where a joint is at the start, as sealed. */
+struct joint_start {
+	double point_a[3], point_b[3]; /* m, world coordinates */
+	double length;                 /* m, of rods and ropes; 0: the kind has none */
+};
+static const struct cell start_cells[] = {
+	{"point_a", CELL_NUMBER, 3, offsetof(struct joint_start, point_a), "m"},
+	{"point_b", CELL_NUMBER, 3, offsetof(struct joint_start, point_b), "m"},
+	{"length", CELL_NUMBER, 1, offsetof(struct joint_start, length), "m"},
+};
+
+/* Writes what does not change of joints; a scene without them has no such group. */
+static void put_joints(struct rb_h5 *h5, const struct rb_model *model)
+{
+	const struct rb_scene *scene = model->scene;
+	const size_t count = (size_t)scene->joint_count;
+	char kinds[160];
+	size_t used = 0;
+
+	if (count == 0)
+		return;
+	put_table(h5, &(struct rows){"/joints", scene->joints, count, sizeof *scene->joints},
+	          joint_cells, COUNT(joint_cells));
+	for (int kind = 0; kind < RB_JOINT_KIND_COUNT; kind++)
+		used += (size_t)snprintf(kinds + used, sizeof kinds - used, "%s%d %s",
+		                         kind == 0 ? "" : ", ", kind, rb_joint_kind_name(kind));
+	rb_h5_attribute_text(h5, "/joints/kind", "kinds", kinds);
+	struct joint_start *const start = rb_memory_take(count, sizeof *start);
+	if (!start) {
+		no_memory(h5, "/joints/point_a");
+		return;
+	}
+	for (size_t k = 0; k < count; k++) {
+		rb_vec3 a, b;
+
+		rb_joint_points(scene, &scene->joints[k], &a, &b);
+		rb_vec3_to(start[k].point_a, a);
+		rb_vec3_to(start[k].point_b, b);
+		start[k].length = model->joints->joint[k].link.length;
+	}
+	for (size_t i = 0; i < COUNT(start_cells); i++)
+		put_cells(h5, &(struct rows){"/joints", start, count, sizeof *start},
+		          &start_cells[i]);
+	rb_memory_free(start);
+}
+
 /* Writes forces between and on bodies; a scene without them has none of these groups. */
 static void put_forces(struct rb_h5 *h5, const struct rb_model *model)
 {
@@ -437,6 +503,7 @@ static void put_forces(struct rb_h5 *h5, const struct rb_model *model)
 	for (int k = 0; k < model->element_list_count; k++)
 		put_elements(h5, &model->elements[k]);
 	put_own_forces(h5, scene);
+	put_joints(h5, model);
 	if (scene->field_count > 0)
 		rb_h5_put_i64(h5, "/rbsim/fields", scene->field_count);
 }

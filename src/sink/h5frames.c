@@ -68,6 +68,11 @@ static const struct rb_frames_source sources[RB_FRAMES_SOURCE_COUNT] = {
 	{"/particles/bodies/force", "N", RB_FIELD_FORCE, RB_H5_F64, 3, COLUMN(force), 0, false},
 	{"/particles/bodies/torque", "N m", RB_FIELD_TORQUE, RB_H5_F64, 3, COLUMN(torque), 0,
          false},
+	{"/joints/angle", "rad, m", RB_FIELD_JOINTS, RB_H5_F64, 1, COLUMN(joint_value), 0, false},
+	{"/joints/speed", "rad/s, m/s", RB_FIELD_JOINTS, RB_H5_F64, 1, COLUMN(joint_speed), 0,
+         false},
+	{"/joints/force", "N", RB_FIELD_JOINTS, RB_H5_F64, 3, COLUMN(joint_force), 0, false},
+	{"/joints/torque", "N m", RB_FIELD_JOINTS, RB_H5_F64, 3, COLUMN(joint_torque), 0, false},
 	{"/observables/kinetic_energy", "J", 0, RB_H5_F64, 1, NUMBER(kinetic_energy), 0, false},
 	{"/observables/potential_energy", "J", 0, RB_H5_F64, 1, NUMBER(potential_energy), 0, false},
 	{"/observables/momentum", "kg m/s", 0, RB_H5_F64, 3, NUMBER(momentum), 0, false},
@@ -111,6 +116,7 @@ static const struct rb_table_cell event_cells[RB_EVENT_CELL_COUNT] = {
 	{"/rbsim/events/normal", NULL, RB_H5_F64, 3, EVENT(normal)},
 	{"/rbsim/events/impulse", "N s", RB_H5_F64, 3, EVENT(impulse)},
 	{"/rbsim/events/approach_speed", "m/s", RB_H5_F64, 1, EVENT(approach_speed)},
+	{"/rbsim/events/joint", NULL, RB_H5_I32, 1, EVENT(joint)},
 };
 
 #define CONTACT(member) offsetof(struct rb_contact_row, member)
@@ -222,10 +228,12 @@ static struct rb_frames_column *add_column(struct rb_h5 *h5, struct rb_frames *f
 	return column;
 }
 
-rb_h5_shape rb_frames_shape(const struct rb_frames_source *source, hsize_t bodies)
+rb_h5_shape rb_frames_shape(const struct rb_frames_source *source, hsize_t bodies, hsize_t joints)
 {
 	const hsize_t width = (hsize_t)source->width;
 
+	if (source->field == RB_FIELD_JOINTS)
+		return width > 1 ? (rb_h5_shape){2, {joints, width}} : (rb_h5_shape){1, {joints}};
 	if (source->field != 0)
 		return (rb_h5_shape){2, {bodies, width}};
 	if (source->rows > 0)
@@ -240,13 +248,15 @@ static void add_source(struct rb_h5 *h5, struct rb_frames *frames,
 {
 	const struct rb_record_def *const record = &info->scene->record;
 	const bool bodies = source->field != 0;
-	struct rb_h5_layout layout = {
-		.kind = source->kind,
-		.row = rb_frames_shape(source, (hsize_t)info->model->body_count),
-		.chunk_rows = bodies ? cut->chunk_rows : cut->numbers_rows};
+	struct rb_h5_layout layout = {.kind = source->kind,
+	                              .row = rb_frames_shape(source,
+	                                                     (hsize_t)info->model->body_count,
+	                                                     (hsize_t)info->scene->joint_count),
+	                              .chunk_rows = bodies ? cut->chunk_rows : cut->numbers_rows};
 
 	if (bodies) {
-		layout.chunk_first = cut->chunk_bodies;
+		if (source->field != RB_FIELD_JOINTS)
+			layout.chunk_first = cut->chunk_bodies;
 		layout.compression = record->compression;
 		if (record->single_precision)
 			layout.kind = RB_H5_F32;
@@ -326,7 +336,7 @@ static void add_table(struct rb_h5 *h5, struct rb_frames_table *table,
 /* Writes "0 collision, 1 rest, ..." at the column of kinds. */
 static void name_kinds(struct rb_h5 *h5)
 {
-	char text[256];
+	char text[320];
 	size_t used = 0;
 
 	for (int kind = 0; kind < RB_EVENT_KIND_COUNT; kind++)
@@ -389,7 +399,8 @@ void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct r
 	const struct rb_h5_layout end = {.kind = RB_H5_U64, .chunk_rows = cut.numbers_rows};
 	if (frames->fields & RB_FIELD_EVENTS) {
 		frames->events.row_size = sizeof(struct rb_event);
-		add_table(h5, &frames->events, event_cells, RB_EVENT_CELL_COUNT, cut.table_rows);
+		add_table(h5, &frames->events, event_cells,
+		          RB_EVENT_CELL_COUNT - (info->scene->joint_count == 0), cut.table_rows);
 		name_kinds(h5);
 		frames->event_end = add_column(h5, frames, "/rbsim/frames", "event_end", &end);
 	}
@@ -552,7 +563,8 @@ static enum rb_status copy_bodies(const struct rb_frames *frames, struct rb_fram
 	const double *from;
 
 	memcpy(&from, (const unsigned char *)frame + column->source->offset, sizeof from);
-	if (!from || frame->body_count != frames->model->body_count)
+	if (!from || frame->body_count != frames->model->body_count ||
+	    frame->joint_count != frames->model->scene->joint_count)
 		return RB_FAIL(err, RB_ERR_BUG, "frame %llu has no column for '%s'",
 		               (unsigned long long)frame->index, column->path);
 	if (column->borrows) {

@@ -23,18 +23,19 @@
 struct rb_frames_source {
 	const char *path;  /* of the element: .../value, .../step, .../time stand below */
 	const char *units; /* NULL: a pure number */
-	unsigned field;    /* RB_FIELD_*: a column of bodies; 0: one of the numbers */
+	/* RB_FIELD_*: a column of bodies, RB_FIELD_JOINTS one of joints; 0: one of the numbers */
+	unsigned field;
 	enum rb_h5_kind kind;
 	int width;
 	size_t offset;  /* of the pointer in rb_frame, or of the number in rb_frame_numbers */
 	int rows;       /* of a number that is a table: width 3; 0: it is none */
 	bool of_ledger; /* there where the ledger is kept */
 };
-enum { RB_FRAMES_SOURCE_COUNT = 36 };
+enum { RB_FRAMES_SOURCE_COUNT = 40 };
 const struct rb_frames_source *rb_frames_sources(void); /* [RB_FRAMES_SOURCE_COUNT] */
 
 /* What a frame has of it. */
-rb_h5_shape rb_frames_shape(const struct rb_frames_source *source, hsize_t bodies);
+rb_h5_shape rb_frames_shape(const struct rb_frames_source *source, hsize_t bodies, hsize_t joints);
 
 /* One column of a table: events are rows of struct rb_event, contacts of struct rb_contact_row. */
 struct rb_table_cell {
@@ -47,11 +48,12 @@ struct rb_contact_row {
 	int64_t step; /* of its frame */
 	struct rb_frame_contact contact;
 };
-enum { RB_EVENT_CELL_COUNT = 8, RB_CONTACT_CELL_COUNT = 7 };
+/* The last cell of events is there where the scene has joints. */
+enum { RB_EVENT_CELL_COUNT = 9, RB_CONTACT_CELL_COUNT = 7 };
 const struct rb_table_cell *rb_event_cells(void);
 const struct rb_table_cell *rb_contact_cells(void);
 
-enum { RB_FRAMES_COLUMNS_MAX = 40, RB_TABLE_COLUMNS_MAX = 10 };
+enum { RB_FRAMES_COLUMNS_MAX = 48, RB_TABLE_COLUMNS_MAX = 10 };
 /* A name of RB_MEASURE_NAME_MAX bytes, each of which may be escaped, has room. */
 enum { RB_FRAMES_PATH_SIZE = 240 };
 

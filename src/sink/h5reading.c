@@ -228,3 +228,31 @@ int rb_reading_measures(const struct rb_reading_source *from, const char *folder
 	}
 	return count;
 }
+
+enum rb_status rb_reading_joints(const struct rb_reading_source *from, struct rb_error *err)
+{
+	static const char path[] = "/joints/kind";
+	struct rb_reading *const reading = from->reading;
+	rb_h5_shape shape = {1, {0}};
+	hsize_t rows = 0;
+
+	if (!rb_input_has(from->input, path))
+		return RB_OK;
+	rb_h5_done(rb_input_dataset(from->input, path, false, &shape, &rows));
+	if (rows == 0 || rows > INT32_MAX / 4)
+		return RB_FAIL(err, RB_ERR_INPUT, "'%s' in '%s' is damaged", path, from->path);
+	int *const kind = rb_arena_take(from->arena, rows, sizeof *kind);
+	reading->joint_names = rb_input_texts(from->input, "/joints/name", rows, from->arena);
+	if (!kind || !reading->joint_names)
+		return no_memory(from, err);
+	if (!rb_input_numbers(from->input, path, RB_H5_I32, (rb_h5_shape){1, {rows}}, kind))
+		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s' in '%s'", path, from->path);
+	for (hsize_t i = 0; i < rows; i++)
+		if (kind[i] < 0 || kind[i] >= RB_JOINT_KIND_COUNT)
+			return RB_FAIL(err, RB_ERR_INPUT,
+			               "'%s' in '%s' is damaged: joint %llu has kind %d", path,
+			               from->path, (unsigned long long)i, kind[i]);
+	reading->joint_kind = kind;
+	reading->joint_count = (int)rows;
+	return RB_OK;
+}

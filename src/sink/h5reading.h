@@ -31,6 +31,9 @@ RB_CHECKED enum rb_status rb_reading_bodies(const struct rb_reading_source *from
                                             struct rb_error *err);
 RB_CHECKED enum rb_status rb_reading_forces(const struct rb_reading_source *from,
                                             struct rb_error *err);
+/* Kinds and names of joints, if there are any. */
+RB_CHECKED enum rb_status rb_reading_joints(const struct rb_reading_source *from,
+                                            struct rb_error *err);
 /*
  * Names (still escaped) and units of the members of a folder of results or probes, RB_MEASURES_MAX
  * at most; the units are those of NAME`tail`. `*units` NULL: no memory.

@@ -46,6 +46,10 @@ struct rb_reading {
 	int driven_count;                         /* of the bodies */
 	int element_counts[RB_ELEMENT_KINDS_MAX]; /* of the scene: springs, drag, ... */
 	int field_count;
+	/* of joints, their kinds and names, "" where one has none: [joint_count]; 0: NULL */
+	int joint_count;
+	const int *joint_kind;
+	const char **joint_names;
 	int shape_counts[RB_SHAPE_KIND_COUNT]; /* bodies of each kind of shape */
 	uint64_t frame_count;
 	const char *status, *reason, *state_hash, *started, *ended;

@@ -181,14 +181,16 @@ static enum rb_status open_sources(struct rb_reader *reader, struct rb_error *er
 {
 	const struct rb_frames_source *const sources = rb_frames_sources();
 	const hsize_t bodies = (hsize_t)reader->reading.body_count;
+	const hsize_t joints = (hsize_t)reader->reading.joint_count;
 	char path[RB_FRAMES_PATH_SIZE];
 	enum rb_status status = RB_OK;
 
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT && status == RB_OK; i++) {
 		struct column *const column = &reader->sources[i];
 		column->kind = sources[i].kind;
-		column->row = rb_frames_shape(&sources[i], bodies);
-		if (sources[i].field != 0 && bodies == 0)
+		column->row = rb_frames_shape(&sources[i], bodies, joints);
+		if (sources[i].field != 0 &&
+		    (sources[i].field == RB_FIELD_JOINTS ? joints == 0 : bodies == 0))
 			continue;
 		snprintf(path, sizeof path, "%s/value", sources[i].path);
 		status = open_column(reader, column, path, err);
@@ -221,8 +223,10 @@ static enum rb_status open_columns(struct rb_reader *reader, struct rb_error *er
 	status = open_column(reader, &reader->event_end, "/rbsim/frames/event_end", err);
 	if (status == RB_OK && reader->event_end.dataset >= 0) {
 		reader->reading.fields |= RB_FIELD_EVENTS;
-		status = open_table(reader, &reader->events, rb_event_cells(), RB_EVENT_CELL_COUNT,
-		                    err);
+		const bool joined = reader->reading.joint_count > 0;
+
+		status = open_table(reader, &reader->events, rb_event_cells(),
+		                    RB_EVENT_CELL_COUNT - !joined, err);
 	}
 	if (status == RB_OK)
 		status = open_column(reader, &reader->contact_end, "/rbsim/frames/contact_end",
@@ -350,6 +354,8 @@ static enum rb_status open_recording(struct rb_reader *reader, struct rb_error *
 		status = rb_reading_bodies(&from, err);
 	if (!status)
 		status = rb_reading_forces(&from, err);
+	if (!status)
+		status = rb_reading_joints(&from, err);
 	if (status == RB_OK)
 		status = open_columns(reader, err);
 	if (status == RB_OK)
@@ -532,6 +538,8 @@ static enum rb_status read_rows(struct rb_reader *reader, struct table *table,
 	    !rb_memory_reserve(&table->cells_out, &table->cells_capacity,
 	                       rows * 3 * sizeof(double) + 1, 1))
 		return no_memory(reader, err);
+	/* cells that are not in every recording */
+	memset(table->rows_out, 0, rows * wanted->row_size);
 	for (int i = 0; i < table->count; i++) {
 		const struct rb_table_cell *const cell = &wanted->cells[i];
 		const size_t bytes = table->cells[i].row_bytes;
@@ -569,7 +577,8 @@ static enum rb_status fill_rows(struct rb_reader *reader, uint64_t row, struct r
 	for (int i = 0; i < frame->event_count; i++) {
 		const struct rb_event *const e = &frame->events[i];
 		if ((unsigned)e->kind >= RB_EVENT_KIND_COUNT || e->a < 0 || e->a >= bodies ||
-		    e->b < 0 || e->b >= bodies)
+		    e->b < 0 || e->b >= bodies || e->joint < 0 ||
+		    e->joint > reader->reading.joint_count)
 			return RB_FAIL(err, RB_ERR_INPUT,
 			               "'/rbsim/events' in '%s' is damaged: frame %llu has kind %d "
 			               "of bodies %d and %d",
@@ -614,6 +623,7 @@ enum rb_status rb_reader_frame(struct rb_reader *reader, uint64_t row, struct rb
 	memcpy(&frame->time_s, row_of(reader, &reader->time, row), sizeof frame->time_s);
 	frame->index = (uint64_t)step;
 	frame->body_count = reader->reading.body_count;
+	frame->joint_count = reader->reading.joint_count;
 	frame->has_events = reader->reading.fields & RB_FIELD_EVENTS;
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++) {
 		if (reader->sources[i].dataset < 0)

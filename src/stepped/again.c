@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "stepped/impact_pass.h"
+#include "stepped/joint_steps.h"
 #include "stepped/projection.h"
 
 /* Bodies and candidate pairs of the islands that are solved again. */
@@ -246,42 +247,64 @@ static void go_back(struct rb_world *world, const struct rb_cohort *cohort)
 
 		rb_vec3_to(world->state.velocity + 3 * i, solver->free[i].linear);
 		if (world->state.spin)
-			rb_vec3_to(world->state.spin + 3 * i, solver->free[i].angular);
+			rb_vec3_to(world->state.spin + 3 * i, solver->stiff && solver->stiff[i]
+			                                              ? solver->given_spin[i]
+			                                              : solver->free[i].angular);
 	}
 }
 
-enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, bool *again,
-                        struct rb_error *err)
+/* Overlaps of the cohort where they can be measured; marks groups in which one is deep. */
+static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort,
+                                unsigned char *of_group, bool *deep, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_depths found;
+
+	*deep = false;
+	if (!world->broadphase ||
+	    (cohort->near == &s->near &&
+	     !rb_candidates_holds(&s->near, world, cohort->body, cohort->body_count)))
+		return RB_OK;
+	rb_candidates_place(cohort->near, world, cohort->body, cohort->body_count);
+	const enum rb_status status = rb_depths_find(world, cohort->near, NULL, NULL, &found, err);
+
+	if (status != RB_OK)
+		return status;
+	*deep = mark_groups(world, &found, of_group);
+	cohort->depths = found;
+	cohort->is_measured = !*deep;
+	return RB_OK;
+}
+
+enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, bool overlaps,
+                        bool *again, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
 	struct view view;
 	unsigned char *of_group = rb_arena_take(&world->arena[0], s->solver.island_count + 1, 1);
+	enum rb_status status = RB_OK;
+	bool deep = false;
 
 	*again = false;
 	if (!of_group)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of a step");
-	if (cohort->near == &s->near &&
-	    !rb_candidates_holds(&s->near, world, cohort->body, cohort->body_count))
-		return RB_OK;
-	rb_candidates_place(cohort->near, world, cohort->body, cohort->body_count);
-	enum rb_status status = rb_depths_find(world, cohort->near, NULL, NULL, &found, err);
-	if (status != RB_OK)
-		return status;
 	memset(of_group, 0, s->solver.island_count + 1);
-	if (!mark_groups(world, &found, of_group)) {
-		cohort->depths = found;
-		cohort->is_measured = true;
-		return RB_OK;
-	}
+	if (overlaps)
+		status = find_deep(world, cohort, of_group, &deep, err);
+	if (status != RB_OK || (!rb_joints_mark(world, of_group) && !deep))
+		return status;
+	cohort->is_measured = false;
 	if (!take_view(world, cohort, of_group, &view))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the points of a step");
-	clear_velocities(world, &view);
-	status = find_points(world, cohort->near, &view, err);
-	if (status == RB_OK)
-		status = merge(world, cohort, &view, err);
+	if (deep) {
+		clear_velocities(world, &view);
+		status = find_points(world, cohort->near, &view, err);
+		if (status == RB_OK)
+			status = merge(world, cohort, &view, err);
+	}
 	if (status != RB_OK)
 		return status;
+	rb_joints_bend(world, of_group);
 	go_back(world, cohort);
 	*again = true;
 	return rb_solver_again(&s->solver, world, &cohort->points, view.again, err);

@@ -3,9 +3,10 @@
  * A step looked at again from where a try of it ends: what turning has made of gaps there that
  * straight ways did not tell.
  *
- * Groups with an overlap get the points of their poses at the end instead, their gaps taken as
- * linear from there, and are solved once more, from the impulses that they have: a Newton step on
- * where bodies are at the end.
+ * Groups with a joint that has drifted are solved once more with rows that know by how much
+ * (stepped/joint_steps). Groups with an overlap get the points of their poses at the end instead,
+ * their gaps taken as linear from there, and are solved once more, from the impulses that they
+ * have: a Newton step on where bodies are at the end.
  */
 #ifndef RB_STEPPED_AGAIN_H
 #define RB_STEPPED_AGAIN_H
@@ -13,11 +14,11 @@
 #include "stepped/inside.h"
 
 /*
- * After bodies have moved by what was solved for, before they rebound. `*again`: points and
- * velocities are new, positions those of the beginning again, with their velocities solved; else
- * nothing has changed.
+ * After bodies have moved by what was solved for, before they rebound. `*again`: points, bends of
+ * joints and velocities are new, positions those of the beginning again, with their velocities
+ * solved; else nothing has changed. `overlaps`: also for them, not for the drift of joints alone.
  */
-RB_CHECKED enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, bool *again,
-                                   struct rb_error *err);
+RB_CHECKED enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, bool overlaps,
+                                   bool *again, struct rb_error *err);
 
 #endif

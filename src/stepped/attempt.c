@@ -20,6 +20,7 @@
 #include "stepped/driven_bodies.h"
 #include "stepped/force.h"
 #include "stepped/impact_pass.h"
+#include "stepped/joint_steps.h"
 #include "stepped/sleep.h"
 #include "stepped/tally.h"
 
@@ -28,6 +29,12 @@
  * and the projection closes it.
  */
 enum { INSPECTIONS_MAX = 1 };
+
+/*
+ * Looks for the bends of joints' ways, at most. Each leaves of what the one before has missed about
+ * the angle of a step, and a pendulum takes one or none.
+ */
+enum { JOINT_LOOKS_MAX = 6 };
 
 struct flow {
 	struct rb_world *world;
@@ -155,8 +162,9 @@ static enum rb_status move_and_inspect(struct rb_world *world, struct rb_cohort 
 		move(world, cohort, h);
 		rb_drive_end(world);
 		again = false;
-		if (world->broadphase && looks < INSPECTIONS_MAX)
-			status = rb_again(world, cohort, &again, err);
+		if ((world->broadphase && looks < INSPECTIONS_MAX) ||
+		    (world->model->joints && looks < JOINT_LOOKS_MAX))
+			status = rb_again(world, cohort, looks < INSPECTIONS_MAX, &again, err);
 	}
 	return status;
 }
@@ -195,6 +203,8 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 		status = rb_force_add(world, cohort, start, h, err);
 	if (status == RB_OK)
 		status = find_points(world, cohort, start, h, err);
+	if (status == RB_OK)
+		status = rb_joints_try(world, cohort, start, h, err);
 	if (status == RB_OK)
 		status = rb_impacts_resolve(world, cohort, start, h, err);
 	s->solver.active = cohort->body;

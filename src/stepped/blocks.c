@@ -191,17 +191,24 @@ rb_block *rb_blocks_at(struct rb_blocks *blocks, int a, int b, bool *turned)
 	return &blocks->value[low];
 }
 
+/* A pivot that leaves nothing of an unknown, with room for its square. */
+static const double dropped_root = 1e150;
+
 /* Cholesky's factor of a diagonal block, in its lower half. */
-static bool factor_diagonal(rb_block *d)
+static bool factor_diagonal(rb_block *d, double *least)
 {
 	for (int j = 0; j < RB_BLOCK; j++) {
 		double sum = d->m[j][j];
 
 		for (int k = 0; k < j; k++)
 			sum -= d->m[j][k] * d->m[j][k];
-		if (!(sum > 0))
+		const bool depends = least && sum <= least[j];
+
+		if (!(sum > 0) && !depends)
 			return false;
-		const double root = sqrt(sum);
+		const double root = depends ? dropped_root : sqrt(sum);
+		if (depends)
+			least[j] = (double)INFINITY;
 		d->m[j][j] = root;
 		for (int i = j + 1; i < RB_BLOCK; i++) {
 			double s = d->m[i][j];
@@ -249,7 +256,8 @@ bool rb_blocks_factor(struct rb_blocks *blocks)
 	for (int c = 0; c < blocks->count; c++) {
 		const int first = blocks->first[c], end = blocks->first[c + 1];
 
-		if (!factor_diagonal(&blocks->value[first]))
+		if (!factor_diagonal(&blocks->value[first],
+		                     blocks->least ? blocks->least + RB_BLOCK * c : NULL))
 			return false;
 		for (int i = first + 1; i < end; i++)
 			divide(&blocks->value[i], &blocks->value[first]);

@@ -24,6 +24,11 @@ struct rb_blocks {
 	int *row;   /* places of the blocks of a column, ascending, the diagonal first */
 	rb_block *value;
 	double work; /* multiplications that one factorization takes */
+	/*
+	 * [count][6] in the order of elimination, the caller's; NULL: none. An unknown with a pivot
+	 * of no more depends on others: it comes out as zero, and as INFINITY here.
+	 */
+	double *least;
 };
 
 /*

@@ -15,6 +15,8 @@ enum { OUTER_MAX = 30, INNER_MAX = 20, HALVINGS_MAX = 20, NOISE_ULP = 16 };
  */
 static const double weight_first = 1, weight_first_resting = 30, weight_growth = 10,
 		    weight_max = 1e5;
+/* Of joints, which hold whatever happens: chains answer by far less than their rows do. */
+static const double weight_first_joint = 1e3;
 static const double relax_least = 0.3;
 
 /* A row while it is solved. */
@@ -24,6 +26,7 @@ struct face {
 	rb_mat3 slope;   /* of the projection onto the cone */
 	double weight;   /* kg */
 	double shift;    /* m/s: friction times slip */
+	bool soft; /* its weight is 1 over its softness, for good, and no impulse is kept outside */
 };
 
 struct newton {
@@ -380,6 +383,8 @@ static struct off follow(struct newton *s, double relax)
 		struct face *face = &s->face[k];
 		const rb_vec3 d = rb_vec3_sub(face->now, face->impulse);
 
+		if (face->soft)
+			continue;
 		off.closed = fmax(off.closed, sqrt(rb_vec3_dot(d, d)) / face->weight);
 		face->impulse = face->now;
 		if (row->friction > 0) {
@@ -430,6 +435,13 @@ static bool prepare(struct newton *s)
 	                      direct->arena);
 }
 
+/* Of contacts, over their own yields. Through joints they yield by less. */
+static double first_weight(const struct newton *s)
+{
+	return s->direct->holds || !rb_row_system_is_of_contacts(s->dense) ? weight_first_resting
+	                                                                   : weight_first;
+}
+
 static void fill(struct newton *s)
 {
 	const struct rb_row_system *dense = s->dense;
@@ -452,7 +464,7 @@ static void fill(struct newton *s)
 	}
 	s->ratio = heaviest / lightest;
 	RB_ASSERT(s->ratio >= 1);
-	double first = s->direct->holds ? weight_first_resting : weight_first;
+	const double first = first_weight(s);
 	for (int k = 0; k < dense->row_count; k++) {
 		const struct rb_constraint *row = &dense->row[k];
 		const double slip = rb_vec3_length(
@@ -460,9 +472,13 @@ static void fill(struct newton *s)
 
 		if (row->couple)
 			s->lever = fmax(s->lever, row->arm_a.x);
-		s->face[k] = (struct face){.impulse = rb_constraint_impulse(row),
-		                           .weight = first / row->inverse_mass_n,
-		                           .shift = s->direct->holds ? 0 : row->friction * slip};
+		s->face[k] = (struct face){
+			.impulse = rb_constraint_impulse(row),
+			.weight = (row->set == RB_CONSTRAINT_CONE ? first : weight_first_joint) /
+		                  row->inverse_mass_n,
+			.shift = s->direct->holds ? 0 : row->friction * slip};
+		if (row->softness > 0)
+			s->face[k] = (struct face){.weight = 1 / row->softness, .soft = true};
 	}
 }
 
@@ -484,6 +500,7 @@ static struct rb_direct_result solve(struct newton *s)
 	struct rb_direct_result result = {.tried = true};
 	double before = (double)INFINITY, shifted = (double)INFINITY, grown = 1;
 	double relax = s->direct->holds ? 0 : 1;
+	const bool joined = !rb_row_system_is_of_contacts(s->dense);
 
 	for (int outer = 0; outer < OUTER_MAX && result.steps < s->direct->steps_max; outer++) {
 		double rounding, value = evaluate(s, &rounding);
@@ -492,8 +509,13 @@ static struct rb_direct_result solve(struct newton *s)
 		for (int inner = 0; inner < INNER_MAX && result.steps < s->direct->steps_max &&
 		                    imbalance(s) > 0.1 * tolerance;
 		     inner++) {
+			const double from = value, was = imbalance(s);
+
 			result.steps++;
 			if (!improve(s, &value, &rounding))
+				break;
+			/* by weights of joints rounding may be larger than the tolerance */
+			if (joined && from - value <= rounding && imbalance(s) > 0.5 * was)
 				break;
 			tolerance = fmax(s->direct->tolerance, noise_of(s));
 		}
@@ -508,7 +530,8 @@ static struct rb_direct_result solve(struct newton *s)
 		    grown < weight_max * s->ratio) {
 			grown *= weight_growth;
 			for (int k = 0; k < s->dense->row_count; k++)
-				s->face[k].weight *= weight_growth;
+				if (!s->face[k].soft)
+					s->face[k].weight *= weight_growth;
 		}
 		/* who stood slips after all */
 		if (relax == 0 && off.closed <= s->direct->slip_tolerance &&
@@ -550,7 +573,8 @@ struct rb_direct_result rb_direct_solve(const struct rb_direct *direct)
 		for (int k = 0; k < direct->dense->row_count; k++) {
 			struct rb_constraint *row = &direct->dense->row[k];
 
-			row->impulse = found(row, s.face[k].impulse);
+			row->impulse = found(row,
+			                     s.face[k].soft ? s.face[k].now : s.face[k].impulse);
 		}
 		RB_ASSERT(result.steps <= direct->steps_max);
 		/* velocities are what the impulses make of them */

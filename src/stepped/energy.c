@@ -68,6 +68,23 @@ static double driven_work(const struct rb_solver *solver, const struct rb_island
 	return island->carried ? rb_row_system_work(&rows) : 0;
 }
 
+/*
+ * What joints give, J, at the velocities that are solved for: where ways are bent, the constraint
+ * turns with them, and its work comes back. Motors, springs and friction are no contact either.
+ */
+static double joint_work(const struct rb_solver *solver, const struct rb_island *island)
+{
+	double sum = 0;
+
+	for (int k = island->contact_count; k < island->row_count; k++) {
+		const struct rb_constraint *row = &solver->dense.row[island->first_row + k];
+
+		sum += rb_vec3_dot(rb_constraint_impulse(row),
+		                   rb_constraint_velocity(&solver->dense.bodies, row));
+	}
+	return sum;
+}
+
 /* A body's share of the sums: what forces, and then impulses, have changed its motion by. */
 static inline void add_body(struct rb_energy *energy, const struct rb_solver *solver, int i)
 {
@@ -103,6 +120,12 @@ struct rb_energy rb_energy_of(const struct rb_solver *solver, const struct rb_is
 		.mixed = -driven_work(solver, island, solver->dense.row + island->first_row)};
 
 	energy.noise = fabs(energy.mixed);
+	if (island->row_count > island->contact_count) {
+		const double given = joint_work(solver, island);
+
+		energy.mixed -= given;
+		energy.noise += fabs(given);
+	}
 	for (int k = 0; k < island->member_count; k++)
 		add_body(&energy, solver, solver->member[island->first_member + k]);
 	energy.noise *= NOISE_ULP * DBL_EPSILON;
@@ -155,7 +178,8 @@ bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *is
 	for (int k = 0; k < dense->row_count; k++) {
 		const struct rb_constraint *row = &dense->row[k];
 
-		max = fmax(max, fabs(row->impulse.n));
+		if (row->set == RB_CONSTRAINT_CONE)
+			max = fmax(max, row->impulse.n);
 		if (isfinite(row->target.n))
 			momentum += fabs(row->target.n) / row->inverse_mass_n;
 	}
@@ -173,10 +197,19 @@ bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *is
 	return max <= (held ? impulse_max_held : impulse_max) * momentum;
 }
 
-bool rb_energy_pushes(const struct rb_row_system *dense, double speed)
+bool rb_energy_is_pushed(const struct rb_row_system *dense)
 {
 	for (int k = 0; k < dense->row_count; k++)
-		if (dense->row[k].impulse.n > 0 && dense->row[k].target.n > speed)
+		if (rb_constraint_side(&dense->row[k]) * dense->row[k].impulse.n > 0)
+			return true;
+	return false;
+}
+
+bool rb_energy_pushes_apart(const struct rb_row_system *dense)
+{
+	for (int k = 0; k < dense->row_count; k++)
+		if (dense->row[k].set == RB_CONSTRAINT_CONE && dense->row[k].impulse.n > 0 &&
+		    dense->row[k].target.n > 0)
 			return true;
 	return false;
 }
@@ -235,6 +268,21 @@ void rb_energy_mix(const struct rb_solver *solver, const struct rb_island *islan
 		   &kept->body[k]);
 }
 
+/* Whether the row asks for its target, whatever that takes. */
+static bool is_held(const struct rb_constraint *row)
+{
+	return row->set == RB_CONSTRAINT_FREE ||
+	       (row->softness == 0 && isinf(row->low) && isinf(row->high));
+}
+
+static double off_target(const struct rb_constraint *row, rb_vec3 now)
+{
+	const rb_vec3 off = rb_vec3_sub(now, rb_constraint_joined(row, row->target));
+
+	return row->set == RB_CONSTRAINT_FREE ? rb_vec3_length(off)
+	                                      : fabs(rb_vec3_dot(off, row->normal));
+}
+
 void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, double share)
 {
 	const struct rb_row_system dense = rows_of(solver, island);
@@ -247,12 +295,17 @@ void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, do
 	}
 	for (int k = 0; k < dense.row_count; k++) {
 		struct rb_constraint *row = &dense.row[k];
-		const double now = rb_vec3_dot(rb_constraint_velocity(&dense.bodies, row),
-		                               row->normal);
+		const rb_vec3 now = rb_constraint_velocity(&dense.bodies, row);
+		const int side = rb_constraint_side(row);
 
 		row->impulse.n *= share;
 		row->impulse.t = rb_vec3_scale(share, row->impulse.t);
-		island->residual = fmax(island->residual, fmin(row->target.n, 0) - now);
+		if (side != 0)
+			island->residual = fmax(island->residual,
+			                        fmin(side * row->target.n, 0) -
+			                                side * rb_vec3_dot(now, row->normal));
+		else if (is_held(row))
+			island->residual = fmax(island->residual, off_target(row, now));
 	}
 }
 

@@ -36,11 +36,10 @@ static inline double rb_energy_gain(const struct rb_energy *energy)
 /* The largest share of the impulses, up to 1, that gains nothing. */
 double rb_energy_share(const struct rb_energy *energy);
 
-/*
- * Whether a row with an impulse is left to open faster than that, m/s; 0: contacts that overlap, or
- * would, are pushed apart.
- */
-bool rb_energy_pushes(const struct rb_row_system *dense, double speed);
+/* Whether a row that pushes one way has an impulse. */
+bool rb_energy_is_pushed(const struct rb_row_system *dense);
+/* Whether contacts that overlap, or would, are pushed apart. */
+bool rb_energy_pushes_apart(const struct rb_row_system *dense);
 
 /*
  * Whether impulses are of a size that the group's momentum, and what it is asked for, can explain;

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "step/force_stages.h"
+#include "stepped/joint_steps.h"
 
 /* Sums over bodies with weight, for gravity (per mass) and gravity_force (per body). */
 struct weights {
@@ -535,6 +536,55 @@ static void enter_blow(struct entering *n, const struct rb_blow *blow)
 		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN, blow->driven);
 }
 
+/* ---- joints ---- */
+
+/* J: what a spring about the free coordinate has given back, beside its work, as it has moved. */
+static double spring_lost(const struct entering *n, int k, const struct rb_step_joint *of)
+{
+	const struct rb_joint *joint = &n->world->model->joints->joint[k];
+	const double from = of->last.way - joint->rest;
+	const double to = rb_joints_way(n->world, k, n->pass.h_s) - joint->rest;
+	const double lost = 0.5 * joint->stiffness * (from - to) * (from + to) - of->work.spring;
+	const double rate = (to - from) / n->pass.h_s;
+
+	return fmax(0, fmin(lost, n->pass.h_s * joint->damping * rate * rate));
+}
+
+static void enter_joint(struct entering *n, int k)
+{
+	const struct rb_step_joint *of = &n->world->stepped->solver.joint[k];
+	const struct rb_joint *joint = &n->world->model->joints->joint[k];
+	const struct rb_joint_work *work = &of->work;
+	const bool a_yields = rb_stepped_is_dynamic(n->world, joint->a);
+	const int other = a_yields ? joint->b : joint->a;
+
+	rb_entries_energy(&n->e, RB_ENERGY_DRIVEN, work->motor);
+	rb_entries_energy(&n->e, RB_ENERGY_JOINT_FRICTION, work->friction);
+	rb_entries_energy(&n->e, RB_ENERGY_IMPACTS, work->impacts);
+	if (joint->damping > 0)
+		rb_entries_energy(&n->e, RB_ENERGY_DAMPING, spring_lost(n, k, of));
+	if (other >= 0 && rb_stepped_is_dynamic(n->world, other))
+		return;
+	rb_entries_momentum(&n->e, other < 0 ? RB_MOMENTUM_STATIC : cause_of(n, other),
+	                    work->linear, work->angular);
+	if (other >= 0 && other < n->world->model->body_count)
+		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN, work->driven);
+}
+
+/* Of what stands still the holder gives all that forces take. */
+static void enter_joints(struct entering *n)
+{
+	for (int m = 0; n->world->model->joints && m < n->cohort->member_count; m++) {
+		const int i = n->cohort->body[m];
+		int at = -1;
+
+		if (!is_in(n, i) || n->tally->body[i].kind != RB_TALLY_JOINED)
+			continue;
+		for (int k; (k = rb_joints_next_of(n->world, i, &at)) >= 0;)
+			enter_joint(n, k);
+	}
+}
+
 /* ---- all ---- */
 
 /*
@@ -592,8 +642,8 @@ static void keep_to(struct entering *n)
 	row[RB_ENERGY_DRAG] = fmax(0, row[RB_ENERGY_DRAG]);
 	for (size_t k = 0; k < sizeof taker / sizeof taker[0]; k++)
 		taken += row[taker[k]];
-	if (!(taken > 0) ||
-	    (n->world->model->features & (RB_FEATURES_VARIED & ~(rb_features)RB_FEATURE_DRAG)))
+	if (!(taken > 0) || (n->world->model->features & ((RB_FEATURES_VARIED | RB_FEATURE_JOINTS) &
+	                                                  ~(rb_features)RB_FEATURE_DRAG)))
 		return;
 	for (int k = 0; k < n->member_count; k++)
 		if (is_in(n, n->member[k]) && may_lose(n, &n->tally->body[n->member[k]]))
@@ -628,6 +678,7 @@ struct rb_entries rb_enter_step(struct rb_world *world, const struct rb_cohort *
 		if (is_in(&n, cohort->blow[k].a))
 			enter_blow(&n, &cohort->blow[k]);
 	enter_elements(&n);
+	enter_joints(&n);
 	keep_to(&n);
 	return n.e;
 }

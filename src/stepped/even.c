@@ -51,7 +51,7 @@ static int take_rows(const struct rb_row_system *rows, struct rb_constraint **ta
 		for (end = k; end < rows->row_count && is_pair(row, &rows->row[end]); end++)
 			slide = slide || slides(&rows->row[end]);
 		for (int i = k; i < end && slide && end - k > 1; i++)
-			if (rows->row[i].impulse.n > 0)
+			if (rows->row[i].set == RB_CONSTRAINT_CONE && rows->row[i].impulse.n > 0)
 				taken[count++] = &rows->row[i];
 	}
 	return count;

@@ -81,8 +81,9 @@ static rb_along_across free_step(const struct rb_constraint *row, const rb_mat3 
 
 static rb_along_across interval_step(const struct rb_constraint *row, rb_vec3 u)
 {
-	const double short_of = row->target.n - rb_vec3_dot(u, row->normal);
-	const double wanted = row->impulse.n + short_of / row->inverse_mass_n;
+	const double short_of = row->target.n - rb_vec3_dot(u, row->normal) -
+	                        row->softness * row->impulse.n;
+	const double wanted = row->impulse.n + short_of / (row->inverse_mass_n + row->softness);
 
 	return (rb_along_across){fmin(fmax(wanted, row->low), row->high) - row->impulse.n,
 	                         {0, 0, 0}};

@@ -152,10 +152,23 @@ static void index_points(struct impacts *all)
 	}
 }
 
+/* Who is joined rebounds at the end of the step: the law of impacts knows nothing of joints. */
+static void mark_joined(struct impacts *all)
+{
+	const struct rb_joints *joints = all->world->model->joints;
+
+	for (int k = 0; joints && k < joints->count; k++) {
+		all->crowded[joints->joint[k].a] = 1;
+		if (joints->joint[k].b >= 0)
+			all->crowded[joints->joint[k].b] = 1;
+	}
+}
+
 static enum rb_status begin(struct impacts *all, struct rb_error *err)
 {
 	struct rb_arena *arena = &all->world->arena[0];
-	const size_t n = (size_t)all->world->model->body_count + 2, count = all->points->count;
+	const struct rb_model *model = all->world->model;
+	const size_t n = (size_t)model->body_count + 2, count = all->points->count;
 
 	all->bodies_max = RB_IMPACT_CONTACTS + 1;
 	all->held = rb_arena_take(arena, n, 1);
@@ -165,7 +178,7 @@ static enum rb_status begin(struct impacts *all, struct rb_error *err)
 	all->touched = rb_arena_take(arena, count, 1);
 	all->seen = rb_arena_take(arena, count, 1);
 	all->place = rb_arena_take(arena, n, sizeof *all->place);
-	all->crowded = rb_arena_take(arena, n, 1);
+	all->crowded = rb_arena_take(arena, n + (size_t)model->static_count, 1);
 	all->body = rb_arena_take(arena, (size_t)all->bodies_max + 1, sizeof *all->body);
 	all->contact = rb_arena_take(arena, RB_IMPACT_CONTACTS + 1, sizeof *all->contact);
 	if (!all->held || !all->first || !all->of || !all->due_s || !all->touched || !all->seen ||
@@ -174,10 +187,11 @@ static enum rb_status begin(struct impacts *all, struct rb_error *err)
 	all->flight.held = all->held;
 	memset(all->touched, 0, count);
 	memset(all->seen, 0, count);
-	memset(all->crowded, 0, n);
+	memset(all->crowded, 0, n + (size_t)model->static_count);
 	for (size_t i = 0; i < n; i++)
 		all->place[i] = -1;
 	index_points(all);
+	mark_joined(all);
 	enum rb_status status = RB_OK;
 	for (size_t k = 0; k < count && status == RB_OK; k++) {
 		all->due_s[k] = (double)INFINITY;

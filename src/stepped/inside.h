@@ -64,6 +64,8 @@ struct rb_cohort {
 struct rb_attempt_outcome {
 	int pair[2];    /* that overlaps, -1: none */
 	int body;       /* that is not finite, -1: none */
+	int joint;      /* that drifts most of those that do by too much, -1: none */
+	double drift;   /* m: by how much */
 	double overlap; /* m */
 	/* m: the largest that a solution which is good has left of a gap's closing */
 	double residual;

@@ -16,6 +16,10 @@
 #include "base/memory.h"
 #include "constraint/effective_mass.h"
 #include "stepped/pivot.h"
+#include "world/joint_state.h"
+
+/* (h w)^2 of turning under the pull of joints, up to which steps resolve it. */
+static const double resolved_max = 0.25;
 
 /* ---- bodies ---- */
 
@@ -147,6 +151,202 @@ static bool is_moved(const struct rb_solver *solver, const struct rb_step_point 
 	return false;
 }
 
+/* ---- joints ---- */
+
+struct rb_joint_query rb_islands_joints(const struct rb_solver *solver,
+                                        const struct rb_world *world)
+{
+	return (struct rb_joint_query){.world = world,
+	                               .before = solver->before,
+	                               .bodies = &solver->dense.bodies,
+	                               .fixed = solver->body_count,
+	                               .h_s = solver->h_s,
+	                               .share = 1};
+}
+
+/* The body whose group a joint belongs to. */
+static int holder_of(const struct rb_world *world, int k)
+{
+	return rb_step_joint_rows_owner(world->model, &world->model->joints->joint[k]);
+}
+
+/* Joints of the bodies of the step, each once. */
+static void list_joints(struct rb_solver *solver, const struct rb_world *world)
+{
+	const struct rb_joints *joints = world->model->joints;
+
+	solver->joined_count = 0;
+	for (int k = 0; solver->joint && k < solver->active_count; k++) {
+		const int i = solver->active[k];
+
+		for (int e = joints->first[i]; e < joints->first[i + 1]; e++)
+			if (holder_of(world, joints->of[e]) == i &&
+			    !world->joint[joints->of[e]].released)
+				solver->joined[solver->joined_count++] = joints->of[e];
+	}
+}
+
+static int count_joint_rows(const struct rb_solver *solver, const struct rb_world *world)
+{
+	int count = 0;
+
+	for (int k = 0; k < solver->joined_count; k++)
+		count += rb_step_joint_rows_count(&world->model->joints->joint[solver->joined[k]]);
+	return count;
+}
+
+/* Whether a joint moves its group by itself: its other end does, or its motor. */
+static bool is_driving(const struct rb_solver *solver, const struct rb_world *world,
+                       const struct rb_joint *joint)
+{
+	const int ends[2] = {joint->a, joint->b};
+	bool moves = joint->has_motor && world->joint[joint->def].motor_speed != 0;
+
+	for (int e = 0; e < 2 && !moves; e++) {
+		if (ends[e] < 0 || ends[e] >= solver->body_count || is_dynamic(solver, ends[e]))
+			continue;
+		const struct rb_solver_body *body = &solver->dense.bodies.body[ends[e]];
+
+		moves = rb_vec3_max_abs(body->linear) > 0 || rb_vec3_max_abs(body->angular) > 0;
+	}
+	return moves;
+}
+
+static struct rb_island *group_of_joint(struct rb_solver *solver, const struct rb_world *world,
+                                        int k)
+{
+	return &solver->island[solver->island_of[holder_of(world, k)]];
+}
+
+/* Counts rows of joints, before those of contacts are placed. */
+static void count_joints(struct rb_solver *solver, const struct rb_world *world)
+{
+	for (int k = 0; k < solver->joined_count; k++) {
+		const struct rb_joint *joint = &world->model->joints->joint[solver->joined[k]];
+		struct rb_island *island = group_of_joint(solver, world, solver->joined[k]);
+
+		island->row_count += rb_step_joint_rows_count(joint);
+		island->carried = island->carried || is_driving(solver, world, joint);
+	}
+}
+
+/* After the rows of contacts. */
+static void place_joints(struct rb_solver *solver, const struct rb_world *world)
+{
+	for (size_t g = 0; g < solver->island_count; g++)
+		solver->island[g].contact_count = solver->island[g].row_count;
+	for (int k = 0; k < solver->joined_count; k++) {
+		const int number = solver->joined[k];
+		const int rows = rb_step_joint_rows_count(&world->model->joints->joint[number]);
+		struct rb_island *island = group_of_joint(solver, world, number);
+		const int at = island->first_row + island->row_count;
+
+		solver->joint[number].first_row = island->rests ? -1 : at;
+		island->row_count += rows;
+		for (int r = 0; r < rows && !island->rests; r++)
+			solver->point[at + r] = -1;
+	}
+}
+
+/*
+ * What the pull of a body's joints does to its turning in the step: a point at r that is pulled by
+ * F goes on being pulled by it where turning by t has brought it, with a torque of -(F.r) t across
+ * r. At the end of the step that is h^2 F.r of inertia, where the step does not resolve it: light
+ * links that carry heavy bodies (Tournier, Nesme, Gilles, Faure, ACM TOG 34(4):132 (2015)).
+ */
+static rb_mat3 pull_of(const struct rb_solver *solver, const struct rb_world *world, int i)
+{
+	const struct rb_joints *joints = world->model->joints;
+	const rb_quat q = rb_world_orientation_at(world, &world->state, i);
+	rb_mat3 sum = {{{0}}};
+
+	for (int e = joints->first[i]; e < joints->first[i + 1]; e++) {
+		const struct rb_joint *joint = &joints->joint[joints->of[e]];
+		const double *force = solver->joint[joints->of[e]].last.force;
+		const bool is_a = joint->a == i;
+		const rb_vec3 r = rb_quat_rotate(q, is_a ? joint->link.at_a : joint->link.at_b);
+		const rb_vec3 f = {force[0], force[1], force[2]};
+		const double along = (is_a ? -1 : 1) * rb_vec3_dot(f, r);
+		const double square = rb_vec3_dot(r, r);
+		const double x[3] = {r.x, r.y, r.z};
+
+		if (!rb_step_joint_rows_have_point(joint->link.kind) || !(along > 0) ||
+		    !(square > 0))
+			continue;
+		const double share = solver->h_s * solver->h_s * along;
+		for (int k = 0; k < 9; k++)
+			sum.m[k / 3][k % 3] += share *
+			                       ((k % 4 == 0) - x[k / 3] * x[k % 3] / square);
+	}
+	return sum;
+}
+
+/* Adds that to the inertia of bodies of which it is a larger share than steps resolve. */
+static void stiffen(struct rb_solver *solver, const struct rb_world *world, int i)
+{
+	struct rb_solver_body *const body = &solver->dense.bodies.body[i];
+
+	solver->stiff[i] = 0;
+	if (!solver->before || !(body->inverse_mass > 0) || body->inverse_inertia == 0 ||
+	    world->model->joints->first[i] == world->model->joints->first[i + 1])
+		return;
+	const rb_mat3 pull = pull_of(solver, world, i);
+	const double scalar = body->inverse_inertia;
+	const rb_mat3 inverse = isnan(scalar) ? solver->tensor[i]
+	                                      : rb_mat3_diagonal(scalar, scalar, scalar);
+	const double most = inverse.m[0][0] + inverse.m[1][1] + inverse.m[2][2];
+	rb_mat3 inertia, stiffened;
+
+	if (!(most * fmax(pull.m[0][0], fmax(pull.m[1][1], pull.m[2][2])) > resolved_max) ||
+	    !rb_mat3_inverse(&inverse, &inertia))
+		return;
+	const rb_vec3 momentum = rb_mat3_apply(&inertia, body->angular);
+	for (int k = 0; k < 9; k++)
+		inertia.m[k / 3][k % 3] += pull.m[k / 3][k % 3];
+	if (!rb_mat3_inverse(&inertia, &stiffened))
+		return;
+	solver->stiff[i] = 1;
+	solver->given_spin[i] = body->angular;
+	solver->tensor[i] = stiffened;
+	body->inverse_inertia = (double)NAN;
+	body->angular = rb_mat3_apply(&stiffened, momentum);
+	solver->free[i] = *body;
+}
+
+static void fill_joints_block(void *user, int block, int worker)
+{
+	const struct pass *pass = user;
+	struct rb_solver *solver = pass->solver;
+	const struct rb_joint_query query = rb_islands_joints(solver, pass->world);
+
+	(void)worker;
+	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
+		struct rb_step_joint *of = &solver->joint[solver->joined[k]];
+
+		if (of->first_row >= 0)
+			rb_step_joint_rows_fill(&query, solver->joined[k], of,
+			                        solver->dense.row + of->first_row);
+	}
+}
+
+static void store_joints_block(void *user, int block, int worker)
+{
+	const struct pass *pass = user;
+	struct rb_solver *solver = pass->solver;
+	const struct rb_joint_query query = rb_islands_joints(solver, pass->world);
+
+	(void)worker;
+	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
+		struct rb_step_joint *of = &solver->joint[solver->joined[k]];
+
+		/* of groups that keep what an earlier look has found, rows have not been solved */
+		if (of->first_row >= 0 &&
+		    !group_of_joint(solver, pass->world, solver->joined[k])->kept)
+			rb_step_joint_rows_store(&query, solver->joined[k], of,
+			                         solver->dense.row + of->first_row);
+	}
+}
+
 /* ---- groups ---- */
 
 /* The dynamic body of a point, whose island it belongs to. */
@@ -155,8 +355,19 @@ static int owner_of(const struct rb_solver *solver, const struct rb_step_point *
 	return is_dynamic(solver, point->a) ? point->a : point->b;
 }
 
-/* Union-find over the points; place[k] becomes the dynamic body of point k. */
-static void join_all(struct rb_solver *solver, const struct rb_step_points *points, int *place)
+/*
+ * The smaller body stays the root: a group's place does not depend on the order of joining.
+ */
+static void join(struct rb_solver *solver, int a, int b)
+{
+	a = rb_forest_root(solver->parent, a);
+	b = rb_forest_root(solver->parent, b);
+	solver->parent[a > b ? a : b] = a > b ? b : a;
+}
+
+/* Union-find over points and joints; place[k] becomes the dynamic body of point k. */
+static void join_all(struct rb_solver *solver, const struct rb_world *world,
+                     const struct rb_step_points *points, int *place)
 {
 	for (int k = 0; k < solver->active_count; k++)
 		solver->parent[solver->active[k]] = solver->active[k];
@@ -167,27 +378,32 @@ static void join_all(struct rb_solver *solver, const struct rb_step_points *poin
 		RB_ASSERT_COSTLY(is_dynamic(solver, place[k]));
 		if (!is_dynamic(solver, point->a) || !is_dynamic(solver, point->b))
 			continue;
-		const int a = rb_forest_root(solver->parent, point->a);
-		const int b = rb_forest_root(solver->parent, point->b);
-		/*
-		 * the smaller body stays the root: a group's place does not depend on the order of
-		 * joining
-		 */
-		solver->parent[a > b ? a : b] = a > b ? b : a;
+		join(solver, point->a, point->b);
+	}
+	for (int k = 0; k < solver->joined_count; k++) {
+		const struct rb_joint *joint = &world->model->joints->joint[solver->joined[k]];
+
+		if (joint->b >= 0 && is_dynamic(solver, joint->a) && is_dynamic(solver, joint->b))
+			join(solver, joint->a, joint->b);
 	}
 }
 
 /*
- * Numbers the groups that have points, in order of their smallest body, and counts their members.
+ * Numbers the groups that have points or joints, in order of their smallest body, and counts their
+ * members.
  */
-static enum rb_status number_groups(struct rb_solver *solver, const struct rb_step_points *points,
-                                    const int *place, struct rb_error *err)
+static enum rb_status number_groups(struct rb_solver *solver, const struct rb_world *world,
+                                    const struct rb_step_points *points, const int *place,
+                                    struct rb_error *err)
 {
 	solver->island_count = 0;
 	for (int k = 0; k < solver->active_count; k++)
 		solver->island_of[solver->active[k]] = -1;
 	for (size_t k = 0; k < points->count; k++)
 		solver->island_of[rb_forest_root(solver->parent, place[k])] = 0;
+	for (int k = 0; k < solver->joined_count; k++)
+		solver->island_of[rb_forest_root(solver->parent,
+		                                 holder_of(world, solver->joined[k]))] = 0;
 	for (int k = 0; k < solver->active_count; k++) {
 		const int i = solver->active[k], root = rb_forest_root(solver->parent, i);
 
@@ -210,7 +426,8 @@ static enum rb_status number_groups(struct rb_solver *solver, const struct rb_st
  * Counting sorts of members and rows by island. place[k] becomes the row of point k, -1 in islands
  * that stay at rest.
  */
-static void lay_out(struct rb_solver *solver, const struct rb_step_points *points, int *place)
+static void lay_out(struct rb_solver *solver, const struct rb_world *world,
+                    const struct rb_step_points *points, int *place)
 {
 	int row = 0, member = 0;
 
@@ -220,6 +437,7 @@ static void lay_out(struct rb_solver *solver, const struct rb_step_points *point
 		island->row_count++;
 		island->carried = island->carried || is_moved(solver, &points->row[k]);
 	}
+	count_joints(solver, world);
 	for (size_t g = 0; g < solver->island_count; g++) {
 		solver->island[g].first_member = member;
 		member += solver->island[g].member_count;
@@ -255,7 +473,8 @@ static void lay_out(struct rb_solver *solver, const struct rb_step_points *point
 		const int at = island->first_row + island->row_count++;
 		place[k] = island->rests ? -1 : at;
 	}
-	RB_ASSERT(row >= 0 && (size_t)row <= points->count);
+	RB_ASSERT(row >= 0);
+	place_joints(solver, world);
 	solver->dense.row_count = row;
 }
 
@@ -296,6 +515,13 @@ static void level_arms(const struct rb_step_point *nearest, struct rb_constraint
 	row->arm_b = level(row->arm_b, nearest->arm_b, row->normal);
 }
 
+/* A ball that joints stiffen has no inertia that is a multiple of one. */
+static bool is_stiff(const struct rb_solver *solver, const struct rb_step_point *point)
+{
+	return solver->stiff && (solver->stiff[point->a] ||
+	                         (point->b < solver->body_count && solver->stiff[point->b]));
+}
+
 /*
  * Sets the arms at which impulses act, with the mean of arms over the step where the pair pivots.
  */
@@ -307,6 +533,12 @@ static void set_arms(const struct pass *pass, struct rb_constraint *row, int num
 	row->normal = point->normal;
 	row->arm_a = point->arm_a;
 	row->arm_b = point->arm_b;
+	if (row->central && is_stiff(pass->solver, point)) {
+		row->central = false;
+		row->arm_a = rb_vec3_scale(point->arm_a.x, point->normal);
+		row->arm_b = rb_vec3_scale(point->arm_b.x, point->normal);
+		return;
+	}
 	if (row->central)
 		return;
 	level_arms(nearest_of_face(pass->points, number), row);
@@ -367,6 +599,9 @@ static void store_rows_block(void *user, int block, int worker)
 	(void)worker;
 	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
 		const struct rb_constraint *row = &pass->solver->dense.row[k];
+
+		if (row->set != RB_CONSTRAINT_CONE)
+			continue;
 		struct rb_step_point *point = &pass->points->row[pass->solver->point[k]];
 
 		point->push = row->impulse.n;
@@ -377,21 +612,26 @@ static void store_rows_block(void *user, int block, int worker)
 static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struct rb_error *err)
 {
 	const struct rb_step_points *points = pass->points;
+	const struct rb_world *world = pass->world;
 	int *place = rb_arena_take(&pass->world->arena[0], points->count, sizeof *place);
 
+	list_joints(solver, world);
+	const size_t rows = points->count + (size_t)count_joint_rows(solver, world);
 	if (!place ||
-	    !rb_memory_reserve(&solver->dense.row, &solver->row_capacity, points->count,
+	    !rb_memory_reserve(&solver->dense.row, &solver->row_capacity, rows,
 	                       sizeof *solver->dense.row) ||
-	    !rb_memory_reserve(&solver->point, &solver->point_capacity, points->count,
+	    !rb_memory_reserve(&solver->point, &solver->point_capacity, rows,
 	                       sizeof *solver->point))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", points->count);
-	join_all(solver, points, place);
-	const enum rb_status status = number_groups(solver, points, place, err);
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", rows);
+	join_all(solver, world, points, place);
+	const enum rb_status status = number_groups(solver, world, points, place, err);
 	if (status != RB_OK)
 		return status;
-	lay_out(solver, points, place);
+	lay_out(solver, world, points, place);
 	pass->place = place;
 	run_pass(pass, points->count, fill_rows_block);
+	if (solver->joined_count > 0)
+		run_pass(pass, (size_t)solver->joined_count, fill_joints_block);
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&solver->dense, solver->body_count + 1));
 	return RB_OK;
 }
@@ -406,6 +646,8 @@ enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
 	RB_ASSERT(solver->active_count >= 0 && solver->active_count <= solver->body_count);
 	run_pass(&pass, (size_t)solver->active_count, fill_bodies_block);
 	solver->dense.bodies.body[solver->body_count] = (struct rb_solver_body){.inverse_mass = 0};
+	for (int k = 0; solver->joint && k < solver->active_count; k++)
+		stiffen(solver, world, solver->active[k]);
 	const enum rb_status status = prepare(solver, &pass, err);
 	rb_arena_back(arena, here); /* a step may have many tries */
 	return status;
@@ -414,7 +656,8 @@ enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
 /* ---- the end of a step ---- */
 
 /* Marks bodies with an impulse on them. */
-static void find_pushed(struct rb_solver *solver, const struct rb_step_points *points)
+static void find_pushed(struct rb_solver *solver, const struct rb_joints *joints,
+                        const struct rb_step_points *points)
 {
 	for (int k = 0; k < solver->active_count; k++)
 		solver->pushed[solver->active[k]] = 0;
@@ -424,6 +667,14 @@ static void find_pushed(struct rb_solver *solver, const struct rb_step_points *p
 
 		if (point->push > 0)
 			solver->pushed[point->a] = solver->pushed[b] = 1;
+	}
+	for (int k = 0; k < solver->joined_count; k++) {
+		const struct rb_joint *joint = &joints->joint[solver->joined[k]];
+		const int ends[2] = {joint->a, joint->b};
+
+		for (int e = 0; e < 2; e++)
+			if (ends[e] >= 0 && is_dynamic(solver, ends[e]))
+				solver->pushed[ends[e]] = 1;
 	}
 }
 
@@ -464,9 +715,11 @@ void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_
 
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&solver->dense, solver->body_count + 1));
 	run_pass(&pass, (size_t)solver->dense.row_count, store_rows_block);
+	if (solver->before && solver->joined_count > 0) /* else positions are moved */
+		run_pass(&pass, (size_t)solver->joined_count, store_joints_block);
 	note_left(solver);
 	if (solver->tensor) { /* else nobody asks */
-		find_pushed(solver, points);
+		find_pushed(solver, world->model->joints, points);
 		free_unpushed(solver);
 	}
 	run_pass(&pass, (size_t)solver->active_count, store_bodies_block);

@@ -1,21 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Points of a step -> groups of bodies that they join, and their rows; and back.
+ * Points and joints of a step -> groups of bodies that they join, and their rows; and back.
  *
  * Bodies, points and rows are gone through in blocks by all workers; groups are numbered by their
- * smallest bodies, their rows stand in the order of points. What still stands as it was found gets
- * no rows. Owned by the method's state; arrays are kept from step to step.
+ * smallest bodies, their rows stand in the order of points, then of joints. What still stands as it
+ * was found gets no rows. Owned by the method's state; arrays are kept from step to step.
  */
 #ifndef RB_STEPPED_ISLANDS_H
 #define RB_STEPPED_ISLANDS_H
 
 #include "constraint/row.h"
 #include "stepped/contact_points.h"
+#include "stepped/joint_constraints.h"
 
 #include <float.h>
 
 struct rb_island {
 	int first_row, row_count;
+	int contact_count; /* of these rows, the first ones; the others are of joints */
 	int first_member, member_count;
 	bool rebounds;
 	bool carried; /* what does not yield moves under or against it */
@@ -60,7 +62,13 @@ struct rb_solver {
 	double *left;
 	/* owned, [6 bodies] m/s^2, rad/s^2: forces of the step that found it so */
 	double *rest_external;
-	int *point;               /* owned, [rows]: its place among the points of the step */
+	int *point; /* owned, [rows]: its place among the points of the step; -1: of a joint */
+	struct rb_step_joint *joint; /* owned, by joint; NULL: the scene has none */
+	/* owned, [bodies]: 1: turning is stiffened by joints; then rad/s, its spin without that */
+	unsigned char *stiff;
+	rb_vec3 *given_spin;
+	int *joined; /* owned: joints of the bodies of the step, in order of their owners */
+	int joined_count;
 	struct rb_island *island; /* owned */
 	size_t island_count, island_capacity, row_capacity, point_capacity;
 	const struct rb_state
@@ -71,6 +79,7 @@ struct rb_solver {
 	double external; /* m^2/s^2: the most that its forces change a velocity by, squared */
 	bool bounces;    /* materials of the scene have restitution */
 	bool mixed;      /* some pairs of them have, others have none */
+	bool joints_bounce; /* limits of joints have restitution */
 	/* the last step before locating goes on: what touches is left without approach */
 	bool hands_over;
 };
@@ -101,7 +110,11 @@ static inline bool rb_rest_holds(const struct rb_solver *solver, int i, const do
 RB_CHECKED enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
                                           struct rb_step_points *points, struct rb_error *err);
 
-/* Impulses go to the points, velocities to the world. */
+/* How joints of the step under way are asked for their rows. */
+struct rb_joint_query rb_islands_joints(const struct rb_solver *solver,
+                                        const struct rb_world *world);
+
+/* Impulses go to points and joints, velocities to the world. */
 void rb_islands_end(struct rb_solver *solver, struct rb_world *world,
                     struct rb_step_points *points);
 

@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "step/verdict.h"
 #include "stepped/impact_pass.h"
+#include "stepped/joint_steps.h"
 #include "stepped/projection.h"
 #include "stepped/sleep.h"
 
@@ -91,12 +92,13 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 	enum rb_status status = RB_OK;
 
 	RB_ASSERT(h > 0);
-	*outcome = (struct rb_attempt_outcome){.pair = {-1, -1}, .body = -1};
+	*outcome = (struct rb_attempt_outcome){.pair = {-1, -1}, .body = -1, .joint = -1};
 	for (int k = 0; k < cohort->body_count; k++)
 		s->bad[cohort->body[k]] = 0;
 	s->bad_count = 0;
 	blame_wild(world, cohort, outcome);
 	blame_residuals(world, h, outcome);
+	rb_joints_blame(world, cohort, outcome);
 	if (!world->broadphase)
 		return RB_OK;
 	if (world->model->rollback != RB_ROLLBACK_NONE)
@@ -118,6 +120,7 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 		status = rb_projection_close(world, cohort, &found, err);
 	if (status != RB_OK)
 		return status;
+	rb_joints_blame(world, cohort, outcome); /* what has been closed may have been joined */
 	rb_impacts_blame(s, world, cohort);
 	outcome->overlap = found.max;
 	for (size_t k = 0; k < found.deep_count; k++)

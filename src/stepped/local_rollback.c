@@ -22,6 +22,7 @@
 #include "stepped/depth.h"
 #include "stepped/driven_bodies.h"
 #include "stepped/enter.h"
+#include "stepped/joint_steps.h"
 #include "stepped/judge.h"
 #include "stepped/sleep.h"
 #include "stepped/swept_bounds.h"
@@ -224,6 +225,7 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 		                                          NULL);
 		rb_entries_add(&local->entries, 1, &e);
 	}
+	rb_joints_keep(world, part, h, NULL);
 	local->fresh = false;
 	local->before = local->last;
 	local->last = swapped;
@@ -253,6 +255,7 @@ static enum rb_status begin_group(struct rb_world *world, struct rb_error *err)
 		               s->all.points.last_count);
 	rb_step_points_take_last(&s->part.points, &s->all.points, s->part.body,
 	                         s->part.member_count);
+	rb_joints_go_back(world, &s->part);
 	local->fresh = true;
 	local->entries = (struct rb_entries){0};
 	local->last.count = local->means.count = 0;
@@ -298,12 +301,20 @@ enum rb_status rb_local_rollback_give_up(const struct rb_world *world, double st
 {
 	const struct rb_scene *scene = world->model->scene;
 	const int *id_of = world->model->id_of;
-	char a[64], b[64];
+	char a[64], b[64], label[96];
 
 	if (outcome->body >= 0)
 		return RB_FAIL(err, RB_ERR_PHYSICS,
 		               "the state of '%s' is not finite after t = %.9g s",
 		               rb_scene_body_label(scene, id_of[outcome->body], a), start);
+	if (outcome->pair[0] < 0 && outcome->joint >= 0)
+		return RB_FAIL(err, RB_ERR_PHYSICS,
+		               "no step holds %s together after t = %.9g s (it drifts by %.3g m, "
+		               "the tolerance is %.3g m)",
+		               rb_joint_label(scene,
+		                              world->model->joints->joint[outcome->joint].def,
+		                              label),
+		               start, outcome->drift, world->model->tolerance_m);
 	if (outcome->pair[0] < 0)
 		return RB_FAIL(err, RB_ERR_PHYSICS, "no step resolves the impacts after t = %.9g s",
 		               start);
@@ -634,6 +645,8 @@ enum rb_status rb_local_rollback_step(struct rb_world *world, double start, doub
 		status = join_contacts(world, dt, err);
 	if (status == RB_OK && s->tally)
 		enter_all(world, start, dt);
+	if (status == RB_OK)
+		rb_joints_keep(world, &s->all, dt, local->swept.failed);
 	if (status == RB_OK)
 		status = join_pushes(world, dt, err);
 	if (status == RB_OK) {

@@ -6,7 +6,9 @@
 #include "base/error.h"
 #include "base/forest.h"
 #include "base/memory.h"
+#include "stepped/joint_steps.h"
 #include "stepped/lift.h"
+#include "world/joint_state.h"
 
 /* Rounds; and by how many of the deepest overlaps a body may be moved, as one pushes the next. */
 enum { CLOSINGS_MAX = 12, CHAIN_MAX = 16 };
@@ -176,16 +178,20 @@ static void inspect_from(struct search *search, int i)
 	search->wave[search->wave_count++] = i;
 }
 
+static void join_groups(struct search *search, int a, int b)
+{
+	a = rb_forest_root(search->parent, a);
+	b = rb_forest_root(search->parent, b);
+	const bool lost = search->lost[a] || search->lost[b];
+
+	search->parent[a > b ? a : b] = a > b ? b : a;
+	search->lost[a > b ? b : a] = lost;
+}
+
 static void join(struct search *search, const struct rb_step_point *point)
 {
-	if (rb_stepped_is_dynamic(search->world, point->b)) {
-		const int a = rb_forest_root(search->parent, point->a);
-		const int b = rb_forest_root(search->parent, point->b);
-		const bool lost = search->lost[a] || search->lost[b];
-
-		search->parent[a > b ? a : b] = a > b ? b : a;
-		search->lost[a > b ? b : a] = lost;
-	}
+	if (rb_stepped_is_dynamic(search->world, point->b))
+		join_groups(search, point->a, point->b);
 	inspect_from(search, point->a);
 	inspect_from(search, point->b);
 }
@@ -220,6 +226,24 @@ static void begin_round(struct search *search, const struct rb_depths *found)
 	}
 }
 
+/* Whoever is joined to a body moves with it, whether it has candidates or not. */
+static void inspect_joined(struct search *search, int i)
+{
+	const struct rb_joints *joints = search->world->model->joints;
+
+	for (int e = joints->first[i]; e < joints->first[i + 1]; e++) {
+		const struct rb_joint *joint = &joints->joint[joints->of[e]];
+		const int other = joint->a == i ? joint->b : joint->a;
+
+		take_velocity(search, i);
+		if (other < 0 || search->world->joint[joints->of[e]].released ||
+		    !rb_stepped_is_dynamic(search->world, other))
+			continue;
+		join_groups(search, i, other);
+		inspect_from(search, other);
+	}
+}
+
 /*
  * Candidates of the bodies of the wave that have not been looked at, but for groups that are lost.
  */
@@ -228,6 +252,9 @@ static size_t next_pairs(struct search *search)
 	const struct rb_candidates *near = search->cohort->near;
 	size_t count = 0;
 
+	/* the wave grows on the way */
+	for (int k = 0; search->world->model->joints && k < search->wave_count; k++)
+		inspect_joined(search, search->wave[k]);
 	for (int k = 0; k < search->wave_count; k++) {
 		const int place = search->place[search->wave[k]];
 
@@ -281,11 +308,25 @@ static enum rb_status find_points(struct search *search, const struct rb_depths 
 	return status == RB_OK ? rb_step_points_sort(points, &world->arena[0], err) : status;
 }
 
+/* Joints have rows without points: bodies of the other groups are left out altogether. */
+static void keep_joined(struct search *search)
+{
+	int kept = 0;
+
+	for (int k = 0; k < search->active_count; k++) {
+		const int i = search->active[k], root = rb_forest_root(search->parent, i);
+
+		if (search->moved[root] && !search->lost[root])
+			search->active[kept++] = i;
+	}
+	search->active_count = kept;
+}
+
 /*
  * Of all points those of groups that overlap and in which nobody is bad: the others are as they
  * should be, or lost.
  */
-static void keep_points(const struct search *search, const struct rb_depths *found)
+static void keep_points(struct search *search, const struct rb_depths *found)
 {
 	struct rb_step_points *points = &search->world->stepped->closing;
 	size_t kept = 0;
@@ -300,6 +341,8 @@ static void keep_points(const struct search *search, const struct rb_depths *fou
 			points->row[kept++] = points->row[k];
 	}
 	points->count = kept;
+	if (search->world->model->joints)
+		keep_joined(search);
 	memset(search->moved, 0, (size_t)search->world->model->body_count);
 }
 
@@ -339,6 +382,21 @@ static double deepest(const struct rb_depths *found)
 	return max;
 }
 
+static void lift_joined(struct search *search, int i)
+{
+	const struct rb_model *model = search->world->model;
+	int at = -1;
+
+	for (int k; (k = rb_joints_next_of(search->world, i, &at)) >= 0;) {
+		const struct rb_joint *joint = &model->joints->joint[k];
+		const int other = joint->a == i ? joint->b : joint->a;
+
+		/* the world stands still */
+		rb_lift_join(&search->lift, search->world, i,
+		             other < 0 ? model->body_count : other);
+	}
+}
+
 /* Groups are solved on their own: nobody else is asked about. */
 static enum rb_status close_once(struct search *search, const struct rb_depths *found,
                                  struct rb_error *err)
@@ -357,6 +415,8 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 		s->closing.row[k].friction = 0;
 		rb_lift_join(&search->lift, world, s->closing.row[k].a, s->closing.row[k].b);
 	}
+	for (int k = 0; status == RB_OK && k < search->active_count; k++)
+		lift_joined(search, search->active[k]);
 	/* driven bodies have no velocity either */
 	for (int k = 0; k < s->driven_count; k++) {
 		take_velocity(search, s->body[s->member_count + k]);

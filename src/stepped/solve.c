@@ -12,6 +12,31 @@
 /* Rows of small groups that one block of work has at least. */
 enum { BLOCK_ROWS = 256 };
 
+/* Joints as they are stepped, and whether one of them gives an impact back. */
+static enum rb_status create_joints(struct rb_solver *solver, const struct rb_model *model,
+                                    struct rb_error *err)
+{
+	if (!model->joints)
+		return RB_OK;
+	const size_t count = (size_t)model->joints->count;
+
+	solver->joint = rb_memory_take(count, sizeof *solver->joint);
+	solver->joined = rb_memory_take(count, sizeof *solver->joined);
+	solver->stiff = rb_memory_take((size_t)model->body_count, 1);
+	solver->given_spin = rb_memory_take((size_t)model->body_count, sizeof *solver->given_spin);
+	if (!solver->joint || !solver->joined || !solver->stiff || !solver->given_spin) {
+		rb_solver_release(solver);
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu joints", count);
+	}
+	for (size_t k = 0; k < count; k++) {
+		solver->joint[k].first_row = -1;
+		solver->joint[k].wanted = (double)NAN;
+		solver->joints_bounce = solver->joints_bounce ||
+		                        model->joints->joint[k].restitution > 0;
+	}
+	return RB_OK;
+}
+
 enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model *model,
                                 struct rb_error *err)
 {
@@ -30,13 +55,15 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 	solver->asleep = rb_memory_take(n, 1);
 	solver->left = rb_memory_take(n, sizeof *solver->left);
 	solver->rest_external = rb_memory_take(6 * n, sizeof *solver->rest_external);
-	if (model->features & RB_FEATURE_GYROSCOPIC)
+	const bool tensors = model->joints || (model->features & RB_FEATURE_GYROSCOPIC);
+
+	if (tensors)
 		solver->tensor = rb_memory_take(n, sizeof *solver->tensor);
 	solver->dense.bodies.tensor = solver->tensor;
 	if (solver->dense.bodies.body && solver->free && solver->parent && solver->island_of &&
 	    solver->member && solver->local && solver->reach && solver->pushed && solver->rests &&
 	    solver->asleep && solver->left && solver->rest_external &&
-	    (solver->tensor || !(model->features & RB_FEATURE_GYROSCOPIC))) {
+	    (solver->tensor || !tensors)) {
 		for (int i = 0; i < model->body_count; i++)
 			solver->reach[i] = rb_model_reach(model, i);
 		for (int k = 0; k < model->material_count * model->material_count; k++)
@@ -45,7 +72,7 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 			else
 				solver->mixed = true;
 		solver->mixed = solver->mixed && solver->bounces;
-		return RB_OK;
+		return create_joints(solver, model, err);
 	}
 	rb_solver_release(solver);
 	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the solver of %zu bodies", n - 1);
@@ -69,6 +96,10 @@ void rb_solver_release(struct rb_solver *solver)
 	rb_memory_free(solver->left);
 	rb_memory_free(solver->rest_external);
 	rb_memory_free(solver->island);
+	rb_memory_free(solver->joint);
+	rb_memory_free(solver->joined);
+	rb_memory_free(solver->stiff);
+	rb_memory_free(solver->given_spin);
 	*solver = (struct rb_solver){0};
 }
 
@@ -262,6 +293,50 @@ static void add_rebound(struct rb_solver *solver, struct rb_world *world)
 	}
 }
 
+/*
+ * Rows of joints keep the velocities that they have been solved for, or rebound; whether one does.
+ */
+static bool joints_rebound(struct rb_solver *solver, const struct rb_world *world)
+{
+	const struct rb_joint_query query = rb_islands_joints(solver, world);
+	bool any = false;
+
+	for (int k = 0; k < solver->joined_count; k++) {
+		const int number = solver->joined[k];
+		const struct rb_step_joint *of = &solver->joint[number];
+
+		if (of->first_row < 0)
+			continue;
+		struct rb_constraint *const row = solver->dense.row + of->first_row;
+		struct rb_island *const island = &solver->island[solver->island_of[row->a]];
+		const bool back = rb_step_joint_rows_rebound(&query, number, of, row,
+		                                             solver->tolerance);
+
+		island->rebounds = island->rebounds || back;
+		any = any || back;
+	}
+	return any;
+}
+
+static void store_joints(struct rb_solver *solver, const struct rb_joint_query *asked)
+{
+	struct rb_joint_query query = *asked;
+
+	query.from = solver->free;
+	for (int k = 0; k < solver->joined_count; k++) {
+		struct rb_step_joint *of = &solver->joint[solver->joined[k]];
+
+		if (of->first_row < 0)
+			continue;
+		const struct rb_constraint *const row = solver->dense.row + of->first_row;
+		const struct rb_island *island = &solver->island[solver->island_of[row->a]];
+
+		query.share = island->share;
+		if (island->rebounds)
+			rb_step_joint_rows_store(&query, solver->joined[k], of, row);
+	}
+}
+
 enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *world,
                                  const struct rb_step_points *points, rb_vec3 *rebound,
                                  struct rb_error *err)
@@ -269,13 +344,13 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 	struct work work = {.solver = solver, .world = world, .rebound = true};
 	bool any = false;
 
-	if (!solver->bounces && !solver->hands_over)
+	if (!solver->bounces && !solver->joints_bounce && !solver->hands_over)
 		return RB_OK;
 	for (size_t g = 0; g < solver->island_count; g++) {
 		struct rb_island *island = &solver->island[g];
 
 		island->rebounds = false;
-		for (int k = 0; k < island->row_count && !island->rests; k++) {
+		for (int k = 0; k < island->contact_count && !island->rests; k++) {
 			const int number = solver->point[island->first_row + k];
 
 			island->rebounds = island->rebounds ||
@@ -283,14 +358,19 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 		}
 		any = any || island->rebounds;
 	}
+	any = joints_rebound(solver, world) || any;
 	if (!any)
 		return RB_OK;
 	RB_ASSERT(rebound != NULL);
+	const struct rb_joint_query joints = rb_islands_joints(solver, world);
 	solver->before = NULL; /* who rebounds does not rest */
 	for (int k = 0; k < solver->active_count; k++)
 		solver->free[solver->active[k]] = solver->dense.bodies.body[solver->active[k]];
 	for (int k = 0; k < solver->dense.row_count; k++) {
 		struct rb_constraint *row = &solver->dense.row[k];
+
+		if (row->set != RB_CONSTRAINT_CONE)
+			continue;
 		const struct rb_step_point *point = &points->row[solver->point[k]];
 		const double now = rb_vec3_dot(rb_constraint_velocity(&solver->dense.bodies, row),
 		                               row->normal);
@@ -311,9 +391,10 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 		const struct rb_constraint *row = &solver->dense.row[k];
 		const struct rb_island *island = &solver->island[solver->island_of[row->a]];
 
-		if (island->rebounds)
+		if (island->rebounds && row->set == RB_CONSTRAINT_CONE)
 			rebound[solver->point[k]] = rb_vec3_scale(island->share,
 			                                          rb_constraint_impulse(row));
 	}
+	store_joints(solver, &joints);
 	return RB_OK;
 }

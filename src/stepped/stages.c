@@ -22,6 +22,7 @@ static const struct rb_method_part rows[] = {
 	{"drag", "that of the velocity at the end of the step", RB_FEATURE_DRAG},
 	{"near", "boxes for several steps: pairs that could touch", RB_FEATURE_CONTACT},
 	{"points", "of these pairs, within the reach of the step", RB_FEATURE_CONTACT},
+	{"joints", "rows from the poses of the step, drift taken back", RB_FEATURE_JOINTS},
 	{"impacts", "by time within the step, each with all that touches", RB_FEATURE_RESTITUTION},
 	{"solve", "impulses by groups: sweeps, or sparse factors", RB_FEATURE_CONTACT},
 	{"move", "positions: solved velocities, parabolas", 0},
@@ -47,7 +48,6 @@ const struct rb_method rb_method_stepped = {
 	.mind = "impacts are at ends of steps: errors fall with the first power of time_step; "
 		"springs that a step does not resolve lose their oscillation",
 	.steps = &rb_stepper_stepped,
-	.lacks = RB_FEATURE_JOINTS,
 	.parts = parts,
 	.parts_title = "stages of a step",
 };

@@ -18,6 +18,7 @@
 #include "stepped/contact_records.h"
 #include "stepped/enter.h"
 #include "stepped/impact_pass.h"
+#include "stepped/joint_steps.h"
 #include "stepped/judge.h"
 #include "stepped/local_rollback.h"
 #include "stepped/sleep.h"
@@ -125,6 +126,8 @@ static enum rb_status prepare(struct rb_world *world, struct rb_error *err)
 		status = rb_impacts_create(made, model, err);
 	if (status == RB_OK)
 		status = rb_tally_create(made, model, err);
+	/* without contact nobody looks at who stands */
+	made->sleep.off = !world->broadphase;
 	return status;
 }
 
@@ -229,6 +232,7 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 		                                          NULL);
 		rb_ledger_enter(&world->ledger, &e);
 	}
+	rb_joints_keep(world, &s->all, h, NULL);
 	rb_sleep_end(world, end, NULL);
 	world->state.time_s = end;
 	return rb_record_all(world, err);
@@ -369,12 +373,13 @@ static void attract(struct rb_world *world)
 static enum rb_status step(struct rb_world *world, double start, double dt, struct rb_error *err)
 {
 	attract(world);
-	if (world->moved_by_hand) {
+	if (world->moved_by_hand || world->joints_changed) {
 		world->stepped->near.valid = false;
 		rb_sleep_forget(world->stepped);
 		memset(world->stepped->solver.rests, 0, (size_t)world->model->body_count);
 	}
-	world->moved_by_hand = world->has_shown = false;
+	world->moved_by_hand = world->has_shown = world->joints_changed = false;
+	rb_joints_begin(world);
 	return world->model->rollback == RB_ROLLBACK_SELECTIVE
 	               ? step_locally(world, start, dt, err)
 	               : step_together(world, start, dt, err);
@@ -427,6 +432,7 @@ static void pack_rests(struct rb_world *world, struct rb_pack *pack)
 static enum rb_status take_over(struct rb_world *world, struct rb_error *err)
 {
 	rb_sleep_forget(world->stepped);
+	rb_joints_start(world);
 	return rb_step_points_take_over(&world->stepped->all.points, world, err);
 }
 
@@ -446,6 +452,9 @@ static void pack_steps(struct rb_world *world, struct rb_pack *pack)
 		rb_sleep_forget(world->stepped);
 	pack_pushes(world, pack);
 	pack_rests(world, pack);
+	for (int k = 0; world->model->joints && k < world->model->joints->count; k++)
+		rb_fields_pack(rb_joint_memory_fields(), &world->stepped->solver.joint[k].last, 1,
+		               rb_limits_of(world->model).high, pack);
 }
 
 static void release(struct rb_world *world)

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "stepped/direct.h"
+#include "stepped/dual.h"
 #include "stepped/energy.h"
 #include "stepped/even.h"
 #include "stepped/sweeper.h"
@@ -277,6 +278,12 @@ static bool stood(const struct rb_solver *solver, const struct rb_island *island
 	return solver->before && !island->carried && is_settled(solver, island, true);
 }
 
+/* What holds both ways, or rubs, and has drifted by no more. */
+static bool is_closed(const struct rb_constraint *row, double max)
+{
+	return row->softness == 0 && rb_vec3_length(rb_constraint_joined(row, row->target)) <= max;
+}
+
 /*
  * Gaps far below the tolerance count as closed where bodies stand: then standing still is among
  * what is possible, however they are wedged. So do all overlaps: what stands has nothing to push
@@ -286,9 +293,13 @@ static void skip_alone(const struct rb_solver *solver, const struct rb_row_syste
 {
 	const double max = let_share * solver->tolerance / sweep_share;
 
-	for (int k = 0; k < dense->row_count; k++)
-		if (dense->row[k].target.n >= -max)
-			dense->row[k].target.n = 0;
+	for (int k = 0; k < dense->row_count; k++) {
+		struct rb_constraint *row = &dense->row[k];
+		const int side = rb_constraint_side(row);
+
+		if (side != 0 ? side * row->target.n >= -max : is_closed(row, max))
+			row->target = (rb_along_across){0, {0, 0, 0}};
+	}
 }
 
 /* ---- coming to rest ---- */
@@ -341,9 +352,14 @@ static void find_rest(const struct rb_solver *solver, const struct rb_island *is
 
 /* ---- choosing ---- */
 
-/* Masses so unequal that sweeps would take very many, and spoil the impulses to begin with. */
+/*
+ * Masses so unequal that sweeps would take very many, and spoil the impulses to begin with; chains
+ * of joints are as bad, and cost factors a multiple of their length.
+ */
 static bool is_stiff(const struct rb_solver *solver, const struct rb_island *island)
 {
+	if (island->row_count > island->contact_count)
+		return true;
 	double least = (double)INFINITY, max = 0;
 
 	for (int k = 0; k < island->member_count; k++) {
@@ -358,6 +374,16 @@ static bool is_stiff(const struct rb_solver *solver, const struct rb_island *isl
 
 /* ---- energy ---- */
 
+static void push_nothing_apart(const struct rb_row_system *dense)
+{
+	for (int k = 0; k < dense->row_count; k++) {
+		struct rb_constraint *row = &dense->row[k];
+
+		if (row->set == RB_CONSTRAINT_CONE)
+			row->target.n = fmin(row->target.n, 0);
+	}
+}
+
 /*
  * Without pushing apart, closely; then back to it, if it was a solution, as far as that gains
  * nothing. What is between two solutions is in the cones, and closes no gap that neither closes.
@@ -371,8 +397,8 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 	const bool good = rb_energy_keep(solver, island, arena, &kept);
 	const bool solved = island->residual <= solver->tolerance;
 
-	for (int k = 0; good && k < dense->row_count; k++)
-		dense->row[k].target.n = fmin(dense->row[k].target.n, 0);
+	if (good)
+		push_nothing_apart(dense);
 	if (!good || !rb_sweeper_take(&sweeper, arena)) {
 		island->residual = (double)INFINITY; /* no memory: taken back */
 		return none;
@@ -400,12 +426,12 @@ static void keep_energy(const struct rb_solver *solver, struct rb_island *island
                         const struct rb_row_system *dense, struct rb_arena *arena)
 {
 	island->energy_budget = 0;
-	if (!rb_energy_pushes(dense, -(double)INFINITY))
+	if (!rb_energy_is_pushed(dense))
 		return;
 	const bool squeezed = solver->h_s < solver->whole_s &&
 	                      !(island->residual <= solver->tolerance);
 	struct rb_energy energy = rb_energy_of(solver, island);
-	if ((squeezed || rb_energy_gain(&energy) > energy.noise) && rb_energy_pushes(dense, 0))
+	if ((squeezed || rb_energy_gain(&energy) > energy.noise) && rb_energy_pushes_apart(dense))
 		energy = push_less(solver, island, dense, arena);
 	if (rb_energy_gain(&energy) > energy.noise)
 		rb_energy_take(solver, island, rb_energy_share(&energy));
@@ -449,12 +475,9 @@ static bool start_over(const struct rb_solver *solver, struct rb_island *island,
 {
 	struct rb_sweeper sweeper = sweeper_of(solver, island, dense, NULL);
 
-	for (int k = 0; k < dense->row_count; k++) {
-		struct rb_constraint *row = &dense->row[k];
-
-		rb_constraint_clear(row);
-		row->target.n = fmin(row->target.n, 0);
-	}
+	for (int k = 0; k < dense->row_count; k++)
+		rb_constraint_clear(&dense->row[k]);
+	push_nothing_apart(dense);
 	apply_again(solver, island, dense);
 	const bool good = rb_sweeper_take(&sweeper, arena) &&
 	                  sweep_more(solver, &sweeper, island, solver->tolerance / sweep_share,
@@ -477,6 +500,91 @@ struct trial {
 	bool standing, stiff;
 };
 
+static bool is_of_joints(const struct trial *trial)
+{
+	return trial->island->contact_count == 0;
+}
+
+/* Of rows without bounds: forces of joints against each other are not handed on. */
+static void forget_held(const struct rb_solver *solver, const struct rb_island *island,
+                        const struct rb_row_system *dense)
+{
+	for (int k = 0; k < dense->row_count; k++)
+		if (dense->row[k].set == RB_CONSTRAINT_FREE ||
+		    (isinf(dense->row[k].low) && isinf(dense->row[k].high)))
+			rb_constraint_clear(&dense->row[k]);
+	apply_again(solver, island, dense);
+}
+
+/* Rows of joints, to what their contacts' impulses leave them; INFINITY: it was not tried. */
+static double solve_joints(const struct rb_solver *solver, struct rb_island *island,
+                           const struct rb_row_system *rows, struct rb_arena *arena)
+{
+	struct rb_row_system joints = *rows;
+
+	joints.row += island->contact_count;
+	joints.row_count -= island->contact_count;
+	const struct rb_dual dual = {
+		.dense = &joints,
+		/* as close as rounding lets it: that costs no more */
+		.tolerance = close_share * solver->tolerance,
+		.max = fmin(factor_share * (double)rows->row_count, factors_max),
+		.arena = arena};
+
+	forget_held(solver, island, rows);
+	const struct rb_dual_result result = rb_dual_solve(&dual);
+	island->factors += result.steps;
+	if (result.tried)
+		apply_again(solver, island, rows);
+	return result.residual;
+}
+
+static bool factors_of_joints(const struct trial *trial)
+{
+	trial->island->residual = solve_joints(trial->solver, trial->island, trial->rows,
+	                                       trial->arena);
+	return trial->island->residual <= direct_share * trial->solver->tolerance;
+}
+
+/* m/s: what a contact is off by, as a sweep would find it. */
+static double off_by(const struct rb_row_system *rows, const struct rb_constraint *row)
+{
+	const rb_vec3 u = rb_constraint_velocity(&rows->bodies, row);
+	const double u_n = rb_vec3_dot(u, row->normal);
+	const double push = fmax(0, row->impulse.n + (row->target.n - u_n) / row->inverse_mass_n);
+	const rb_vec3 slip = rb_vec3_add_scaled(u, -u_n, row->normal);
+	const rb_vec3 wanted = rb_constraint_within(
+		rb_vec3_add_scaled(row->impulse.t, -1 / row->inverse_mass_t, slip),
+		row->friction * push);
+
+	return fmax(fabs(push - row->impulse.n) * row->inverse_mass_n,
+	            RB_SLIP_SHARE * row->inverse_mass_t *
+	                    rb_vec3_length(rb_vec3_sub(wanted, row->impulse.t)));
+}
+
+/*
+ * Joints are put right for the contacts that have been found: exactly, and without what iterations
+ * have left of forces of joints against each other. Where contacts are then farther off than the
+ * tolerance, it stays as it was.
+ */
+static void polish_joints(const struct rb_solver *solver, struct rb_island *island,
+                          const struct rb_row_system *rows, struct rb_arena *arena)
+{
+	struct rb_kept kept;
+
+	if (!rb_energy_keep(solver, island, arena, &kept))
+		return;
+	double left = solve_joints(solver, island, rows, arena);
+
+	for (int k = 0; k < island->contact_count; k++)
+		left = fmax(left, off_by(rows, &rows->row[k]));
+	if (left <= fmax(island->residual, solver->tolerance)) {
+		island->residual = left;
+		return;
+	}
+	rb_energy_mix(solver, island, &kept, 1);
+}
+
 static bool is_standing(const struct trial *trial)
 {
 	return trial->standing;
@@ -489,7 +597,8 @@ static bool has_unequal_masses(const struct trial *trial)
 
 static bool is_large(const struct trial *trial)
 {
-	return trial->solver->before && trial->island->row_count >= RB_STRATEGY_LARGE_ROWS;
+	return trial->solver->before && trial->sweeper->wide &&
+	       trial->island->row_count >= RB_STRATEGY_LARGE_ROWS;
 }
 
 static bool is_narrow(const struct trial *trial)
@@ -553,12 +662,17 @@ static const struct strategy {
 	bool (*applies)(const struct trial *trial); /* NULL: always */
 	bool (*solve)(const struct trial *trial);
 } strategies[] = {
-	{is_standing, factors_at_rest}, {has_unequal_masses, factors_of_unequal_masses},
-	{NULL, sweeps_to_the_aim},      {NULL, sweeps_to_the_tolerance},
-	{NULL, factors_after_stalling}, {is_large, normals_and_friction_in_turns},
-	{NULL, held_friction},          {is_narrow, sweeps_to_the_limit},
+	{is_of_joints, factors_of_joints},
+	{is_standing, factors_at_rest},
+	{has_unequal_masses, factors_of_unequal_masses},
+	{NULL, sweeps_to_the_aim},
+	{NULL, sweeps_to_the_tolerance},
+	{NULL, factors_after_stalling},
+	{is_large, normals_and_friction_in_turns},
+	{NULL, held_friction},
+	{is_narrow, sweeps_to_the_limit},
 };
-enum { STRATEGIES = sizeof strategies / sizeof *strategies };
+enum { STRATEGIES = sizeof strategies / sizeof *strategies, CLOSE_STRATEGIES = 2 };
 
 /* Returns the number of the strategy that has succeeded; STRATEGIES: none has. */
 static int choose(const struct trial *trial)
@@ -616,9 +730,13 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 	if (trial.standing)
 		skip_alone(solver, &rows);
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&rows, solver->body_count + 1));
+	if (island->contact_count > 0 && island->row_count > island->contact_count)
+		(void)solve_joints(solver, island, &rows, arena);
 	const int strategy = choose(&trial);
-	const bool is_close = strategy == 0;
+	const bool is_close = strategy < CLOSE_STRATEGIES;
 	bool good = strategy < STRATEGIES;
+	if (island->contact_count > 0 && island->row_count > island->contact_count)
+		polish_joints(solver, island, &rows, arena);
 	if (!rb_energy_bounds(solver, island, &rows, false))
 		good = start_over(solver, island, &rows, arena);
 	if (good && !is_close && solver->before) {

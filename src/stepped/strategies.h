@@ -4,8 +4,9 @@
  * no gap closing by more than the tolerance; then what keeps it from gaining energy, and lets it
  * come to rest.
  *
+ *   joints alone?                  -> factors of how they answer each other
  *   at rest as the step began?     -> factors, nothing slips
- *   masses very unequal?           -> factors
+ *   joints, masses very unequal?   -> factors
  *   else                           -> sweeps to a close aim, then to the tolerance
  *   stalled?                       -> factors; in turns (large); friction held
  *   still not (small)              -> sweeps to their limit

@@ -237,6 +237,10 @@ enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept, struct rb_wor
 		for (int m = 0; model->elements[k].end && m < model->elements[k].count; m++)
 			join(world, swept->parent, model->elements[k].end[m][0],
 			     model->elements[k].end[m][1]);
+	for (int k = 0; model->joints && k < model->joints->count; k++)
+		if (model->joints->joint[k].b >= 0)
+			join(world, swept->parent, model->joints->joint[k].a,
+			     model->joints->joint[k].b);
 	status = number_groups(swept, world, err);
 	return status == RB_OK ? sort_pairs(swept, err) : status;
 }

@@ -59,11 +59,6 @@ double rb_world_time(const struct rb_world *world)
 	return world->state.time_s;
 }
 
-uint64_t rb_world_hash(const struct rb_world *world)
-{
-	return rb_contacts_hash(&world->contacts, rb_state_hash(&world->state));
-}
-
 double rb_world_mass(const struct rb_world *world, int id)
 {
 	return world->model->mass[world->model->index_of[id]];
@@ -226,7 +221,7 @@ double rb_world_element_energy(const struct rb_world *world)
 	                                       .time_s = world->state.time_s,
 	                                       .pose = pose_of,
 	                                       .user = world};
-	double energy = rb_elements_energy(&query);
+	double energy = rb_elements_energy(&query) + rb_joint_states_energy(world);
 
 	if (world->model->features & RB_FEATURE_GRAVITATION) {
 		rb_world_place_attracted(world, &world->state);

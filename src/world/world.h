@@ -28,6 +28,7 @@ struct rb_groups;
 struct rb_located;
 struct rb_stepped;
 struct rb_loads;
+struct rb_joint_state;
 struct rb_late;
 
 /*
@@ -88,7 +89,8 @@ static inline void rb_counts_add(struct rb_counts *to, const struct rb_counts *f
 	X(rb_vec3, point, , "m", "where", RB_FINITE)                                     \
 	X(rb_vec3, normal, , "1", "unit, from a to b", RB_FINITE)                        \
 	X(rb_vec3, impulse, , "N s", "on b", RB_FINITE)                                  \
-	X(double, approach_speed, , "m/s", "> 0, along the normal", RB_FINITE)
+	X(double, approach_speed, , "m/s", "> 0, along the normal", RB_FINITE)           \
+	X(int, joint, , "", "1 + number of the joint, 0: none", RB_UP_TO(RB_LIMIT_NEXT_JOINT))
 RB_FIELDS_DECLARE(rb_event_fields);
 
 struct rb_events {
@@ -118,6 +120,10 @@ struct rb_world {
 	RB_WORLD_FIELDS(RB_FIELD_MEMBER)
 	/* rows of `state` are lent to workers while groups run */
 	struct rb_state state;
+	struct rb_joint_state *joint; /* owned, [joints]: world/joint_state; NULL without */
+	/* owned, [joints]: what each exerts on its b, as its method has found it last */
+	struct rb_wrench *joint_load;
+	bool joints_changed;   /* by a callback, since a method has looked */
 	struct rb_state start; /* as it was at the beginning of the step */
 	struct rb_state mark;  /* rows as they were at the beginning of the group's substep */
 	struct rb_contacts contacts, next_contacts;
@@ -247,6 +253,9 @@ void rb_world_place_attracted(const struct rb_world *world, const struct rb_stat
  * apart at infinity; and of fields, of those that state a potential.
  */
 double rb_world_element_energy(const struct rb_world *world);
+
+/* J, of springs in joints (world/joint_state). */
+double rb_joint_states_energy(const struct rb_world *world);
 
 /* Angular momentum about its own centre of mass of a moving body that can turn, by index. */
 static inline rb_vec3 rb_world_spin_momentum(const struct rb_world *world, int index)

@@ -43,6 +43,10 @@ local box = wall.box { size = {100, 100, 100}, center = {0, 0, 50}, open = "-z +
 assert(box["-x"].point {0, 0, 0} == vec3(-50, 0, 50) and not box["+z"])
 local row = chain.row { count = 5, from = {-20, 0, 5}, direction = {0, 2, 0}, keys = { radius = 5 * u.cm } }
 assert((row[5].position - {-20, 0.4, 5}):length() < 1e-12)
+local links, joints = chain.links { count = 4, from = {-30, 0, 5}, to = {-30, 3, 1}, world = true, last = row[1] and "world", name = "link",
+	kind = "hinge", axis = {1, 0, 0}, keys = { radius = 0.1 } }
+assert(#links == 4 and #joints == 5 and links[4].name == "link_4" and joints[1].kind == "hinge" and joints[5].b == nil)
+assert((links[1].point {0, 0, -0.625} - {-30, 0, 5}):length() < 1e-12 and (links[4].point {0, 0, 0.625} - {-30, 3, 1}):length() < 1e-12)
 
 local stack = require "rbsim.stack"
 local tower = stack.tower { count = 3, size = {1, 1, 0.5}, at = {0, 0, 2} }
@@ -88,6 +92,9 @@ bad 'require "rbsim.pile".spheres { count = 3, keys = { radius = -1 } }' "pile.s
 bad 'require "rbsim.wall".box { size = {1, 1, 1}, open = "+w" }' "wall.box: '+w' is no side of a box"
 bad 'require "rbsim.stack".tower { count = 2 }' "stack.tower: option 'size' is missing"
 bad 'require "rbsim.chain".row { count = 2.5, keys = { radius = 1 } }' "chain.row: 'count' must be a whole number"
+bad 'require "rbsim.chain".links { count = 2, from = {0, 0, 0}, to = {0, 0, 0} }' "chain.links: 'from' and 'to' must be apart"
+bad 'require "rbsim.chain".links { count = 2, from = {0, 0, 0}, to = {1, 0, 0}, keys = { radius = 0.3 } }' 'chain.links: links are wider than long'
+bad 'require "rbsim.chain".links { count = 2, from = {0, 0, 0}, to = {1, 0, 0}, kind = "rod" }' "chain.links: 'kind' must be"
 bad 'require "rbsim.path".through { {0, {0, 0, 0}}, {0, {1, 0, 0}} }' 'path.through: times must grow'
 bad 'return require "rbsim.units".furlong' "units: no unit 'furlong'"
 bad 'require "rbsim.chain".row { count = 2, keys = { radius = 1, raduis = 3 } }' 'sphere (in rbsim.chain:'

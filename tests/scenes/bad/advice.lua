@@ -1,11 +1,11 @@
 world { duration = 1, dt = 0.1, fps = 25 }
 sphere { radius = 1, restitution = 0.5, friction = 1, color = "red" }
 camera { fov = 45 }
-joint { kind = "hinge" }
+hinge { axis = {0, 0, 1} }
 -- expect: :1: world: unknown key 'dt' (time_step, of world)
 -- expect: :1: world: unknown key 'fps' (frame_rate, of world)
 -- expect: :2: sphere: 'color' must be a color {r, g, b} or '#rrggbb', like '#ff0000' for red (got the text 'red')
 -- expect: :2: sphere: unknown key 'friction' (it belongs to a material: material { ... })
 -- expect: :2: sphere: unknown key 'restitution' (it belongs to a material: material { ... })
 -- expect: :3: camera: 'fov' must be between 0 and pi, in radians: deg(45) (got 45)
--- expect: :4: attempt to call a nil value (global 'joint') (joints are not in this version)
+-- expect: :4: attempt to call a nil value (global 'hinge') (joint { kind = "hinge", a = ..., b = ..., at = ..., axis = ... })

@@ -1,3 +1,3 @@
 world { duration = 1 }
-jointly()
--- expect: :2: attempt to call a nil value (global 'jointly')
+quickly()
+-- expect: :2: attempt to call a nil value (global 'quickly')

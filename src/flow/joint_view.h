@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Where joints are in a frame, for whoever draws them: pictures, the console's sketch.
+ *
+ * Pure functions of a model and a frame that has positions and, where bodies turn, orientations.
+ */
+#ifndef RB_FLOW_JOINT_VIEW_H
+#define RB_FLOW_JOINT_VIEW_H
+
+#include <rbsim/frame.h>
+#include <rbsim/model.h>
+
+#include "math/vec3.h"
+
+struct rb_joint_place {
+	rb_vec3 a, b;           /* m: its point of a and that of b */
+	rb_vec3 axis_a, axis_b; /* unit; of a ball joint any */
+};
+
+/* False: nothing is to be seen of it, because it was released or is not `visible`. */
+bool rb_joint_place(const struct rb_model *model, const struct rb_frame *frame, int joint,
+                    struct rb_joint_place *place);
+
+/* m: half the thickness of what is drawn. */
+double rb_joint_radius(const struct rb_model *model, int joint);
+
+/* Straight pieces that a rope is drawn with. */
+enum { RB_ROPE_PIECES = 16 };
+/*
+ * A rope between two points, m, that is not shorter than their distance: straight where it is
+ * taut, else it hangs in a parabola along `down` (any length; 0: along -z).
+ */
+void rb_joint_rope(const struct rb_joint_place *place, double length, rb_vec3 down,
+                   rb_vec3 point[RB_ROPE_PIECES + 1]);
+
+/* sRGB in [0, 1]. */
+void rb_joint_color(const struct rb_scene *scene, int joint, double color[3]);
+
+#endif

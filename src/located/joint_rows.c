@@ -1,0 +1,755 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Index-1 treatment of joints: accelerations satisfy d2C/dt2 = 0, and what integration leaves of C
+ * and dC/dt is taken away after each piece by projection in the metric of mass (Lubich, ZAMP 42
+ * (1991) 715), whose energy error is of second order.
+ */
+#include "located/joint_rows.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "located/arc.h"
+#include "located/external_force.h"
+#include "located/mechanics.h"
+
+/* Of corrections of positions: each squares what is left. */
+enum { POSITION_ROUNDS = 2 };
+/* Rounding of a rate, in ulp of the velocities that it is a difference of. */
+enum { DRIVE_ULP = 64 };
+/* Share of its bound by which the solver may leave a force that is at it below. */
+static const double within_bound = 1e-11;
+
+bool rb_joint_rows_joined(const struct rb_located *l, int a, int b)
+{
+	const struct rb_joints *joints = l->model->joints;
+
+	for (int e = joints->first[a]; e < joints->first[a + 1]; e++) {
+		const struct rb_joint *joint = &joints->joint[joints->of[e]];
+
+		if ((joint->a == b || joint->b == b) && rb_joint_rows_holds(l, joints->of[e]))
+			return true;
+	}
+	return false;
+}
+
+static int place_of(const struct rb_located *l, int body)
+{
+	return body >= 0 && body < l->n ? l->place[body] : -1;
+}
+
+bool rb_joint_rows_collect(struct rb_joint_rows *rows)
+{
+	const struct rb_located *l = rows->l;
+	const struct rb_joints *joints = l->model->joints;
+	size_t ends = 0;
+
+	rows->joint_count = rows->count = 0;
+	if (!joints)
+		return true;
+	for (int p = 0; p < rows->body_count; p++)
+		ends += (size_t)(joints->first[rows->body[p] + 1] - joints->first[rows->body[p]]);
+	rows->joint = rb_arena_take(l->arena, ends + 1, sizeof *rows->joint);
+	if (!rows->joint)
+		return false;
+	for (int p = 0; p < rows->body_count; p++) {
+		const int i = rows->body[p];
+
+		for (int e = joints->first[i]; e < joints->first[i + 1]; e++) {
+			const struct rb_joint *joint = &joints->joint[joints->of[e]];
+			const int other = place_of(l, joint->a == i ? joint->b : joint->a);
+
+			/* from the end that comes first */
+			if ((other >= 0 && other < p) || !rb_joint_rows_holds(l, joints->of[e]))
+				continue;
+			rows->joint[rows->joint_count++] = joints->of[e];
+			rows->count += rb_linkage_row_count(joint->link.kind);
+		}
+	}
+	rows->count += RB_JOINT_DRIVES * rows->joint_count;
+	rows->row = rb_arena_take(l->arena, (size_t)rows->count + 1, sizeof *rows->row);
+	return rows->row != NULL;
+}
+
+/* Pose of an end: of its place, else on its arc. */
+static struct rb_pose end_pose(const struct rb_joint_rows *rows, int body, int place, double t)
+{
+	if (body < 0)
+		return rb_linkage_world();
+	return place >= 0 ? rows->pose[place] : rb_arc_pose(rows->l, body, t);
+}
+
+/* J A of an end that moves on its own, the sign being that of b. */
+static double own_acceleration(const struct rb_located *l, int body, rb_vec3 linear,
+                               rb_vec3 angular, double t)
+{
+	if (body < 0 || body >= l->n)
+		return 0;
+	return rb_vec3_dot(linear, rb_arc_acceleration(l, body, t)) +
+	       rb_vec3_dot(angular, rb_mechanics_turning(l, body, t));
+}
+
+static void fill_joint(struct rb_joint_rows *rows, int which, double t)
+{
+	const struct rb_located *l = rows->l;
+	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const int a = place_of(l, joint->a), b = place_of(l, joint->b);
+	const struct rb_pose pose_a = end_pose(rows, joint->a, a, t);
+	const struct rb_pose pose_b = end_pose(rows, joint->b, b, t);
+	struct rb_linkage_row found[RB_LINKAGE_ROWS_MAX];
+	const int count = rb_linkage_rows(&joint->link, &pose_a, &pose_b, found);
+
+	for (int k = 0; k < count; k++) {
+		const bool couple = rb_linkage_row_is_couple(joint->link.kind, k);
+		const double scale = couple ? joint->size : 1;
+		struct rb_joint_row *row = &rows->row[rows->count++];
+
+		*row = (struct rb_joint_row){
+			.joint = which,
+			.row = k,
+			.drive = -1,
+			.a = a,
+			.b = b,
+			.wrench = {found[k].linear, rb_vec3_scale(scale, found[k].angular_a),
+		                   rb_vec3_scale(scale, found[k].angular_b)},
+			.scale = scale,
+			.error = scale * found[k].error,
+			.velocity = scale * rb_linkage_row_velocity(&found[k], &pose_a, &pose_b),
+			.bias = scale * found[k].bias,
+		};
+		if (a < 0)
+			row->bias += own_acceleration(l, joint->a, rb_vec3_neg(found[k].linear),
+			                              row->wrench.angular_a, t);
+		if (b < 0)
+			row->bias += own_acceleration(l, joint->b, found[k].linear,
+			                              row->wrench.angular_b, t);
+	}
+}
+
+/* ---- motors and friction ---- */
+
+static signed char *mode_of(const struct rb_joint_rows *rows, int joint, int kind)
+{
+	return &rows->l->drive_mode[RB_JOINT_DRIVES * joint + kind];
+}
+
+static struct rb_linkage_free free_of(const struct rb_joint_rows *rows, int which, double t)
+{
+	const struct rb_joint *joint = &rows->l->model->joints->joint[which];
+	const struct rb_pose a = end_pose(rows, joint->a, place_of(rows->l, joint->a), t);
+	const struct rb_pose b = end_pose(rows, joint->b, place_of(rows->l, joint->b), t);
+
+	return rb_linkage_free(&joint->link, &a, &b);
+}
+
+static bool has_drive(const struct rb_located *l, int which)
+{
+	return rb_joint_rows_drive_now(l, which, RB_DRIVE_MOTOR).max > 0 ||
+	       rb_joint_rows_drive_now(l, which, RB_DRIVE_FRICTION).max > 0;
+}
+
+/* m/s or rad/s: rounding of the rate of a free coordinate. */
+static double noise_of(const struct rb_joint_rows *rows, int which, double t)
+{
+	const struct rb_joint *joint = &rows->l->model->joints->joint[which];
+	const struct rb_pose a = end_pose(rows, joint->a, place_of(rows->l, joint->a), t);
+	const struct rb_pose b = end_pose(rows, joint->b, place_of(rows->l, joint->b), t);
+	const double spin = rb_vec3_length(a.spin) + rb_vec3_length(b.spin);
+
+	if (joint->link.kind == RB_JOINT_HINGE)
+		return DRIVE_ULP * DBL_EPSILON * spin;
+	return DRIVE_ULP * DBL_EPSILON *
+	       (rb_vec3_length(a.velocity) + rb_vec3_length(b.velocity) + spin * joint->size);
+}
+
+void rb_joint_rows_begin_drives(const struct rb_joint_rows *rows, double t, bool anew)
+{
+	for (int k = 0; k < rows->joint_count; k++) {
+		const int which = rows->joint[k];
+
+		for (int kind = 0; kind < RB_JOINT_DRIVES && has_drive(rows->l, which); kind++) {
+			signed char *const mode = mode_of(rows, which, kind);
+			const double v = free_of(rows, which, t).rate -
+			                 rb_joint_rows_drive_now(rows->l, which, kind).speed;
+
+			if (*mode == RB_DRIVE_REACHED || (*mode == RB_DRIVE_HELD && !anew))
+				*mode = RB_DRIVE_HELD;
+			else if (fabs(v) <= noise_of(rows, which, t))
+				*mode = RB_DRIVE_HELD;
+			else
+				*mode = v < 0 ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
+		}
+	}
+}
+
+double rb_joint_rows_bound(const struct rb_joint_rows *rows, const struct rb_joint_row *row)
+{
+	return rb_joint_rows_drive_now(rows->l, row->joint, row->drive).max / row->scale;
+}
+
+void rb_joint_rows_decide_drives(const struct rb_joint_rows *rows, const double *multiplier)
+{
+	for (int k = 0; k < rows->count; k++) {
+		const struct rb_joint_row *row = &rows->row[k];
+
+		if (row->drive < 0 ||
+		    fabs(multiplier[k]) < rb_joint_rows_bound(rows, row) * (1 - within_bound))
+			continue;
+		*mode_of(rows, row->joint, row->drive) = multiplier[k] > 0 ? RB_DRIVE_HIGH
+		                                                           : RB_DRIVE_LOW;
+	}
+}
+
+bool rb_joint_rows_drive(const struct rb_joint_rows *rows)
+{
+	for (int k = 0; k < rows->count; k++)
+		if (rows->row[k].drive >= 0)
+			return true;
+	return false;
+}
+
+/* Rows of what keeps its speed. */
+static void fill_drives(struct rb_joint_rows *rows, int which, double t)
+{
+	const struct rb_located *l = rows->l;
+	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const double scale = joint->link.kind == RB_JOINT_HINGE ? joint->size : 1;
+
+	for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
+		const struct rb_joint_drive drive = rb_joint_rows_drive_now(l, which, kind);
+		const signed char mode = *mode_of(rows, which, kind);
+
+		if (!(drive.max > 0) || (mode != RB_DRIVE_HELD && mode != RB_DRIVE_REACHED))
+			continue;
+		const struct rb_linkage_free free = free_of(rows, which, t);
+		struct rb_joint_row *row = &rows->row[rows->count++];
+
+		*row = (struct rb_joint_row){.joint = which,
+		                             .row = -1,
+		                             .drive = kind,
+		                             .a = place_of(l, joint->a),
+		                             .b = place_of(l, joint->b),
+		                             .wrench = {free.row.linear,
+		                                        rb_vec3_scale(scale, free.row.angular_a),
+		                                        rb_vec3_scale(scale, free.row.angular_b)},
+		                             .scale = scale,
+		                             .velocity = scale * (free.rate - drive.speed),
+		                             .bias = scale * free.row.bias};
+		if (row->a < 0)
+			row->bias += own_acceleration(l, joint->a, rb_vec3_neg(free.row.linear),
+			                              row->wrench.angular_a, t);
+		if (row->b < 0)
+			row->bias += own_acceleration(l, joint->b, free.row.linear,
+			                              row->wrench.angular_b, t);
+	}
+}
+
+void rb_joint_rows_fill(struct rb_joint_rows *rows, double t)
+{
+	rows->count = 0;
+	for (int k = 0; k < rows->joint_count; k++) {
+		fill_joint(rows, rows->joint[k], t);
+		if (has_drive(rows->l, rows->joint[k]))
+			fill_drives(rows, rows->joint[k], t);
+	}
+}
+
+bool rb_joint_rows_spring(const struct rb_joint_rows *rows, int k, double t,
+                          struct rb_joint_spring_row *spring)
+{
+	const struct rb_located *l = rows->l;
+	const struct rb_joint *joint = &l->model->joints->joint[rows->joint[k]];
+	const int a = place_of(l, joint->a), b = place_of(l, joint->b);
+
+	if (!(joint->stiffness > 0) && !(joint->damping > 0) && !has_drive(l, rows->joint[k]))
+		return false;
+	const struct rb_pose pose_a = end_pose(rows, joint->a, a, t);
+	const struct rb_pose pose_b = end_pose(rows, joint->b, b, t);
+	const struct rb_linkage_free free = rb_linkage_free(&joint->link, &pose_a, &pose_b);
+	const double value = rb_joint_state_angle(&l->world->joint[rows->joint[k]],
+	                                          joint->link.kind, t, &free);
+
+	spring->row = (struct rb_joint_row){
+		.joint = rows->joint[k],
+		.drive = -1,
+		.a = a,
+		.b = b,
+		.wrench = {free.row.linear, free.row.angular_a, free.row.angular_b},
+		.scale = 1,
+		.velocity = free.rate,
+		.bias = free.row.bias};
+	spring->multiplier = rb_joint_spring(joint, value, free.rate);
+	spring->dissipation = joint->damping * free.rate * free.rate;
+	spring->rubs = spring->drives = 0;
+	for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
+		const signed char mode = *mode_of(rows, rows->joint[k], kind);
+		const double force = rb_joint_rows_drive_now(l, rows->joint[k], kind).max * mode;
+
+		if (!(fabs(force) > 0) || mode == RB_DRIVE_REACHED)
+			continue;
+		spring->multiplier += force;
+		if (kind == RB_DRIVE_MOTOR)
+			spring->drives += force * free.rate;
+		else
+			spring->rubs -= force * free.rate;
+	}
+	return true;
+}
+
+void rb_joint_rows_add_springs(const struct rb_joint_rows *rows, double t, rb_vec3 *linear,
+                               rb_vec3 *angular)
+{
+	const struct rb_coupled system = {.l = rows->l, .pose = rows->pose, .body = rows->body};
+	struct rb_joint_spring_row spring;
+
+	for (int k = 0; k < rows->joint_count; k++) {
+		if (!rb_joint_rows_spring(rows, k, t, &spring))
+			continue;
+		struct rb_coupled_row row = rb_joint_rows_coupled(&spring.row);
+
+		rb_coupled_respond(&system, &row);
+		rb_coupled_add(&row, spring.multiplier, linear, angular);
+	}
+}
+
+/* W, given by motors that keep their speeds. */
+static double power_of(const struct rb_joint_rows *rows, const struct rb_joint_row *row,
+                       double multiplier)
+{
+	if (row->drive != RB_DRIVE_MOTOR)
+		return 0;
+	return multiplier * row->scale *
+	       rb_joint_rows_drive_now(rows->l, row->joint, row->drive).speed;
+}
+
+void rb_joint_rows_enter_springs(const struct rb_joint_rows *rows, const double *multiplier,
+                                 double t, struct rb_entries *rate)
+{
+	struct rb_joint_spring_row spring;
+
+	for (int k = 0; k < rows->count; k++)
+		rb_entries_energy(rate, RB_ENERGY_DRIVEN,
+		                  power_of(rows, &rows->row[k], multiplier[k]));
+
+	for (int k = 0; k < rows->joint_count; k++) {
+		if (!rb_joint_rows_spring(rows, k, t, &spring))
+			continue;
+		rb_entries_energy(rate, RB_ENERGY_DAMPING, spring.dissipation);
+		rb_entries_energy(rate, RB_ENERGY_JOINT_FRICTION, spring.rubs);
+		rb_entries_energy(rate, RB_ENERGY_DRIVEN, spring.drives);
+		rb_joint_rows_enter(rows, &spring.row, spring.multiplier, t, rate);
+	}
+}
+
+struct rb_coupled_row rb_joint_rows_coupled(const struct rb_joint_row *row)
+{
+	return (struct rb_coupled_row){
+		.a = row->a, .b = row->b, .asked = row->wrench, .unit = row->wrench};
+}
+
+/* ---- joints alone ---- */
+
+/* A dense system of all rows at the poses as they are; false: no memory. */
+static bool assemble(const struct rb_joint_rows *rows, struct rb_coupled *system,
+                     struct rb_dense *dense)
+{
+	*system = (struct rb_coupled){.l = rows->l,
+	                              .pose = rows->pose,
+	                              .body = rows->body,
+	                              .body_count = rows->body_count};
+	*dense = (struct rb_dense){.n = rows->count};
+	if (!rb_coupled_reserve(system, rows->count) ||
+	    !rb_coupled_reserve_dense(rows->l->arena, dense, rows->count))
+		return false;
+	for (int k = 0; k < rows->count; k++) {
+		system->row[k] = rb_joint_rows_coupled(&rows->row[k]);
+		rb_coupled_respond(system, &system->row[k]);
+	}
+	system->count = rows->count;
+	rb_coupled_sort(system);
+	rb_coupled_fill(system, dense->matrix);
+	return true;
+}
+
+static bool fail_memory(const struct rb_joint_rows *rows)
+{
+	struct rb_located *l = rows->l;
+
+	if (l->status == RB_OK)
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for the joints of %d bodies",
+		                    rows->body_count);
+	return false;
+}
+
+bool rb_joint_hold_take(struct rb_joint_hold *hold, struct rb_located *l,
+                        const struct rb_pose *pose, double t)
+{
+	hold->rows = (struct rb_joint_rows){
+		.l = l, .body = l->set, .pose = pose, .body_count = l->set_count};
+	if (!l->model->joints)
+		return true;
+	if (!rb_joint_rows_collect(&hold->rows))
+		return false;
+	if (hold->rows.count == 0)
+		return true;
+	rb_joint_rows_fill(&hold->rows, t);
+	if (!assemble(&hold->rows, &hold->system, &hold->dense))
+		return false;
+	for (int k = 0; k < hold->rows.count; k++)
+		hold->dense.right[k] = 0;
+	rb_dense_solve(&hold->dense);
+	return true;
+}
+
+void rb_joint_hold_apply(struct rb_joint_hold *hold, rb_vec3 *linear, rb_vec3 *angular)
+{
+	if (hold->rows.count == 0)
+		return;
+	for (int k = 0; k < hold->rows.count; k++)
+		hold->dense.right[k] = -rb_coupled_felt(&hold->system.row[k], linear, angular);
+	rb_dense_again(&hold->dense);
+	for (int k = 0; k < hold->rows.count; k++)
+		rb_coupled_add(&hold->system.row[k], hold->dense.right[k], linear, angular);
+}
+
+bool rb_joint_rows_accelerate(const struct rb_joint_rows *rows, rb_vec3 *linear, rb_vec3 *angular)
+{
+	const rb_arena_mark here = rb_arena_here(rows->l->arena);
+	struct rb_coupled system;
+	struct rb_dense dense;
+
+	if (!assemble(rows, &system, &dense))
+		return fail_memory(rows);
+	for (int k = 0; k < rows->count; k++)
+		dense.right[k] = -(rb_coupled_felt(&system.row[k], linear, angular) +
+		                   rows->row[k].bias);
+	rb_dense_solve(&dense);
+	for (int k = 0; k < rows->count; k++)
+		rb_coupled_add(&system.row[k], dense.right[k], linear, angular);
+	rb_arena_back(rows->l->arena, here);
+	return true;
+}
+
+/* Moves poses by the motion, by place. */
+static void move(const struct rb_joint_rows *rows, struct rb_pose *pose, const rb_vec3 *linear,
+                 const rb_vec3 *angular)
+{
+	const struct rb_located *l = rows->l;
+
+	for (int p = 0; p < rows->body_count; p++) {
+		const rb_vec3 turn = rb_vec3_scale(0.5, angular[p]);
+
+		rb_arc_move(&pose[p], linear[p]);
+		if (l->top && rb_vec3_max_abs(turn) > 0)
+			/* by so little that the series ends here */
+			pose[p].orientation = rb_quat_unit(rb_quat_multiply(
+				(rb_quat){1, turn.x, turn.y, turn.z}, pose[p].orientation));
+		pose[p].origin = pose[p].position;
+		if (l->model->center_of_mass)
+			pose[p].origin = rb_vec3_sub(
+				pose[p].position,
+				rb_quat_rotate(pose[p].orientation,
+			                       l->model->center_of_mass[rows->body[p]]));
+	}
+}
+
+void rb_joint_rows_wrenches(const struct rb_joint_rows *rows, const double *multiplier, double t,
+                            struct rb_wrench *wrench)
+{
+	const struct rb_located *l = rows->l;
+
+	for (int k = 0; k < rows->joint_count; k++)
+		wrench[rows->joint[k]] = (struct rb_wrench){{0, 0, 0}, {0, 0, 0}};
+	for (int k = 0; k < rows->count; k++) {
+		const struct rb_joint_row *row = &rows->row[k];
+		const struct rb_joint *joint = &l->model->joints->joint[row->joint];
+		const struct rb_pose b = end_pose(rows, joint->b, row->b, t);
+		const rb_vec3 arm = rb_vec3_sub(rb_linkage_point_b(&joint->link, &b), b.position);
+		const rb_vec3 force = rb_vec3_scale(multiplier[k], row->wrench.linear);
+		const rb_vec3 torque = rb_vec3_scale(multiplier[k], row->wrench.angular_b);
+		struct rb_wrench *const on = &wrench[row->joint];
+
+		on->force = rb_vec3_add(on->force, force);
+		on->torque = rb_vec3_add(on->torque,
+		                         rb_vec3_sub(torque, rb_vec3_cross(arm, force)));
+	}
+	for (int k = 0; k < rows->joint_count; k++) {
+		const struct rb_joint *joint = &l->model->joints->joint[rows->joint[k]];
+		struct rb_joint_spring_row spring;
+		struct rb_wrench *const on = &wrench[rows->joint[k]];
+
+		if (!rb_joint_rows_spring(rows, k, t, &spring))
+			continue;
+		const struct rb_pose b = end_pose(rows, joint->b, spring.row.b, t);
+		const rb_vec3 arm = rb_vec3_sub(rb_linkage_point_b(&joint->link, &b), b.position);
+		const rb_vec3 force = rb_vec3_scale(spring.multiplier, spring.row.wrench.linear);
+		const rb_vec3 torque = rb_vec3_scale(spring.multiplier,
+		                                     spring.row.wrench.angular_b);
+
+		on->force = rb_vec3_add(on->force, force);
+		on->torque = rb_vec3_add(on->torque,
+		                         rb_vec3_sub(torque, rb_vec3_cross(arm, force)));
+	}
+}
+
+void rb_joint_rows_enter(const struct rb_joint_rows *rows, const struct rb_joint_row *row,
+                         double multiplier, double t, struct rb_entries *e)
+{
+	const struct rb_located *l = rows->l;
+	const struct rb_joint *joint = &l->model->joints->joint[row->joint];
+	const bool on_b = row->a < 0;
+	const int fixed = on_b ? joint->a : joint->b;
+	const bool driven = fixed >= 0 && rb_located_driven(l, fixed);
+
+	if (row->a >= 0 && row->b >= 0)
+		return;
+	/* on the end that yields, about the origin */
+	const int place = on_b ? row->b : row->a;
+	const rb_vec3 force = rb_vec3_scale(on_b ? multiplier : -multiplier, row->wrench.linear);
+	const rb_vec3 torque = rb_vec3_scale(multiplier,
+	                                     on_b ? row->wrench.angular_b : row->wrench.angular_a);
+
+	rb_entries_momentum(e, driven ? RB_MOMENTUM_DRIVEN : RB_MOMENTUM_STATIC, force,
+	                    rb_vec3_add(torque, rb_vec3_cross(rows->pose[place].position, force)));
+	if (!driven)
+		return;
+	/* what it takes from the end that is driven, that gives */
+	const struct rb_pose pose = end_pose(rows, fixed, -1, t);
+	const rb_vec3 other = on_b ? row->wrench.angular_a : row->wrench.angular_b;
+
+	rb_entries_energy(e, RB_ENERGY_DRIVEN,
+	                  rb_vec3_dot(force, pose.velocity) -
+	                          multiplier * rb_vec3_dot(other, pose.spin));
+}
+
+/* Adds to the ledger what impulses at joints do: they take what was against the joints. */
+static void enter(const struct rb_joint_rows *rows, const double *impulse, double t)
+{
+	struct rb_entries e = {0};
+
+	if (!rows->l->account_s)
+		return;
+	for (int k = 0; k < rows->count; k++) {
+		/* of the mean of J V before and after, which is zero */
+		rb_entries_energy(&e, RB_ENERGY_IMPACTS, -0.5 * impulse[k] * rows->row[k].velocity);
+		rb_joint_rows_enter(rows, &rows->row[k], impulse[k], t, &e);
+	}
+	rb_ledger_enter(&rows->l->world->ledger, &e);
+}
+
+/* One round; the motion is in the arrays. */
+static bool correct_once(struct rb_joint_rows *rows, bool places, rb_vec3 *linear, rb_vec3 *angular,
+                         double t)
+{
+	struct rb_coupled system;
+	struct rb_dense dense;
+
+	if (!assemble(rows, &system, &dense))
+		return fail_memory(rows);
+	memset(linear, 0, (size_t)rows->body_count * sizeof *linear);
+	memset(angular, 0, (size_t)rows->body_count * sizeof *angular);
+	for (int k = 0; k < rows->count; k++)
+		dense.right[k] = places ? -rows->row[k].error : -rows->row[k].velocity;
+	rb_dense_solve(&dense);
+	for (int k = 0; k < rows->count; k++)
+		rb_coupled_add(&system.row[k], dense.right[k], linear, angular);
+	if (!places)
+		enter(rows, dense.right, t);
+	return true;
+}
+
+/* The first joint that has drifted too far, as a failure. */
+static bool has_drifted(const struct rb_joint_rows *rows, double t)
+{
+	struct rb_located *l = rows->l;
+	char label[96];
+
+	for (int k = 0; k < rows->count; k++) {
+		const struct rb_joint_row *row = &rows->row[k];
+		const struct rb_joint *joint = &l->model->joints->joint[row->joint];
+
+		if (fabs(row->error) <= rb_joint_drift_max * joint->size)
+			continue;
+		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
+		                    "%s is open by %.3g m at t = %.17g s (at most 1e-9 of its "
+		                    "size, %.3g m)",
+		                    rb_joint_label(l->model->scene, joint->def, label),
+		                    fabs(row->error), t, joint->size);
+		return true;
+	}
+	return false;
+}
+
+void rb_joint_rows_correct(struct rb_joint_rows *rows, double t, struct rb_pose *pose, bool moved)
+{
+	struct rb_located *l = rows->l;
+	const rb_arena_mark here = rb_arena_here(l->arena);
+	const size_t bodies = (size_t)rows->body_count;
+
+	RB_ASSERT(rows->pose == pose);
+	if (rows->count == 0)
+		return;
+	rb_vec3 *const linear = rb_arena_take(l->arena, 2 * bodies, sizeof *linear);
+
+	if (!linear) {
+		fail_memory(rows);
+		return;
+	}
+	rb_joint_rows_fill(rows, t);
+	bool good = moved || !has_drifted(rows, t);
+
+	for (int round = 0; round < POSITION_ROUNDS && good; round++) {
+		good = correct_once(rows, true, linear, linear + bodies, t);
+		if (good)
+			move(rows, pose, linear, linear + bodies);
+		rb_joint_rows_fill(rows, t);
+	}
+	good = good && correct_once(rows, false, linear, linear + bodies, t);
+	for (size_t p = 0; p < bodies && good; p++) {
+		pose[p].velocity = rb_vec3_add(pose[p].velocity, linear[p]);
+		pose[p].spin = rb_vec3_add(pose[p].spin, linear[bodies + p]);
+	}
+	rb_joint_rows_fill(rows, t);
+	for (int k = 0; k < rows->joint_count; k++) {
+		const int which = rows->joint[k];
+		const enum rb_joint_kind kind = l->model->joints->joint[which].link.kind;
+
+		if (!rb_linkage_has_free(kind))
+			continue;
+		const struct rb_linkage_free free = free_of(rows, which, t);
+
+		rb_joint_state_see(&l->world->joint[which], kind, t, &free);
+	}
+	rb_arena_back(l->arena, here);
+}
+
+/* ---- as rows of constraint/simultaneous ---- */
+
+/* How many of our rows one of the problem's is: three along the world's axes are one FREE row. */
+static int rows_of(const struct rb_joint_rows *rows, int k)
+{
+	const struct rb_joint_row *row = &rows->row[k];
+	const enum rb_joint_kind kind = rows->l->model->joints->joint[row->joint].link.kind;
+	const bool point = kind == RB_JOINT_FIXED || kind == RB_JOINT_BALL ||
+	                   kind == RB_JOINT_HINGE || kind == RB_JOINT_UNIVERSAL;
+
+	return point && row->drive < 0 && row->row == 0 ? 3 : 1;
+}
+
+/* What of u is not of the bodies that yield. */
+static double bias_of(const struct rb_joint_rows *rows, const struct rb_joint_row *row, bool forces)
+{
+	const struct rb_joint *joint = &rows->l->model->joints->joint[row->joint];
+	const int fixed = row->a < 0 ? joint->a : row->b < 0 ? joint->b : -1;
+	double sum = row->velocity;
+
+	if (forces)
+		return row->bias;
+	if (fixed < 0 || fixed >= rows->l->n)
+		return 0;
+	if (row->a >= 0)
+		sum -= rb_vec3_dot(row->wrench.angular_a, rows->pose[row->a].spin) -
+		       rb_vec3_dot(row->wrench.linear, rows->pose[row->a].velocity);
+	if (row->b >= 0)
+		sum -= rb_vec3_dot(row->wrench.linear, rows->pose[row->b].velocity) +
+		       rb_vec3_dot(row->wrench.angular_b, rows->pose[row->b].spin);
+	return sum;
+}
+
+static int place_or_copy(int place, struct rb_solver_body *body, int *bodies)
+{
+	if (place >= 0)
+		return place;
+	body[*bodies] = (struct rb_solver_body){.inverse_mass = 0};
+	return (*bodies)++;
+}
+
+/* An arm whose moment of the force l is m: all arms do that differ along it; this is across it. */
+static rb_vec3 arm_of(rb_vec3 linear, rb_vec3 moment)
+{
+	return rb_vec3_cross(linear, moment);
+}
+
+/* From moments of forces along x, y, z, the arm: m_x = (0, z, -y), m_y = (-z, 0, x). */
+static rb_vec3 point_arm(const struct rb_joint_row *row, bool is_b)
+{
+	const rb_vec3 x = is_b ? row[0].wrench.angular_b : rb_vec3_neg(row[0].wrench.angular_a);
+	const rb_vec3 y = is_b ? row[1].wrench.angular_b : rb_vec3_neg(row[1].wrench.angular_a);
+
+	return (rb_vec3){y.z, -x.z, x.y};
+}
+
+int rb_joint_rows_pose_problem(const struct rb_joint_rows *rows, bool forces,
+                               struct rb_cone_row *to, struct rb_solver_body *body, int *bodies)
+{
+	int count = 0;
+
+	for (int k = 0, used; k < rows->count; k += used) {
+		const struct rb_joint_row *row = &rows->row[k];
+		const struct rb_coupled_wrench *w = &row->wrench;
+
+		used = rows_of(rows, k);
+		/* a bounded force gives no impulse */
+		if (row->drive >= 0 && !forces)
+			continue;
+		struct rb_cone_row *const out = &to[count++];
+		struct rb_constraint *const base = &out->base;
+
+		*out = (struct rb_cone_row){.bias = {0, 0, 0}};
+		base->a = place_or_copy(row->a, body, bodies);
+		base->b = place_or_copy(row->b, body, bodies);
+		base->set = RB_CONSTRAINT_INTERVAL;
+		base->low = -(double)INFINITY;
+		base->high = (double)INFINITY;
+		if (row->drive >= 0) {
+			base->high = rb_joint_rows_bound(rows, row);
+			base->low = -base->high;
+		}
+		if (used == 3) {
+			base->set = RB_CONSTRAINT_FREE;
+			base->normal = (rb_vec3){1, 0, 0};
+			base->arm_a = point_arm(row, false);
+			base->arm_b = point_arm(row, true);
+			out->bias = (rb_vec3){bias_of(rows, &row[0], forces),
+			                      bias_of(rows, &row[1], forces),
+			                      bias_of(rows, &row[2], forces)};
+			continue;
+		}
+		if (rb_vec3_max_abs(w->linear) > 0) {
+			base->normal = w->linear;
+			base->arm_a = arm_of(w->linear, rb_vec3_neg(w->angular_a));
+			base->arm_b = arm_of(w->linear, w->angular_b);
+		} else {
+			const double lever = rb_vec3_length(w->angular_b);
+
+			base->couple = true;
+			base->normal = rb_vec3_unit(w->angular_b, (rb_vec3){1, 0, 0});
+			base->arm_a = (rb_vec3){lever, 0, 0};
+		}
+		out->bias = rb_vec3_scale(bias_of(rows, row, forces), base->normal);
+	}
+	return count;
+}
+
+void rb_joint_rows_read_problem(const struct rb_joint_rows *rows, bool forces,
+                                const struct rb_cone_row *from, double *multiplier)
+{
+	int count = 0;
+
+	for (int k = 0, used; k < rows->count; k += used) {
+		used = rows_of(rows, k);
+		multiplier[k] = 0;
+		if (rows->row[k].drive >= 0 && !forces)
+			continue;
+		const struct rb_constraint *base = &from[count++].base;
+		const rb_vec3 impulse = rb_constraint_impulse(base);
+
+		multiplier[k] = base->impulse.n;
+		if (used < 3)
+			continue;
+		multiplier[k] = impulse.x;
+		multiplier[k + 1] = impulse.y;
+		multiplier[k + 2] = impulse.z;
+	}
+}

@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Joints of the bodies that are dealt with together: their rows at these bodies' poses, and what
+ * multipliers of them alone do.
+ *
+ * Rows that are couples are multiplied by the joint's size: all errors are lengths, all multipliers
+ * forces, so that redundant joints share what they carry in proportion to forces.
+ */
+#ifndef RB_LOCATED_JOINT_ROWS_H
+#define RB_LOCATED_JOINT_ROWS_H
+
+#include "constraint/simultaneous.h"
+#include "located/coupled.h"
+#include "model/joints.h"
+#include "world/joint_state.h"
+#include "world/world.h"
+
+/* A row at the poses. */
+struct rb_joint_row {
+	int joint, row; /* in the model's, of geom/linkage */
+	int drive;      /* enum rb_joint_drive_kind of one that is held; -1: a joint's own */
+	int a, b;       /* places of the ends that yield; -1: it does not */
+	struct rb_coupled_wrench wrench;
+	double scale;    /* 1, or the joint's size, m, of a couple */
+	double error;    /* m */
+	double velocity; /* m/s: of the error */
+	double bias;     /* m/s^2: with accelerations of ends that do not yield */
+};
+
+struct rb_joint_rows {
+	struct rb_located *l;
+	const int *body;            /* by place */
+	const struct rb_pose *pose; /* by place */
+	int body_count;
+	int *joint, joint_count; /* those with an end among the bodies */
+	struct rb_joint_row *row;
+	int count; /* 0: none of the bodies has a joint */
+};
+
+/* Motor or friction of a joint as it is now. */
+static inline struct rb_joint_drive rb_joint_rows_drive_now(const struct rb_located *l, int joint,
+                                                            int kind)
+{
+	return rb_joint_state_drive(&l->world->joint[joint], &l->model->joints->joint[joint], kind);
+}
+
+/* Does the joint of that number hold: was it not released? */
+static inline bool rb_joint_rows_holds(const struct rb_located *l, int joint)
+{
+	return !l->world->joint[joint].released;
+}
+
+/* Has the body a joint that holds? */
+static inline bool rb_joint_rows_hold(const struct rb_located *l, int body)
+{
+	const struct rb_joints *joints = l->model->joints;
+	bool held = false;
+
+	for (int e = joints ? joints->first[body] : 0;
+	     joints && !held && e < joints->first[body + 1]; e++)
+		held = rb_joint_rows_holds(l, joints->of[e]);
+	return held;
+}
+
+/* Is there a joint between the two? */
+bool rb_joint_rows_joined(const struct rb_located *l, int a, int b);
+
+/*
+ * Finds the joints of rows->body, whose places are l->place, and makes room for their rows; false:
+ * no memory.
+ */
+bool rb_joint_rows_collect(struct rb_joint_rows *rows);
+
+/*
+ * Before the rows are filled at a moment when modes are decided: whether motors and friction keep
+ * their speeds, by the velocities. `anew`: velocities have jumped.
+ */
+void rb_joint_rows_begin_drives(const struct rb_joint_rows *rows, double t, bool anew);
+
+/* From multipliers of a solution: those at their bounds are held no more. */
+void rb_joint_rows_decide_drives(const struct rb_joint_rows *rows, const double *multiplier);
+
+/* N: the largest multiplier of a row of a drive. */
+double rb_joint_rows_bound(const struct rb_joint_rows *rows, const struct rb_joint_row *row);
+
+/* Is one of the rows that of a motor or friction? */
+bool rb_joint_rows_drive(const struct rb_joint_rows *rows);
+
+/* Fills the rows at the poses as they are, and at `t` of ends that do not yield. */
+void rb_joint_rows_fill(struct rb_joint_rows *rows, double t);
+
+/* Spring and damper of a joint at a moment. */
+struct rb_joint_spring_row {
+	struct rb_joint_row row; /* of the free coordinate */
+	double multiplier;       /* N, or N m: with motor and friction that are at a bound */
+	double dissipation;      /* W, >= 0: of the damper */
+	double rubs, drives;     /* W, of friction and motor: >= 0; given */
+};
+
+/* Of the k-th joint of rows->joint at the poses; false: it has neither. */
+bool rb_joint_rows_spring(const struct rb_joint_rows *rows, int k, double t,
+                          struct rb_joint_spring_row *spring);
+
+/* Adds to accelerations, by place, those by springs and dampers of the joints. */
+void rb_joint_rows_add_springs(const struct rb_joint_rows *rows, double t, rb_vec3 *linear,
+                               rb_vec3 *angular);
+
+/* The row as one of a system of constraints. */
+struct rb_coupled_row rb_joint_rows_coupled(const struct rb_joint_row *row);
+
+/*
+ * Adds to accelerations, by place, those by the multipliers that leave no acceleration of an error.
+ * False: no memory.
+ */
+bool rb_joint_rows_accelerate(const struct rb_joint_rows *rows, rb_vec3 *linear, rb_vec3 *angular);
+
+/* Joints that motions of bodies are to respect, with their system eliminated once. */
+struct rb_joint_hold {
+	struct rb_joint_rows rows; /* count 0: there are none */
+	struct rb_coupled system;
+	struct rb_dense dense; /* right: the last multipliers */
+};
+
+/* For the bodies of the set (l->set) at these poses, by place. False: no memory. */
+bool rb_joint_hold_take(struct rb_joint_hold *hold, struct rb_located *l,
+                        const struct rb_pose *pose, double t);
+
+/*
+ * Changes motions of the bodies by the least, in the metric of kinetic energy, that makes them
+ * respect the joints.
+ */
+void rb_joint_hold_apply(struct rb_joint_hold *hold, rb_vec3 *linear, rb_vec3 *angular);
+
+/*
+ * Puts right what joints have drifted: positions by the smallest motion in the metric of kinetic
+ * energy (two rounds), then velocities by impulses, of which the ledger is told. `pose` is
+ * rows->pose, of which errors beyond rb_joint_drift_max of the joint's size are a failure
+ * (l->status), unless bodies were `moved` by hand.
+ */
+void rb_joint_rows_correct(struct rb_joint_rows *rows, double t, struct rb_pose *pose, bool moved);
+
+/*
+ * What joints exert on their b by multipliers, at the joint's point there, [joints]: those of the
+ * rows are set, others stay.
+ */
+void rb_joint_rows_wrenches(const struct rb_joint_rows *rows, const double *multiplier, double t,
+                            struct rb_wrench *wrench);
+
+/*
+ * The rows as those of a problem in which bodies are by place: at most rows->count of them, and
+ * ends that do not yield as copies of their own, with no velocity, from *bodies on, at most two for
+ * each row. Biases are those of accelerations, or of velocities by ends that move on their own.
+ * Returns their number.
+ */
+int rb_joint_rows_pose_problem(const struct rb_joint_rows *rows, bool forces,
+                               struct rb_cone_row *to, struct rb_solver_body *body, int *bodies);
+
+/* Multipliers (or impulses), [count], from solved rows of that problem. */
+void rb_joint_rows_read_problem(const struct rb_joint_rows *rows, bool forces,
+                                const struct rb_cone_row *from, double *multiplier);
+
+/*
+ * What a multiplier (or impulse) of a row does to the momentum of bodies that yield, and what a
+ * driven end gives, added to rates (or sums) by cause.
+ */
+void rb_joint_rows_enter(const struct rb_joint_rows *rows, const struct rb_joint_row *row,
+                         double multiplier, double t, struct rb_entries *e);
+
+/*
+ * The same of springs, dampers, motors and friction, with what dampers and friction take, and
+ * motors give; multipliers of the rows are for motors that keep their speeds.
+ */
+void rb_joint_rows_enter_springs(const struct rb_joint_rows *rows, const double *multiplier,
+                                 double t, struct rb_entries *rate);
+
+/* Share of a joint's size by which integration may have let it drift. */
+static const double rb_joint_drift_max = 1e-9;
+
+#endif

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/joint_settling.h"
+
+bool rb_joint_settling_decide(struct rb_settling *s)
+{
+	if (!rb_joint_rows_drive(&s->joints))
+		return true;
+	double *const multiplier = rb_slips_take(s, s->joints.count, sizeof *multiplier);
+
+	if (!multiplier)
+		return false;
+	rb_joint_rows_read_problem(&s->joints, true, s->joint.joint_row, multiplier);
+	rb_joint_rows_decide_drives(&s->joints, multiplier);
+	return true;
+}
+
+/* Cause of forces of joints with ends that do not yield: 0 static, 1 driven; -1: no such end. */
+static int lean_on(const struct rb_settling *s, const bool *own)
+{
+	const struct rb_located *l = s->l;
+	int by = -1;
+
+	for (int k = 0; k < s->joints.joint_count; k++) {
+		const struct rb_joint *joint = &l->model->joints->joint[s->joints.joint[k]];
+		const int end[2] = {joint->a, joint->b};
+
+		for (int e = 0; e < 2; e++) {
+			const int other = end[1 - e];
+
+			if (other < 0 || rb_located_fixed(l, other) || !own[l->place[other]])
+				continue;
+			if (end[e] < 0 || end[e] >= l->n)
+				by = 0;
+			else if (rb_located_driven(l, end[e]) && by < 0)
+				by = 1;
+		}
+	}
+	return by;
+}
+
+void rb_joint_settling_rate(const struct rb_settling *s, const bool *own,
+                            struct rb_account_rates *rates)
+{
+	const struct rb_located *l = s->l;
+	const int by = lean_on(s, own);
+	rb_vec3 force = rb_vec3_neg(rb_vec3_add(rates->force[0], rates->force[1]));
+	rb_vec3 torque = rb_vec3_neg(rb_vec3_add(rates->torque[0][0], rates->torque[1][0]));
+
+	if (by < 0)
+		return;
+	for (int k = 0; k < l->set_count; k++) {
+		const int i = l->set[k];
+		const struct rb_pose *pose = &s->pose[k];
+
+		if (!own[k])
+			continue;
+		const rb_vec3 held = rb_vec3_scale(l->model->mass[i], s->linear[k]);
+
+		force = rb_vec3_sub(force, held);
+		torque = rb_vec3_sub(torque, rb_vec3_cross(pose->position, held));
+		if (!l->top)
+			continue;
+		const rb_vec3 local = rb_quat_rotate_back(pose->orientation, s->angular[k]);
+
+		torque = rb_vec3_sub(torque,
+		                     rb_quat_rotate(pose->orientation,
+		                                    rb_mat3_apply(&l->model->inertia[i], local)));
+	}
+	rates->force[by] = rb_vec3_add(rates->force[by], force);
+	rates->torque[by][0] = rb_vec3_add(rates->torque[by][0], torque);
+}

@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The keys of joint { } are one table; which of them a kind of joint has, and which it must have,
+ * is another one below. A key that does not apply is refused by name, because a scene that sets it
+ * expects an effect. What needs the geometry of the start is for model/joints, once all bodies are
+ * placed.
+ */
+#include "script/joint_calls.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <lauxlib.h>
+
+#include "base/error.h"
+#include "script/body_calls.h"
+#include "script/fields.h"
+#include "script/joint_handles.h"
+#include "script/values.h"
+
+#define KIND(name) (1u << RB_JOINT_##name)
+enum {
+	ENDS = KIND(ROD) | KIND(ROPE), /* two points apart; all others share one */
+	FREE = KIND(HINGE) | KIND(SLIDER) | KIND(CYLINDRICAL), /* have a free coordinate */
+	ALL = (1u << RB_JOINT_KIND_COUNT) - 1
+};
+
+/* Kinds that have a key, and those that cannot do without it; keys that are not here: all, none. */
+static const struct {
+	const char *key;
+	unsigned has, needs;
+} rules[] = {
+	{"at", ALL & ~(unsigned)ENDS, 0},
+	{"axis", FREE | KIND(UNIVERSAL), FREE | KIND(UNIVERSAL)},
+	{"axis_b", KIND(UNIVERSAL), KIND(UNIVERSAL)},
+	{"length", ENDS, 0},
+	{"limits", FREE, 0},
+	{"restitution", FREE | KIND(ROPE), 0},
+	{"friction", FREE, 0},
+	{"motor", FREE, 0},
+	{"stiffness", FREE, 0},
+	{"damping", FREE, 0},
+	{"rest", FREE, 0},
+};
+enum { RULE_COUNT = sizeof rules / sizeof *rules };
+
+static bool is_of(unsigned kinds, int kind)
+{
+	RB_ASSERT(kind >= 0 && kind < RB_JOINT_KIND_COUNT);
+	return (kinds & 1u << kind) != 0;
+}
+
+/* "hinge, slider and cylindrical". */
+static const char *list_kinds(unsigned kinds, char out[96])
+{
+	size_t used = 0;
+
+	out[0] = '\0';
+	for (int kind = 0; kind < RB_JOINT_KIND_COUNT; kind++) {
+		if (!is_of(kinds, kind))
+			continue;
+		const bool last = (kinds >> kind) == 1;
+		used += (size_t)snprintf(out + used, 96 - used, "%s%s",
+		                         used == 0 ? ""
+		                         : last    ? " and "
+		                                   : ", ",
+		                         rb_joint_kind_name(kind));
+	}
+	return out;
+}
+
+/* ---- the call ---- */
+
+/* Notes keys that a kind does not have, and those that are missing. */
+static void check_keys(const struct rb_call *call, const struct rb_joint_def *def)
+{
+	char kinds[96];
+
+	for (int k = 0; k < RULE_COUNT; k++) {
+		const char *const key = rules[k].key;
+
+		if (rb_call_tried(call, key) && !is_of(rules[k].has, def->kind))
+			rb_call_mistake(call, "'%s': a joint of kind '%s' has none (%s: %s)", key,
+			                rb_joint_kind_name(def->kind),
+			                (rules[k].has & (rules[k].has - 1))
+			                        ? "kinds that have it"
+			                        : "the kind that has it",
+			                list_kinds(rules[k].has, kinds));
+		if (!rb_call_tried(call, key) && is_of(rules[k].needs, def->kind) && !call->unknown)
+			rb_call_mistake(call, "'%s' is missing: a joint of kind '%s' needs it", key,
+			                rb_joint_kind_name(def->kind));
+	}
+}
+
+/* Notes what is wrong with its bodies; one that is misspelt is not missed. */
+static void check_bodies(const struct rb_call *call, const struct rb_joint_def *def)
+{
+	if (!rb_call_given(call, "a") || (!rb_call_given(call, "b") && rb_call_tried(call, "b")))
+		return;
+
+	const struct rb_scene *scene = call->script->scene;
+	const bool a_free = rb_body_is_free(&scene->bodies[def->a]);
+	const bool b_free = def->b >= 0 && rb_body_is_free(&scene->bodies[def->b]);
+
+	if (def->a == def->b)
+		rb_call_mistake(call, "'a' and 'b' are the same body");
+	else if (!a_free && !b_free && !call->unknown)
+		rb_call_mistake(call,
+		                "nothing can move either end: 'a' or 'b' must be a body that is "
+		                "neither static nor driven");
+}
+
+/* Notes what is wrong with its points. */
+static void check_points(const struct rb_call *call, const struct rb_joint_def *def)
+{
+	const bool at = rb_call_tried(call, "at"), at_a = rb_call_tried(call, "at_a"),
+		   at_b = rb_call_tried(call, "at_b");
+
+	if (is_of(ENDS, def->kind)) {
+		if (def->b < 0 && !at_b && !rb_call_tried(call, "b") && !call->unknown)
+			rb_call_mistake(
+				call,
+				"'at_b' is missing: the end of a %s in the world, which has "
+				"no centre of mass (or is 'b' missing?)",
+				rb_joint_kind_name(def->kind));
+		return;
+	}
+	if (!at && !at_a && !at_b && def->kind != RB_JOINT_FIXED && def->kind != RB_JOINT_SLIDER &&
+	    !call->unknown)
+		rb_call_mistake(call, "'at' is missing: the point that 'a' and 'b' share (or "
+		                      "'at_a' or 'at_b')");
+}
+
+/* The axes of a universal joint: at right angles, to the rounding of what a scene computes. */
+static void check_axes(const struct rb_call *call, const struct rb_joint_def *def)
+{
+	if (def->kind != RB_JOINT_UNIVERSAL || !rb_call_given(call, "axis") ||
+	    !rb_call_given(call, "axis_b"))
+		return;
+	const double cosine = rb_vec3_dot(rb_vec3_unit(def->axis, def->axis),
+	                                  rb_vec3_unit(def->axis_b, def->axis_b));
+	if (!(fabs(cosine) <= 1e-9))
+		rb_call_mistake(
+			call,
+			"'axis_b' must be at right angles to 'axis', to 1e-9 (got an angle of "
+			"%.12g rad)",
+			acos(fmin(1, fmax(-1, cosine))));
+}
+
+/* Reads `limits`: two numbers, of which one may be infinite. */
+static void read_limits(struct rb_call *call, struct rb_joint_def *def)
+{
+	lua_State *L = call->L;
+	const int top = lua_gettop(L);
+	double limit[2] = {0, 0};
+	char found[80];
+	bool right = true;
+
+	if (rb_call_push(call, "limits") == LUA_TNIL) {
+		lua_settop(L, top);
+		return;
+	}
+	right = lua_type(L, -1) == LUA_TTABLE && lua_rawlen(L, -1) == 2;
+	for (int k = 0; right && k < 2; k++) {
+		right = lua_rawgeti(L, top + 1, k + 1) == LUA_TNUMBER;
+		limit[k] = right ? lua_tonumber(L, -1) : 0;
+		right = right && !isnan(limit[k]);
+		lua_pop(L, 1);
+	}
+	if (!right)
+		rb_call_mistake(call, "'limits' must be {low, high} (got %s)",
+		                rb_describe(L, top + 1, found));
+	else if (!(limit[0] <= 0 && limit[1] >= 0))
+		rb_call_mistake(
+			call,
+			"'limits' must have low <= 0 <= high, since the %s is 0 at the start "
+			"(got {%.12g, %.12g})",
+			rb_joint_way_name(def->kind), limit[0], limit[1]);
+	else if (!(limit[0] < limit[1]))
+		rb_call_mistake(call,
+		                "'limits' {0, 0} leave nothing free (a fixed joint does that)");
+	else
+		for (int k = 0; k < 2; k++)
+			def->limits[k] = isinf(limit[k]) ? (double)NAN : limit[k];
+	lua_settop(L, top);
+}
+
+/* Notes keys of a motor that are of another kind of joint; whether all are right. */
+static bool check_motor(const struct rb_call *part, const struct rb_joint_def *def)
+{
+	const char *const way = rb_joint_way_name(def->kind), *const max = rb_joint_max_name(
+								      def->kind);
+	const bool is_hinge = def->kind == RB_JOINT_HINGE;
+	const char *const other_way = is_hinge ? "way" : "angle";
+	const char *const other_max = is_hinge ? "force" : "torque";
+	const bool wrong_way = rb_call_tried(part, other_way),
+		   wrong_max = rb_call_tried(part, other_max);
+	const bool has_speed = rb_call_tried(part, "speed"), has_way = rb_call_tried(part, way);
+	const char *const kind = rb_joint_kind_name(def->kind);
+
+	if (wrong_way)
+		rb_call_mistake(part, "'%s': a joint of kind '%s' has '%s'", other_way, kind, way);
+	if (wrong_max)
+		rb_call_mistake(part, "'%s': a joint of kind '%s' has '%s'", other_max, kind, max);
+	if (has_speed && has_way)
+		rb_call_mistake(part, "'speed' and '%s' exclude each other", way);
+	if (!has_speed && !has_way && !wrong_way && !part->unknown)
+		rb_call_mistake(part, "wants 'speed' or '%s'", way);
+	if (!rb_call_tried(part, max) && !wrong_max && !part->unknown)
+		rb_call_mistake(part, "'%s' is missing: the most that the motor exerts", max);
+	return !wrong_way && !wrong_max && !(has_speed && has_way);
+}
+
+/* Reads `motor`. */
+static void read_motor(struct rb_call *call, struct rb_joint_def *def)
+{
+	lua_State *L = call->L;
+
+	if (rb_call_push(call, "motor") != LUA_TNIL) {
+		struct rb_call part = rb_call_part(call, &rb_rows_motor, -1, 0);
+
+		rb_call_read(&part, def);
+		if (part.index > 0)
+			check_motor(&part, def);
+	}
+	lua_pop(L, 1);
+}
+
+static int l_joint(lua_State *L)
+{
+	struct rb_call call = rb_call_begin(L, "joint", &rb_rows_joint, 1);
+	struct rb_joint_def def = rb_joint_def_default();
+	struct rb_error err;
+	int index;
+
+	def.line = call.line;
+	rb_call_read(&call, &def);
+	rb_name_take(&call, "joint", def.name);
+	const bool has_kind = rb_call_given(&call, "kind");
+	if (call.index > 0 && !call.unknown && !rb_call_tried(&call, "kind"))
+		rb_call_mistake(&call, "'kind' is missing (one of %s)", RB_JOINT_KIND_NAMES);
+	if (call.index > 0 && !call.unknown && !rb_call_tried(&call, "a"))
+		rb_call_mistake(&call, "'a' is missing");
+	check_bodies(&call, &def);
+	if (has_kind) {
+		check_keys(&call, &def);
+		check_points(&call, &def);
+		check_axes(&call, &def);
+		if (is_of(FREE, def.kind)) {
+			read_limits(&call, &def);
+			read_motor(&call, &def);
+		}
+	}
+	rb_sandbox_charge_bytes(L, sizeof def + (def.name ? strlen(def.name) : 0));
+	/* one with mistakes too, so that the scene has a handle to go on with */
+	rb_script_need(L, rb_scene_add_joint(call.script->scene, &def, &index, &err), &err);
+	rb_joint_handle_push(L, index);
+	return 1;
+}
+
+void rb_joints_open(lua_State *L)
+{
+	lua_register(L, "joint", l_joint);
+}

@@ -1,0 +1,340 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Handles are made like those of bodies (script/handles): a userdata with the joint's number, kept
+ * in the registry. What a kind does not have is an error that says which name it has instead.
+ */
+#include "script/joint_handles.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <lauxlib.h>
+
+#include "base/error.h"
+#include "model/joints.h"
+#include "script/call.h"
+#include "script/handles.h"
+#include "script/moment.h"
+#include "script/nearest.h"
+#include "script/vector.h"
+
+static const char handles_key[] = "rbsim.joints";
+
+const char *rb_joint_way_name(int kind)
+{
+	return !rb_linkage_has_free((enum rb_joint_kind)kind) ? NULL
+	       : kind == RB_JOINT_HINGE                       ? "angle"
+	                                                      : "way";
+}
+
+const char *rb_joint_max_name(int kind)
+{
+	return !rb_linkage_has_free((enum rb_joint_kind)kind) ? NULL
+	       : kind == RB_JOINT_HINGE                       ? "torque"
+	                                                      : "force";
+}
+
+void rb_joint_handle_push(lua_State *L, int joint)
+{
+	RB_ASSERT(joint >= 0);
+	luaL_getsubtable(L, LUA_REGISTRYINDEX, handles_key);
+	if (lua_rawgeti(L, -1, joint + 1) == LUA_TNIL) {
+		lua_pop(L, 1);
+		int *handle = lua_newuserdatauv(L, sizeof *handle, 0);
+		*handle = joint;
+		luaL_setmetatable(L, RB_JOINT_TYPE);
+		lua_pushvalue(L, -1);
+		lua_rawseti(L, -3, joint + 1);
+	}
+	lua_remove(L, -2);
+}
+
+/* Number of the joint that a method is called on, or an error that says how to call it. */
+static int self_joint(lua_State *L, const char *method)
+{
+	const int *handle = luaL_testudata(L, 1, RB_JOINT_TYPE);
+
+	if (!handle)
+		luaL_error(L, "%s: called without its joint (write joint:%s(...))", method, method);
+	return *handle;
+}
+
+static const struct rb_joint_def *definition(lua_State *L, int joint)
+{
+	RB_ASSERT(joint >= 0 && joint < rb_script_of(L)->scene->joint_count);
+	return &rb_script_of(L)->scene->joints[joint];
+}
+
+/* ---- fields ---- */
+
+static int get_name(lua_State *L, int joint)
+{
+	lua_pushstring(L, definition(L, joint)->name); /* nil where there is none */
+	return 1;
+}
+
+static int get_kind(lua_State *L, int joint)
+{
+	lua_pushstring(L, rb_joint_kind_name(definition(L, joint)->kind));
+	return 1;
+}
+
+static int get_a(lua_State *L, int joint)
+{
+	rb_handle_push(L, definition(L, joint)->a);
+	return 1;
+}
+
+/* nil: the world. */
+static int get_b(lua_State *L, int joint)
+{
+	const int b = definition(L, joint)->b;
+
+	if (b >= 0)
+		rb_handle_push(L, b);
+	else
+		lua_pushnil(L);
+	return 1;
+}
+
+/* What a kind calls the value of its reading; NULL: it has none. */
+static const char *value_name(int kind)
+{
+	return kind == RB_JOINT_ROD || kind == RB_JOINT_ROPE ? "length" : rb_joint_way_name(kind);
+}
+
+/* Raises an error where the kind has no such field. */
+static void need_way(lua_State *L, int joint, const char *name)
+{
+	const int kind = definition(L, joint)->kind;
+	const char *const own = value_name(kind);
+	const char *const called = rb_joint_kind_name(kind);
+
+	if (!own)
+		luaL_error(L, "a joint of kind '%s' has no '%s'", called, name);
+	else if (strcmp(name, "speed") != 0 && strcmp(name, own) != 0)
+		luaL_error(L, "a joint of kind '%s' has no '%s' (did you mean '%s'?)", called, name,
+		           own);
+}
+
+static int push_way(lua_State *L, int joint, const char *name)
+{
+	need_way(L, joint, name);
+	lua_pushnumber(L, rb_moment_joint(L, joint, name).angle);
+	return 1;
+}
+
+static int get_angle(lua_State *L, int joint)
+{
+	return push_way(L, joint, "angle");
+}
+
+static int get_way(lua_State *L, int joint)
+{
+	return push_way(L, joint, "way");
+}
+
+static int get_length(lua_State *L, int joint)
+{
+	return push_way(L, joint, "length");
+}
+
+static int get_speed(lua_State *L, int joint)
+{
+	need_way(L, joint, "speed");
+	lua_pushnumber(L, rb_moment_joint(L, joint, "speed").speed);
+	return 1;
+}
+
+static int get_force(lua_State *L, int joint)
+{
+	rb_vector_push(L, rb_moment_joint(L, joint, "force").force);
+	return 1;
+}
+
+static int get_torque(lua_State *L, int joint)
+{
+	rb_vector_push(L, rb_moment_joint(L, joint, "torque").torque);
+	return 1;
+}
+
+static int get_released(lua_State *L, int joint)
+{
+	lua_pushboolean(L, rb_moment_joint(L, joint, "released").released);
+	return 1;
+}
+
+static const struct field {
+	const char *name;
+	int (*get)(lua_State *L, int joint);
+} fields[] = {
+	{"name", get_name},     {"kind", get_kind},         {"a", get_a},
+	{"b", get_b},           {"angle", get_angle},       {"way", get_way},
+	{"length", get_length}, {"speed", get_speed},       {"force", get_force},
+	{"torque", get_torque}, {"released", get_released},
+};
+enum { FIELD_COUNT = sizeof fields / sizeof *fields };
+
+/* ---- changes ---- */
+
+/* Raises an error outside of callbacks that may change bodies. */
+static int joint_to_change(lua_State *L, const char *method)
+{
+	const struct rb_script *script = rb_script_of(L);
+	const int joint = self_joint(L, method);
+
+	if (script->phase != RB_PHASE_CHANGE || !script->world)
+		luaL_error(L, "%s: only in on_step, on_frame, on_collision and on_transition",
+		           method);
+	return joint;
+}
+
+/* The value on top of the stack as a number for that key, or an error. */
+static double number_of(lua_State *L, const char *key)
+{
+	char found[80];
+
+	const double number = lua_tonumber(L, -1);
+	if (lua_type(L, -1) != LUA_TNUMBER || !isfinite(number))
+		luaL_error(L, "set_motor: '%s' must be a finite number (got %s)", key,
+		           rb_describe(L, -1, found));
+	return number;
+}
+
+/* Reads speed and the most that the motor exerts; false: the table names neither. */
+static bool read_motor(lua_State *L, const struct rb_joint_def *def, double *speed, double *max)
+{
+	const char *const most = rb_joint_max_name(def->kind), *const way = rb_joint_way_name(
+								       def->kind);
+	bool any = false;
+	char hint[96];
+
+	for (lua_pushnil(L); lua_next(L, 2); lua_pop(L, 1)) {
+		const char *const key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
+
+		any = true;
+		if (strcmp(key, "speed") == 0) {
+			*speed = number_of(L, key);
+		} else if (strcmp(key, most) == 0) {
+			*max = number_of(L, key);
+			if (!(*max >= 0))
+				luaL_error(L, "set_motor: '%s' must be 0 or more (got %f)", key,
+				           *max);
+		} else if (strcmp(key, way) == 0) {
+			luaL_error(L, "set_motor: '%s' is a key of joint { motor = ... } only",
+			           way);
+		} else {
+			struct rb_nearest nearest = rb_nearest_to(key);
+			rb_nearest_offer(&nearest, "speed", strlen("speed"));
+			rb_nearest_offer(&nearest, most, strlen(most));
+			luaL_error(L, "set_motor: unknown key '%s'%s", key,
+			           rb_nearest_hint(&nearest, hint));
+		}
+	}
+	return any;
+}
+
+static int l_set_motor(lua_State *L)
+{
+	const int joint = joint_to_change(L, "set_motor");
+	const struct rb_joint_def *def = definition(L, joint);
+	double speed = (double)NAN, max = (double)NAN;
+	char found[80];
+
+	if (!rb_joint_way_name(def->kind))
+		return luaL_error(L, "set_motor: a joint of kind '%s' has no motor",
+		                  rb_joint_kind_name(def->kind));
+	if (!rb_joint_has_motor(def))
+		return luaL_error(L,
+		                  "set_motor: this joint has none (see the key 'motor' of joint)");
+	if (lua_type(L, 2) != LUA_TTABLE)
+		return luaL_error(L, "set_motor: wants a table, like {speed = 1, %s = 2} (got %s)",
+		                  rb_joint_max_name(def->kind), rb_describe(L, 2, found));
+	if (!read_motor(L, def, &speed, &max))
+		return luaL_error(L, "set_motor: wants 'speed', '%s' or both",
+		                  rb_joint_max_name(def->kind));
+	rb_world_joint_set_motor(rb_script_of(L)->world, joint, speed, max);
+	return 0;
+}
+
+static int l_release(lua_State *L)
+{
+	const int joint = joint_to_change(L, "release");
+
+	rb_world_joint_release(rb_script_of(L)->world, joint);
+	return 0;
+}
+
+static const luaL_Reg methods[] = {
+	{"set_motor", l_set_motor}, {"release", l_release}, {NULL, NULL}};
+
+/* ---- the metatable ---- */
+
+static int l_index(lua_State *L)
+{
+	const int joint = self_joint(L, "a field");
+	char label[96], hint[96];
+
+	if (lua_type(L, 2) != LUA_TSTRING)
+		return luaL_error(L, "a joint has no field %s", luaL_typename(L, 2));
+	const char *key = lua_tostring(L, 2);
+	lua_pushvalue(L, 2);
+	const int type = lua_rawget(L, lua_upvalueindex(1));
+	if (type == LUA_TNUMBER) /* the place of a field */
+		return fields[lua_tointeger(L, -1)].get(L, joint);
+	if (type != LUA_TNIL)
+		return 1;
+	struct rb_nearest nearest = rb_nearest_to(key);
+	for (int i = 0; i < FIELD_COUNT; i++)
+		rb_nearest_offer(&nearest, fields[i].name, strlen(fields[i].name));
+	for (const luaL_Reg *method = methods; method->name; method++)
+		rb_nearest_offer(&nearest, method->name, strlen(method->name));
+	return luaL_error(L, "%s has no field '%s'%s",
+	                  rb_joint_label(rb_script_of(L)->scene, joint, label), key,
+	                  rb_nearest_hint(&nearest, hint));
+}
+
+static int l_newindex(lua_State *L)
+{
+	const char *key = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : "?";
+
+	for (int i = 0; i < FIELD_COUNT; i++)
+		if (strcmp(fields[i].name, key) == 0)
+			return luaL_error(L,
+			                  "a joint's '%s' can't be assigned (joint:set_motor{...} "
+			                  "and joint:release() change a joint, in callbacks)",
+			                  key);
+	return luaL_error(
+		L, "a joint has no field '%s' to assign (keep your own values in a table)", key);
+}
+
+static int l_tostring(lua_State *L)
+{
+	char label[96];
+
+	lua_pushfstring(L, "joint %s",
+	                rb_joint_label(rb_script_of(L)->scene, self_joint(L, "tostring"), label));
+	return 1;
+}
+
+void rb_joint_handles_open(lua_State *L)
+{
+	luaL_newmetatable(L, RB_JOINT_TYPE);
+	luaL_newlib(L, methods);
+	for (int i = 0; i < FIELD_COUNT; i++) {
+		lua_pushinteger(L, i);
+		lua_setfield(L, -2, fields[i].name);
+	}
+	lua_pushcclosure(L, l_index, 1);
+	lua_setfield(L, -2, "__index");
+	lua_pushcfunction(L, l_newindex);
+	lua_setfield(L, -2, "__newindex");
+	lua_pushcfunction(L, l_tostring);
+	lua_setfield(L, -2, "__tostring");
+	lua_pushinteger(L, 3);
+	lua_setfield(L, -2, "__order");
+	lua_pushliteral(L, "joint");
+	lua_setfield(L, -2, "__metatable");
+	lua_pop(L, 1);
+}

@@ -1,0 +1,383 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/dual.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "stepped/blocks.h"
+
+/* Changes of who is at a bound, all at once at first, then one at a time; refinements of each. */
+enum { ROUNDS_MAX = 48, ROUNDS_TOGETHER = 8, REFINEMENTS_MAX = 10 };
+
+/* Blocks that share a body with a block, in the mean: more are not tried. */
+enum { NEIGHBOURS_MAX = 48 };
+
+/*
+ * Of its diagonal, the pivot up to which a row is redundant: far above rounding and what drift
+ * makes of geometry, 1e-15, and below that of a link between two bodies of a million times its
+ * mass, 1e-6.
+ */
+static const double redundant_share = 1e-10;
+/* A refinement that leaves more than this of what was off is the last one. */
+static const double progress_share = 0.5;
+
+enum bound { INSIDE, AT_LOW, AT_HIGH };
+
+/* One direction of a row. */
+struct unknown {
+	int row;
+	rb_vec3 along;              /* of its impulse */
+	rb_vec3 linear;             /* along, or 0 of couples */
+	rb_vec3 torque_a, torque_b; /* of a unit impulse, on a and b */
+	rb_vec3 turn_a, turn_b;     /* spin that it makes */
+	double diagonal;            /* K_ii and softness, 1/kg */
+	enum bound bound;
+};
+
+struct system {
+	const struct rb_dual *dual;
+	const struct rb_row_system *dense;
+	struct unknown *unknown;
+	int count;
+	int *block, *place; /* [count]: which, and where in it */
+	int (*ends)[2];     /* [blocks]: bodies */
+	int *first;         /* [blocks + 1]: unknowns */
+	int block_count;
+	int (*pair)[2]; /* blocks that share a body that yields */
+	int pair_count;
+	struct rb_blocks blocks;
+	double *change, *scratch; /* [6 blocks] */
+	double *least;            /* [6 blocks] */
+};
+
+/* ---- unknowns ---- */
+
+static void add_unknown(struct system *s, int row_number, rb_vec3 along)
+{
+	const struct rb_constraint *row = &s->dense->row[row_number];
+	const struct rb_solver_bodies *bodies = &s->dense->bodies;
+	struct unknown *u = &s->unknown[s->count++];
+
+	*u = (struct unknown){.row = row_number, .along = along};
+	if (row->couple) {
+		u->torque_a = u->torque_b = rb_vec3_scale(row->arm_a.x, along);
+	} else {
+		u->linear = along;
+		u->torque_a = rb_vec3_cross(rb_constraint_arm_a(row), along);
+		u->torque_b = rb_vec3_cross(rb_constraint_arm_b(row), along);
+	}
+	if (bodies->body[row->a].inverse_inertia != 0)
+		u->turn_a = rb_solver_turn(bodies, row->a, u->torque_a);
+	if (bodies->body[row->b].inverse_inertia != 0)
+		u->turn_b = rb_solver_turn(bodies, row->b, u->torque_b);
+	u->diagonal = row->softness + rb_vec3_dot(u->torque_a, u->turn_a) +
+	              rb_vec3_dot(u->torque_b, u->turn_b);
+	if (!row->couple)
+		u->diagonal += bodies->body[row->a].inverse_mass +
+		               bodies->body[row->b].inverse_mass;
+	RB_ASSERT_COSTLY(u->diagonal > 0);
+	if (row->set != RB_CONSTRAINT_INTERVAL)
+		return;
+	u->bound = row->impulse.n > row->low && row->impulse.n < row->high ? INSIDE
+	           : row->impulse.n <= row->low                            ? AT_LOW
+	                                                                   : AT_HIGH;
+}
+
+/* Rows of one pair of bodies fill a block as long as they fit into it. */
+static void list_unknowns(struct system *s)
+{
+	static const rb_vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+
+	for (int k = 0; k < s->dense->row_count; k++) {
+		const struct rb_constraint *row = &s->dense->row[k];
+		const int size = row->set == RB_CONSTRAINT_FREE ? 3 : 1;
+		const int last = s->block_count - 1;
+
+		if (last < 0 || s->ends[last][0] != row->a || s->ends[last][1] != row->b ||
+		    s->count - s->first[last] + size > RB_BLOCK) {
+			s->ends[s->block_count][0] = row->a;
+			s->ends[s->block_count][1] = row->b;
+			s->first[s->block_count++] = s->count;
+		}
+		for (int c = 0; c < size; c++) {
+			s->block[s->count] = s->block_count - 1;
+			s->place[s->count] = s->count - s->first[s->block_count - 1];
+			add_unknown(s, k, size == 3 ? axis[c] : row->normal);
+		}
+	}
+	s->first[s->block_count] = s->count;
+}
+
+/* ---- which blocks meet ---- */
+
+/* Pairs of blocks by body: blocks sorted by counting; false: too many, or no memory. */
+static bool list_pairs(struct system *s, int bodies)
+{
+	struct rb_arena *arena = s->dual->arena;
+	const size_t n = (size_t)bodies + 2;
+	int *const first = rb_arena_take(arena, n, sizeof *first);
+	int *const of = rb_arena_take(arena, 2 * (size_t)s->block_count, sizeof *of);
+	size_t pairs = 0;
+
+	if (!first || !of)
+		return false;
+	memset(first, 0, n * sizeof *first);
+	for (int k = 0; k < s->block_count; k++)
+		for (int e = 0; e < 2; e++)
+			if (rb_solver_is_dynamic(&s->dense->bodies.body[s->ends[k][e]]))
+				first[s->ends[k][e] + 2]++;
+	for (size_t i = 2; i < n; i++) {
+		pairs += (size_t)first[i] * (size_t)first[i];
+		first[i] += first[i - 1];
+	}
+	if (pairs > (size_t)NEIGHBOURS_MAX * (size_t)s->block_count)
+		return false;
+	for (int k = 0; k < s->block_count; k++)
+		for (int e = 0; e < 2; e++)
+			if (rb_solver_is_dynamic(&s->dense->bodies.body[s->ends[k][e]]))
+				of[first[s->ends[k][e] + 1]++] = k;
+	s->pair = rb_arena_take(arena, pairs + 1, sizeof *s->pair);
+	for (int i = 0; s->pair && i < bodies; i++)
+		for (int x = first[i]; x < first[i + 1]; x++)
+			for (int y = x + 1; y < first[i + 1]; y++) {
+				s->pair[s->pair_count][0] = of[x];
+				s->pair[s->pair_count++][1] = of[y];
+			}
+	return s->pair != NULL;
+}
+
+static bool prepare(struct system *s)
+{
+	struct rb_arena *arena = s->dual->arena;
+	const size_t rows = (size_t)s->dense->row_count, n = 3 * rows;
+	int bodies = 0;
+
+	s->unknown = rb_arena_take(arena, n, sizeof *s->unknown);
+	s->block = rb_arena_take(arena, n, sizeof *s->block);
+	s->place = rb_arena_take(arena, n, sizeof *s->place);
+	s->ends = rb_arena_take(arena, rows, sizeof *s->ends);
+	s->first = rb_arena_take(arena, rows + 1, sizeof *s->first);
+	if (!s->unknown || !s->block || !s->place || !s->ends || !s->first)
+		return false;
+	list_unknowns(s);
+	for (int k = 0; k < s->block_count; k++)
+		for (int e = 0; e < 2; e++)
+			bodies = s->ends[k][e] >= bodies ? s->ends[k][e] + 1 : bodies;
+	if (!list_pairs(s, bodies))
+		return false;
+	s->change = rb_arena_take(arena, RB_BLOCK * (size_t)s->block_count, sizeof *s->change);
+	s->scratch = rb_arena_take(arena, RB_BLOCK * (size_t)s->block_count, sizeof *s->scratch);
+	s->least = rb_arena_take(arena, RB_BLOCK * (size_t)s->block_count, sizeof *s->least);
+	return s->change && s->scratch && s->least &&
+	       rb_blocks_plan(&s->blocks, s->block_count, (const int(*)[2])s->pair, s->pair_count,
+	                      s->dual->max, arena);
+}
+
+/* ---- factors ---- */
+
+/* K_ij by one body: torques on it, signs of impulses on it. */
+static double answer_by(const struct system *s, const struct unknown *x, const struct unknown *y,
+                        int body)
+{
+	const struct rb_constraint *of_x = &s->dense->row[x->row], *of_y = &s->dense->row[y->row];
+	const bool a_x = of_x->a == body, a_y = of_y->a == body;
+	const double sum = s->dense->bodies.body[body].inverse_mass *
+	                           rb_vec3_dot(x->linear, y->linear) +
+	                   rb_vec3_dot(a_x ? x->torque_a : x->torque_b,
+	                               a_y ? y->turn_a : y->turn_b);
+
+	return a_x == a_y ? sum : -sum;
+}
+
+static double answer(const struct system *s, const struct unknown *x, const struct unknown *y)
+{
+	const struct rb_constraint *of_x = &s->dense->row[x->row], *of_y = &s->dense->row[y->row];
+	const int ends[2] = {of_x->a, of_x->b};
+	double sum = 0;
+
+	if (x == y)
+		return x->diagonal;
+	for (int e = 0; e < 2; e++)
+		if ((of_y->a == ends[e] || of_y->b == ends[e]) &&
+		    rb_solver_is_dynamic(&s->dense->bodies.body[ends[e]]))
+			sum += answer_by(s, x, y, ends[e]);
+	return sum;
+}
+
+static double *least_of(const struct system *s, int x)
+{
+	return &s->least[RB_BLOCK * s->blocks.place[s->block[x]] + s->place[x]];
+}
+
+static void fill_block(struct system *s, int i, int j)
+{
+	bool turned;
+	rb_block *const block = rb_blocks_at(&s->blocks, i, j, &turned);
+
+	for (int x = s->first[i]; x < s->first[i + 1]; x++)
+		for (int y = s->first[j]; y < s->first[j + 1]; y++) {
+			const struct unknown *of_x = &s->unknown[x], *of_y = &s->unknown[y];
+			const int r = turned ? s->place[y] : s->place[x];
+			const int c = turned ? s->place[x] : s->place[y];
+			const bool held = of_x->bound != INSIDE || of_y->bound != INSIDE;
+
+			block->m[r][c] = !held    ? answer(s, of_x, of_y)
+			                 : x == y ? of_x->diagonal
+			                          : 0;
+		}
+	for (int k = s->first[i + 1] - s->first[i]; i == j && k < RB_BLOCK; k++)
+		block->m[k][k] = 1;
+}
+
+/* Motors, limits and springs are redundant to nothing. */
+static bool is_held(const struct system *s, int x)
+{
+	const struct rb_constraint *row = &s->dense->row[s->unknown[x].row];
+
+	return row->set == RB_CONSTRAINT_FREE ||
+	       (row->softness == 0 && isinf(row->low) && isinf(row->high));
+}
+
+static bool factor(struct system *s)
+{
+	rb_blocks_clear(&s->blocks);
+	memset(s->least, 0, RB_BLOCK * (size_t)s->block_count * sizeof *s->least);
+	for (int x = 0; x < s->count; x++)
+		*least_of(s, x) = is_held(s, x) ? redundant_share * s->unknown[x].diagonal : 0;
+	s->blocks.least = s->least;
+	for (int k = 0; k < s->block_count; k++)
+		fill_block(s, k, k);
+	for (int k = 0; k < s->pair_count; k++)
+		fill_block(s, s->pair[k][0], s->pair[k][1]);
+	return rb_blocks_factor(&s->blocks);
+}
+
+/* ---- refinement ---- */
+
+/* What a row is short of, m/s. */
+static double short_of(const struct system *s, const struct unknown *x)
+{
+	const struct rb_constraint *row = &s->dense->row[x->row];
+	const rb_vec3 u = rb_constraint_velocity(&s->dense->bodies, row);
+	const rb_vec3 off = rb_vec3_sub(rb_constraint_joined(row, row->target), u);
+
+	return rb_vec3_dot(off, x->along) - row->softness * row->impulse.n;
+}
+
+static void give(struct system *s, const struct unknown *x, double impulse)
+{
+	struct rb_constraint *row = &s->dense->row[x->row];
+	const rb_vec3 more = rb_vec3_scale(impulse, x->along);
+
+	if (row->set == RB_CONSTRAINT_FREE) {
+		const rb_along_across parts = rb_constraint_split(row, more);
+
+		row->impulse.n += parts.n;
+		row->impulse.t = rb_vec3_add(row->impulse.t, parts.t);
+	} else {
+		row->impulse.n += impulse;
+	}
+	rb_constraint_apply(&s->dense->bodies, row, more);
+}
+
+/* Of rows inside their bounds, into `change`; returns the largest but of redundant ones. */
+static double look(struct system *s)
+{
+	double max = 0;
+
+	memset(s->change, 0, RB_BLOCK * (size_t)s->block_count * sizeof *s->change);
+	for (int k = 0; k < s->count; k++) {
+		if (s->unknown[k].bound != INSIDE)
+			continue;
+		const double off = short_of(s, &s->unknown[k]);
+
+		s->change[RB_BLOCK * s->block[k] + s->place[k]] = off;
+		/* written so that NaN stays */
+		if (!isinf(*least_of(s, k)))
+			max = fabs(off) <= max ? max : fabs(off);
+	}
+	return max;
+}
+
+static double refine(struct system *s)
+{
+	double left = look(s);
+
+	for (int k = 0; k < REFINEMENTS_MAX && left > s->dual->tolerance; k++) {
+		const double before = left;
+
+		rb_blocks_solve(&s->blocks, s->change, s->scratch);
+		for (int x = 0; x < s->count; x++)
+			if (s->unknown[x].bound == INSIDE)
+				give(s, &s->unknown[x],
+				     s->change[RB_BLOCK * s->block[x] + s->place[x]]);
+		left = look(s);
+		if (!(left <= progress_share * before))
+			break;
+	}
+	return left;
+}
+
+/* ---- bounds ---- */
+
+/* Brings an impulse that is beyond a bound there, or lets one go that should leave it; whether. */
+static bool pivot(struct system *s, struct unknown *x, double tolerance)
+{
+	struct rb_constraint *row = &s->dense->row[x->row];
+
+	if (row->set != RB_CONSTRAINT_INTERVAL)
+		return false;
+	const double p = row->impulse.n;
+
+	if (x->bound == INSIDE && (p < row->low || p > row->high)) {
+		x->bound = p < row->low ? AT_LOW : AT_HIGH;
+		give(s, x, (p < row->low ? row->low : row->high) - p);
+		row->impulse.n = x->bound == AT_LOW ? row->low : row->high;
+		return true;
+	}
+	if (x->bound == INSIDE || row->low == row->high)
+		return false;
+	const double off = short_of(s, x);
+
+	if (x->bound == AT_LOW ? off > tolerance : off < -tolerance) {
+		x->bound = INSIDE;
+		return true;
+	}
+	return false;
+}
+
+static bool pivot_all(struct system *s, bool together, double tolerance)
+{
+	bool any = false;
+
+	for (int k = 0; k < s->count && (together || !any); k++)
+		any = pivot(s, &s->unknown[k], tolerance) || any;
+	return any;
+}
+
+struct rb_dual_result rb_dual_solve(const struct rb_dual *dual)
+{
+	struct rb_dual_result result = {.residual = (double)INFINITY};
+	struct system s = {.dual = dual, .dense = dual->dense};
+	const rb_arena_mark here = rb_arena_here(dual->arena);
+
+	RB_ASSERT(dual->tolerance > 0);
+	if (dual->dense->row_count > 0 && prepare(&s)) {
+		bool more = true;
+
+		result.tried = true;
+		for (int round = 0; more && round < ROUNDS_MAX; round++) {
+			result.steps++;
+			if (!factor(&s))
+				break;
+			const double left = refine(&s);
+
+			more = pivot_all(&s, round < ROUNDS_TOGETHER,
+			                 fmax(dual->tolerance, 2 * left));
+			result.residual = more ? (double)INFINITY : left;
+		}
+	}
+	rb_arena_back(dual->arena, here);
+	return result;
+}

@@ -1,0 +1,471 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/joint_constraints.h"
+
+#include <string.h>
+
+#include "base/error.h"
+#include "constraint/effective_mass.h"
+#include "world/joint_state.h"
+
+RB_FIELDS_DEFINE(rb_joint_memory_fields, struct rb_joint_memory, RB_JOINT_MEMORY_FIELDS);
+
+static const rb_vec3 none = {0, 0, 0};
+
+bool rb_step_joint_rows_have_point(enum rb_joint_kind kind)
+{
+	return kind == RB_JOINT_FIXED || kind == RB_JOINT_BALL || kind == RB_JOINT_HINGE ||
+	       kind == RB_JOINT_UNIVERSAL;
+}
+
+/* Whether the joint has that part, of those after the rows of its linkage. */
+static bool has_part(const struct rb_joint *joint, int part)
+{
+	if (!rb_linkage_has_free(joint->link.kind))
+		return false;
+	switch (part) {
+	case RB_JOINT_LOW:
+		return isfinite(joint->low);
+	case RB_JOINT_HIGH:
+		return isfinite(joint->high);
+	case RB_JOINT_MOTOR:
+		return joint->has_motor;
+	case RB_JOINT_FRICTION:
+		return joint->friction > 0;
+	default:
+		return joint->stiffness > 0 || joint->damping > 0;
+	}
+}
+
+/* The part of each row, of a FREE one the first of three; returns their number. */
+static int list_parts(const struct rb_joint *joint, int part[RB_JOINT_PARTS])
+{
+	const int count = rb_linkage_row_count(joint->link.kind);
+	int rows = 0;
+
+	for (int k = 0; k < count;
+	     k += k == 0 && rb_step_joint_rows_have_point(joint->link.kind) ? 3 : 1)
+		part[rows++] = k;
+	for (int k = RB_JOINT_LOW; k < RB_JOINT_PARTS; k++)
+		if (has_part(joint, k))
+			part[rows++] = k;
+	return rows;
+}
+
+int rb_step_joint_rows_count(const struct rb_joint *joint)
+{
+	int part[RB_JOINT_PARTS];
+
+	return list_parts(joint, part);
+}
+
+static bool is_dynamic(const struct rb_model *model, int i)
+{
+	return i >= 0 && i < model->body_count && model->inverse_mass[i] > 0;
+}
+
+int rb_step_joint_rows_owner(const struct rb_model *model, const struct rb_joint *joint)
+{
+	return is_dynamic(model, joint->a) ? joint->a : joint->b;
+}
+
+static bool is_turned_round(const struct rb_model *model, const struct rb_joint *joint)
+{
+	return !is_dynamic(model, joint->a);
+}
+
+/* Of the state; velocities are those before the step. */
+static struct rb_pose pose_of(const struct rb_world *world, const struct rb_state *before, int i)
+{
+	if (i < 0)
+		return rb_linkage_world();
+	struct rb_pose pose = rb_world_pose(world, &world->state, i);
+
+	if (before && i < world->model->body_count) {
+		pose.velocity = rb_world_row3(before->velocity, i);
+		pose.spin = before->spin ? rb_world_row3(before->spin, i) : none;
+	}
+	return pose;
+}
+
+/* ---- filling ---- */
+
+struct filling {
+	const struct rb_joint_query *query;
+	const struct rb_joint *joint;
+	struct rb_step_joint *of;
+	struct rb_linkage_row link[RB_LINKAGE_ROWS_MAX];
+	struct rb_linkage_free free;
+	struct rb_pose a, b;
+	double way; /* of the free coordinate, turns counted */
+};
+
+/* Three rows of a point: at the middle of both, so that no torque is left over. */
+static struct rb_constraint point_row(const struct filling *f)
+{
+	const double h = f->query->h_s;
+	const rb_vec3 d = {f->link[0].error, f->link[1].error, f->link[2].error};
+	const rb_vec3 bend = {f->of->bend[0], f->of->bend[1], f->of->bend[2]};
+	const rb_vec3 target = rb_vec3_scale(-1 / h, f->query->before ? rb_vec3_add(d, bend) : d);
+	const double *const force = f->of->last.force;
+	struct rb_constraint row = {.set = RB_CONSTRAINT_FREE, .normal = {0, 0, 1}};
+
+	row.arm_a = rb_vec3_add_scaled(rb_quat_rotate(f->a.orientation, f->joint->link.at_a), 0.5,
+	                               d);
+	row.arm_b = rb_vec3_add_scaled(rb_quat_rotate(f->b.orientation, f->joint->link.at_b), -0.5,
+	                               d);
+	row.target = rb_constraint_split(&row, target);
+	if (f->query->before)
+		row.impulse = rb_constraint_split(
+			&row, (rb_vec3){h * force[0], h * force[1], h * force[2]});
+	return row;
+}
+
+/*
+ * One row of a linkage for a rate of it: arms across the normal, or a couple; `*scale`: what a unit
+ * of the rate is of the row's velocity, m/s.
+ */
+static struct rb_constraint line_row(const struct filling *f, const struct rb_linkage_row *link,
+                                     double rate, double *scale)
+{
+	struct rb_constraint row = {.set = RB_CONSTRAINT_INTERVAL};
+
+	if (rb_vec3_max_abs(link->linear) > 0) {
+		row.normal = link->linear;
+		row.arm_a = rb_vec3_neg(rb_vec3_cross(link->linear, link->angular_a));
+		row.arm_b = rb_vec3_cross(link->linear, link->angular_b);
+		*scale = 1;
+	} else {
+		row.couple = true;
+		row.normal = rb_vec3_unit(link->angular_b, (rb_vec3){0, 0, 1});
+		row.arm_a.x = f->joint->size;
+		/* of errors: turning by angles whose directions are not units away from zero */
+		*scale = f->joint->size / rb_vec3_length(link->angular_b);
+	}
+	row.target.n = *scale * rate;
+	return row;
+}
+
+/* N s of a row's impulse for a multiplier: force or torque about its unit axis. */
+static double impulse_of(const struct rb_constraint *row, double force, double h)
+{
+	return h * force / (row->couple ? row->arm_a.x : 1);
+}
+
+static struct rb_constraint linkage_row(const struct filling *f, int k)
+{
+	const double bend = f->query->before ? f->of->bend[k] : 0;
+	double scale;
+	struct rb_constraint row = line_row(f, &f->link[k],
+	                                    -(f->link[k].error + bend) / f->query->h_s, &scale);
+
+	row.low = -(double)INFINITY;
+	row.high = f->joint->link.kind == RB_JOINT_ROPE ? 0 : (double)INFINITY;
+	return row;
+}
+
+/* Springs are at the end of the step: of its stretch there, and of its rate. */
+static void make_spring(const struct filling *f, struct rb_constraint *row, double scale)
+{
+	const double h = f->query->h_s, k = f->joint->stiffness, c = f->joint->damping;
+	const double softness = 1 / (h * (h * k + c));
+	const double stretch = f->way - f->joint->rest;
+
+	row->low = -(double)INFINITY;
+	row->high = (double)INFINITY;
+	/* an impulse p of the row is scale p of torque, its velocity scale times the rate */
+	row->softness = scale * scale * softness;
+	row->target.n = -scale * softness * h * k * stretch;
+}
+
+static double motor_rate(const struct filling *f)
+{
+	const double speed = f->query->world->joint[f->joint->def].motor_speed;
+
+	if (isnan(speed))
+		return isnan(f->of->wanted) ? 0 : (f->of->wanted - f->way) / f->query->h_s;
+	return speed;
+}
+
+static struct rb_constraint free_row(const struct filling *f, int part)
+{
+	const double h = f->query->h_s;
+	const double rate = part == RB_JOINT_LOW     ? (f->joint->low - f->way) / h
+	                    : part == RB_JOINT_HIGH  ? (f->joint->high - f->way) / h
+	                    : part == RB_JOINT_MOTOR ? motor_rate(f)
+	                                             : 0;
+	double scale, most = 0;
+	struct rb_constraint row = line_row(f, &f->free.row, rate, &scale);
+
+	if (part == RB_JOINT_LOW || part == RB_JOINT_HIGH) {
+		row.low = part == RB_JOINT_LOW ? 0 : -(double)INFINITY;
+		row.high = part == RB_JOINT_LOW ? (double)INFINITY : 0;
+		return row;
+	}
+	if (!f->query->before)
+		return row; /* positions are moved: 0 and 0 */
+	if (part == RB_JOINT_SPRING) {
+		make_spring(f, &row, scale);
+		return row;
+	}
+	most = part == RB_JOINT_MOTOR ? f->query->world->joint[f->joint->def].motor_max
+	                              : f->joint->friction;
+	row.high = impulse_of(&row, most, h);
+	row.low = -row.high;
+	return row;
+}
+
+/* A body that is not dynamic is the second. */
+static void turn_round(struct rb_constraint *row)
+{
+	const rb_vec3 arm = row->arm_a;
+
+	row->normal = rb_vec3_neg(row->normal);
+	row->target.t = rb_vec3_neg(row->target.t);
+	row->impulse.t = rb_vec3_neg(row->impulse.t);
+	if (row->couple)
+		return;
+	row->arm_a = row->arm_b;
+	row->arm_b = arm;
+}
+
+static void set_ends(const struct filling *f, struct rb_constraint *row)
+{
+	const struct rb_model *model = f->query->world->model;
+	const bool round = is_turned_round(model, f->joint);
+	const int a = round ? f->joint->b : f->joint->a, b = round ? f->joint->a : f->joint->b;
+
+	if (round)
+		turn_round(row);
+	row->a = a;
+	row->b = b >= 0 && b < model->body_count ? b : f->query->fixed;
+	RB_ASSERT_COSTLY(is_dynamic(model, a));
+}
+
+static struct filling begin(const struct rb_joint_query *query, int k, struct rb_step_joint *of)
+{
+	struct filling f = {.query = query, .joint = &query->world->model->joints->joint[k]};
+	const struct rb_joint *joint = f.joint;
+
+	f.of = of;
+	f.a = pose_of(query->world, query->before, joint->a);
+	f.b = pose_of(query->world, query->before, joint->b);
+	(void)rb_linkage_rows(&joint->link, &f.a, &f.b, f.link);
+	if (rb_linkage_has_free(joint->link.kind)) {
+		f.free = rb_linkage_free(&joint->link, &f.a, &f.b);
+		f.way = joint->link.kind == RB_JOINT_HINGE
+		                ? rb_linkage_angle_near(f.free.value, of->last.way)
+		                : f.free.value;
+	}
+	return f;
+}
+
+void rb_step_joint_rows_fill(const struct rb_joint_query *query, int k, struct rb_step_joint *of,
+                             struct rb_constraint *row)
+{
+	const struct filling f = begin(query, k, of);
+	int part[RB_JOINT_PARTS];
+	const int rows = list_parts(f.joint, part);
+
+	RB_ASSERT_COSTLY(query->h_s > 0);
+	if (query->before)
+		of->rate = f.joint->link.kind == RB_JOINT_ROPE
+		                   ? rb_linkage_row_velocity(&f.link[0], &f.a, &f.b)
+		                   : f.free.rate;
+	for (int r = 0; r < rows; r++) {
+		if (part[r] == 0 && rb_step_joint_rows_have_point(f.joint->link.kind)) {
+			row[r] = point_row(&f);
+		} else {
+			row[r] = part[r] < RB_JOINT_LOW ? linkage_row(&f, part[r])
+			                                : free_row(&f, part[r]);
+			if (query->before)
+				row[r].impulse.n = impulse_of(&row[r], of->last.force[part[r]],
+				                              query->h_s);
+		}
+		set_ends(&f, &row[r]);
+		row[r].impulse = rb_constraint_project(&row[r], row[r].impulse);
+		rb_effective_mass_fill(query->bodies, &row[r]);
+	}
+}
+
+/* ---- what has come of it ---- */
+
+/* The middle of the velocities before and after; of bodies that do not yield there is one. */
+static struct rb_solver_body mean_of(const struct rb_joint_query *query, int i)
+{
+	struct rb_solver_body body = query->bodies->body[i], was = body;
+	const double half = 0.5 * query->share;
+
+	if (body.inverse_mass == 0)
+		return body;
+	if (query->from) {
+		was = query->from[i];
+	} else {
+		was.linear = rb_world_row3(query->before->velocity, i);
+		was.angular = query->before->spin ? rb_world_row3(query->before->spin, i) : none;
+	}
+	body.linear = rb_vec3_add_scaled(was.linear, half, rb_vec3_sub(body.linear, was.linear));
+	body.angular = rb_vec3_add_scaled(was.angular, half,
+	                                  rb_vec3_sub(body.angular, was.angular));
+	return body;
+}
+
+/* Of what is dynamic by what is not; `at`: the second body's centre of mass. */
+static void note_fixed(struct rb_joint_work *work, const struct rb_constraint *row, rb_vec3 at,
+                       const struct rb_solver_body *fixed)
+{
+	const rb_vec3 p = rb_vec3_neg(rb_constraint_impulse(row));
+
+	if (row->couple) {
+		const rb_vec3 twist = rb_vec3_scale(row->arm_a.x, p);
+
+		work->angular = rb_vec3_add(work->angular, twist);
+		work->driven += rb_vec3_dot(twist, fixed->angular);
+		return;
+	}
+	work->linear = rb_vec3_add(work->linear, p);
+	work->angular = rb_vec3_add(work->angular, rb_vec3_cross(rb_vec3_add(at, row->arm_b), p));
+	work->driven += rb_vec3_dot(p, rb_solver_point_velocity(fixed, row->arm_b));
+}
+
+static void note_work(struct rb_joint_work *work, enum rb_joint_kind kind, int part, double done)
+{
+	if (part == RB_JOINT_MOTOR)
+		work->motor += done;
+	else if (part == RB_JOINT_FRICTION)
+		work->friction -= done;
+	else if (part == RB_JOINT_SPRING)
+		work->spring += done;
+	else if (part == RB_JOINT_LOW || part == RB_JOINT_HIGH || kind == RB_JOINT_ROPE)
+		work->impacts -= done;
+}
+
+/* Adds a row's impulse to the sums of the joint. */
+static void note_row(const struct filling *f, int part, const struct rb_constraint *whole)
+{
+	struct rb_constraint given = *whole;
+	const struct rb_constraint *const row = &given;
+
+	given.impulse.n *= f->query->share;
+	given.impulse.t = rb_vec3_scale(f->query->share, given.impulse.t);
+
+	const struct rb_model *model = f->query->world->model;
+	struct rb_step_joint *const of = f->of;
+	const double sign = is_turned_round(model, f->joint) ? -1 : 1;
+	const rb_vec3 p = rb_vec3_scale(sign, rb_constraint_impulse(row));
+	const rb_vec3 to_point = rb_quat_rotate(f->b.orientation, f->joint->link.at_b);
+	const struct rb_solver_body two[2] = {mean_of(f->query, row->a), mean_of(f->query, row->b)};
+	const struct rb_solver_bodies pair = {.body = (struct rb_solver_body *)two};
+	struct rb_constraint alone = given;
+
+	if (row->set == RB_CONSTRAINT_FREE) {
+		of->impulse[0] += p.x;
+		of->impulse[1] += p.y;
+		of->impulse[2] += p.z;
+	} else {
+		of->impulse[part] += row->impulse.n * (row->couple ? row->arm_a.x : 1);
+	}
+	if (row->couple) {
+		of->twist = rb_vec3_add_scaled(of->twist, row->arm_a.x, p);
+	} else {
+		const rb_vec3 arm = sign < 0 ? row->arm_a : row->arm_b;
+
+		of->pull = rb_vec3_add(of->pull, p);
+		of->twist = rb_vec3_add(of->twist, rb_vec3_cross(rb_vec3_sub(arm, to_point), p));
+	}
+	alone.a = 0;
+	alone.b = 1;
+	note_work(&of->work, f->joint->link.kind, part,
+	          rb_vec3_dot(rb_constraint_impulse(row), rb_constraint_velocity(&pair, &alone)));
+	if (two[1].inverse_mass == 0)
+		note_fixed(&of->work, row, sign < 0 ? f->a.position : f->b.position, &two[1]);
+}
+
+void rb_step_joint_rows_store(const struct rb_joint_query *query, int k, struct rb_step_joint *of,
+                              const struct rb_constraint *row)
+{
+	const struct filling f = begin(query, k, of);
+	int part[RB_JOINT_PARTS];
+	const int rows = list_parts(f.joint, part);
+
+	RB_ASSERT(query->before && query->share >= 0);
+	if (!query->from) {
+		memset(of->impulse, 0, sizeof of->impulse);
+		of->pull = of->twist = none;
+		of->work = (struct rb_joint_work){0};
+	}
+	for (int r = 0; r < rows; r++)
+		note_row(&f, part[r], &row[r]);
+}
+
+/* ---- rebounds ---- */
+
+/* m/s: with which a limit or rope is left, of its row; 0: it has not been met. */
+static double rebound_of(const struct rb_joint *joint, int part, const struct rb_step_joint *of,
+                         const struct rb_constraint *row)
+{
+	const bool low = part == RB_JOINT_LOW;
+	const double lever = row->couple ? row->arm_a.x : 1;
+	const double approach = lever * (low ? -of->rate : of->rate);
+
+	return of->impulse[part] != 0 ? fmax(0, joint->restitution * approach) : 0;
+}
+
+bool rb_step_joint_rows_rebound(const struct rb_joint_query *query, int k,
+                                const struct rb_step_joint *of, struct rb_constraint *row,
+                                double tolerance)
+{
+	const struct rb_joint *joint = &query->world->model->joints->joint[k];
+	int part[RB_JOINT_PARTS];
+	const int rows = list_parts(joint, part);
+	bool any = false;
+
+	for (int r = 0; r < rows; r++) {
+		const rb_vec3 now = rb_constraint_velocity(query->bodies, &row[r]);
+		const bool rope = joint->link.kind == RB_JOINT_ROPE && part[r] == 0;
+		const bool low = part[r] == RB_JOINT_LOW;
+
+		row[r].target = rb_constraint_split(&row[r], now);
+		rb_constraint_clear(&row[r]);
+		if (part[r] >= RB_JOINT_MOTOR)
+			row[r].low = row[r].high = row[r].softness = 0;
+		if (!rope && !low && part[r] != RB_JOINT_HIGH)
+			continue;
+		const double back = rebound_of(joint, part[r], of, &row[r]);
+		const double sign = low ? 1 : -1;
+
+		/* what has not been met stays open */
+		if (of->impulse[part[r]] == 0)
+			row[r].target.n = -sign * (double)INFINITY;
+		if (!(back > tolerance))
+			continue;
+		row[r].target.n = sign * back;
+		any = true;
+	}
+	return any;
+}
+
+/* ---- drift ---- */
+
+double rb_step_joint_rows_miss(const struct rb_world *world, int k, struct rb_step_joint *of)
+{
+	const struct rb_joint *joint = &world->model->joints->joint[k];
+	const struct rb_pose a = pose_of(world, NULL, joint->a), b = pose_of(world, NULL, joint->b);
+	struct rb_linkage_row link[RB_LINKAGE_ROWS_MAX];
+	const int count = rb_linkage_rows(&joint->link, &a, &b, link);
+	double square = 0, max = 0;
+
+	for (int r = 0; r < count; r++) {
+		const bool turns = rb_linkage_row_is_couple(joint->link.kind, r);
+		double error = link[r].error;
+
+		of->miss[r] = error;
+		if (joint->link.kind == RB_JOINT_ROPE)
+			error = fmax(0, error);
+		if (turns)
+			max = fmax(max, joint->size * fabs(error));
+		else
+			square += error * error;
+	}
+	/* written so that NaN is large */
+	return max >= 0 && square >= 0 ? fmax(max, sqrt(square)) : (double)INFINITY;
+}

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Joints as rows of constraint: made in each step from where bodies stand, solved with contacts.
+ *
+ *     part of a joint                     row                              target
+ *     three rows of a point               one FREE, at the middle of both  -(C + bend) / h
+ *     every other row of the linkage      INTERVAL (-inf, inf)             -(C + bend) / h
+ *     a rope                              INTERVAL (-inf, 0]               -(C + bend) / h
+ *     limits of the free coordinate q     INTERVAL [0, inf), (-inf, 0]     (limit - q) / h
+ *     motor                               INTERVAL [-h most, h most]       speed; (wanted - q) / h
+ *     friction                            INTERVAL [-h most, h most]       0
+ *     spring and damper                   INTERVAL (-inf, inf), soft       constraint/row
+ *
+ * C is the error of the row (geom/linkage), all of which is taken back in one step, as gaps are.
+ * `bend` is by how much it gets larger in the step than its velocity says, since ways of points are
+ * bent; the directions of a step's impulses are those of its beginning, so that with the right bend
+ * this is SHAKE (Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23 (1977) 327), which neither
+ * damps nor drives what swings. A bend is foreseen to be that of the step before, and found by
+ * looking at the step again (stepped/again).
+ *
+ * Rows that only turn are couples with the size of the joint as lever: their errors, in m, compare
+ * with those of points. A body that is not dynamic is the second of a row, whatever it is of the
+ * joint.
+ *
+ * Owned by the method's state; rows of different joints may be filled by different threads.
+ */
+#ifndef RB_STEPPED_JOINT_CONSTRAINTS_H
+#define RB_STEPPED_JOINT_CONSTRAINTS_H
+
+#include "constraint/row.h"
+#include "model/joints.h"
+#include "world/world.h"
+
+/* Parts of a joint: the rows of its linkage, then these. */
+enum {
+	RB_JOINT_LOW = RB_LINKAGE_ROWS_MAX,
+	RB_JOINT_HIGH,
+	RB_JOINT_MOTOR,
+	RB_JOINT_FRICTION,
+	RB_JOINT_SPRING,
+	RB_JOINT_PARTS
+};
+
+/* What of a joint the next step starts from. */
+#define RB_JOINT_MEMORY_FIELDS(X)                                                             \
+	X(double, force, [RB_JOINT_PARTS], "N, N m", "of each part, on b", RB_FINITE)         \
+	X(double, curve, [RB_LINKAGE_ROWS_MAX], "m/s^2, rad/s^2", "bend over h^2", RB_FINITE) \
+	X(double, way, , "m, rad", "free coordinate, turns counted", RB_FINITE)               \
+	X(rb_vec3, pull, , "N", "on b", RB_FINITE)                                            \
+	X(rb_vec3, twist, , "N m", "on b, about its point", RB_FINITE)
+struct rb_joint_memory {
+	RB_JOINT_MEMORY_FIELDS(RB_FIELD_MEMBER)
+};
+RB_FIELDS_DECLARE(rb_joint_memory_fields);
+
+/* For the ledger: what a joint has done in a try. */
+struct rb_joint_work {
+	/* J: by the motor; taken by friction; taken by limits and ropes; by spring and damper */
+	double motor, friction, impacts, spring;
+	/* on what is dynamic, by a body that is not: N s, N m s about the origin; J */
+	rb_vec3 linear, angular;
+	double driven;
+};
+
+/* A joint while it is stepped. */
+struct rb_step_joint {
+	struct rb_joint_memory last;   /* as the step under way began */
+	struct rb_joint_memory before; /* as the step that was tried first began */
+	int first_row;                 /* of the try; -1: its group rests, or is not asked about */
+	/* m, rad: where a motor that follows is to be at the end of the step; NAN: it does not */
+	double wanted;
+	double bend[RB_LINKAGE_ROWS_MAX]; /* m, rad */
+	double miss[RB_LINKAGE_ROWS_MAX]; /* m, rad: errors when they were last measured */
+	double drift; /* m: the largest of these; INFINITY: not measured in this try */
+	double rate;  /* m/s, rad/s: of the free coordinate as the step began; of a rope's length */
+	double impulse[RB_JOINT_PARTS]; /* N s, N m s: of the try */
+	rb_vec3 pull, twist;            /* N s, N m s, on b, about its point: of the try */
+	struct rb_joint_work work;      /* of the try */
+	rb_vec3 sum[2];   /* N s, N m s: pull and twist of what is kept of the whole step */
+	double elapsed_s; /* of it */
+};
+
+/* How many rows a joint has in every step: fixed by its kind and keys. */
+int rb_step_joint_rows_count(const struct rb_joint *joint);
+
+/* Whether it has three rows of a point; their forces are parts 0 to 2, along the world's axes. */
+bool rb_step_joint_rows_have_point(enum rb_joint_kind kind);
+
+/* A body that forces move: its rows are those of this one's group. */
+int rb_step_joint_rows_owner(const struct rb_model *model, const struct rb_joint *joint);
+
+/* How rows are asked for. */
+struct rb_joint_query {
+	const struct rb_world *world; /* poses are of its state */
+	/* velocities before the step; NULL: positions are moved, nothing but rows of the linkage */
+	const struct rb_state *before;
+	const struct rb_solver_bodies *bodies;
+	int fixed; /* the body for all that stands still */
+	double h_s;
+	/*
+	 * What has come of it: by body, velocities that impulses began from (NULL: those of
+	 * `before`); and of the impulses the share that has been given.
+	 */
+	const struct rb_solver_body *from;
+	double share;
+};
+
+/* Fills the rows of joint k, with impulses to begin with. */
+void rb_step_joint_rows_fill(const struct rb_joint_query *query, int k, struct rb_step_joint *of,
+                             struct rb_constraint *row);
+
+/*
+ * Adds what the rows have come to to the try's sums; without `from` these begin with it. Bodies of
+ * joints are never kicked within a step (stepped/impact_pass).
+ */
+void rb_step_joint_rows_store(const struct rb_joint_query *query, int k, struct rb_step_joint *of,
+                              const struct rb_constraint *row);
+
+/* Velocities only, after bodies have moved: rows keep what they have, or rebound. */
+bool rb_step_joint_rows_rebound(const struct rb_joint_query *query, int k,
+                                const struct rb_step_joint *of, struct rb_constraint *row,
+                                double tolerance);
+
+/* m: the largest error of the joint as bodies stand, into `miss` too. */
+double rb_step_joint_rows_miss(const struct rb_world *world, int k, struct rb_step_joint *of);
+
+#endif

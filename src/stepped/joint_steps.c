@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/joint_steps.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "world/joint_state.h"
+
+/* Of the tolerance, what a joint may drift by without another look at the step. */
+static const double look_share = 1.0 / 16;
+/* Of what it was in the look before, what it has to have come to for yet another. */
+static const double gain_share = 0.5;
+
+int rb_joints_next_of(const struct rb_world *world, int body, int *at)
+{
+	const struct rb_model *model = world->model;
+	const struct rb_joints *joints = model->joints;
+
+	if (!joints)
+		return -1;
+	for (*at = *at < 0 ? joints->first[body] : *at + 1; *at < joints->first[body + 1]; ++*at)
+		if (!world->joint[joints->of[*at]].released &&
+		    rb_step_joint_rows_owner(model, &joints->joint[joints->of[*at]]) == body)
+			return joints->of[*at];
+	return -1;
+}
+
+/* Which joint of a cohort comes next. */
+struct cursor {
+	int body, at;
+};
+
+static const struct cursor cursor_start = {0, -1};
+
+static int next(const struct rb_world *world, const struct rb_cohort *cohort, struct cursor *c)
+{
+	if (!world->model->joints)
+		return -1;
+	for (; c->body < cohort->member_count; c->body++, c->at = -1) {
+		const int k = rb_joints_next_of(world, cohort->body[c->body], &c->at);
+
+		if (k >= 0)
+			return k;
+	}
+	return -1;
+}
+
+static struct rb_pose pose_of(const struct rb_world *world, int i)
+{
+	return i < 0 ? rb_linkage_world() : rb_world_pose(world, &world->state, i);
+}
+
+/* The free coordinate as bodies stand; turns are those nearest to `near`. */
+static double way_of(const struct rb_world *world, const struct rb_joint *joint, double near)
+{
+	const struct rb_pose a = pose_of(world, joint->a), b = pose_of(world, joint->b);
+
+	if (!rb_linkage_has_free(joint->link.kind))
+		return 0;
+	const double value = rb_linkage_free(&joint->link, &a, &b).value;
+
+	return joint->link.kind == RB_JOINT_HINGE ? rb_linkage_angle_near(value, near) : value;
+}
+
+void rb_joints_start(struct rb_world *world)
+{
+	const struct rb_joints *joints = world->model->joints;
+
+	for (int k = 0; joints && k < joints->count; k++) {
+		struct rb_step_joint *of = &world->stepped->solver.joint[k];
+
+		of->last = (struct rb_joint_memory){
+			.way = way_of(world, &joints->joint[k], of->last.way)};
+	}
+}
+
+void rb_joints_begin(struct rb_world *world)
+{
+	const struct rb_joints *joints = world->model->joints;
+
+	for (int k = 0; joints && k < joints->count; k++) {
+		struct rb_step_joint *of = &world->stepped->solver.joint[k];
+
+		if (world->joint[k].released) {
+			of->last = (struct rb_joint_memory){.way = of->last.way};
+			of->first_row = -1;
+		}
+		of->before = of->last;
+		of->sum[0] = of->sum[1] = (rb_vec3){0, 0, 0};
+		of->elapsed_s = 0;
+	}
+}
+
+void rb_joints_go_back(struct rb_world *world, const struct rb_cohort *cohort)
+{
+	struct cursor c = cursor_start;
+
+	for (int k; (k = next(world, cohort, &c)) >= 0;) {
+		struct rb_step_joint *of = &world->stepped->solver.joint[k];
+
+		of->last = of->before;
+		of->sum[0] = of->sum[1] = (rb_vec3){0, 0, 0};
+		of->elapsed_s = 0;
+	}
+}
+
+enum rb_status rb_joints_try(struct rb_world *world, const struct rb_cohort *cohort, double start,
+                             double h, struct rb_error *err)
+{
+	struct cursor c = cursor_start;
+
+	for (int k; (k = next(world, cohort, &c)) >= 0;) {
+		struct rb_step_joint *of = &world->stepped->solver.joint[k];
+
+		if (world->joint[k].has_motor && isnan(world->joint[k].motor_speed)) {
+			const enum rb_status status = world->hooks.follow(
+				world->hooks.user, k, start + h, &of->wanted, err);
+
+			if (status != RB_OK)
+				return status;
+		}
+
+		of->drift = (double)INFINITY;
+		for (int r = 0; r < RB_LINKAGE_ROWS_MAX; r++)
+			of->bend[r] = h * h * of->last.curve[r];
+	}
+	return RB_OK;
+}
+
+/* ---- drift ---- */
+
+/* Of the joints that the solver has last been asked about. */
+bool rb_joints_mark(struct rb_world *world, unsigned char *of_group)
+{
+	const struct rb_solver *solver = &world->stepped->solver;
+	const double max = look_share * world->model->tolerance_m;
+	bool any = false;
+
+	for (int k = 0; solver->joint && k < solver->joined_count; k++) {
+		const int number = solver->joined[k];
+		struct rb_step_joint *of = &solver->joint[number];
+		const int owner = rb_step_joint_rows_owner(world->model,
+		                                           &world->model->joints->joint[number]);
+		const double before = of->drift;
+
+		if (of->first_row < 0)
+			continue;
+		of->drift = rb_step_joint_rows_miss(world, number, of);
+		if (of->drift <= max ||
+		    (of->drift <= world->model->tolerance_m && !(of->drift <= gain_share * before)))
+			continue;
+		of_group[solver->island_of[owner]] = 1;
+		any = true;
+	}
+	return any;
+}
+
+void rb_joints_bend(struct rb_world *world, const unsigned char *of_group)
+{
+	const struct rb_solver *solver = &world->stepped->solver;
+
+	for (int k = 0; solver->joint && k < solver->joined_count; k++) {
+		const int number = solver->joined[k];
+		const struct rb_joint *joint = &world->model->joints->joint[number];
+		struct rb_step_joint *of = &solver->joint[number];
+		const int owner = rb_step_joint_rows_owner(world->model, joint);
+		const bool slack = joint->link.kind == RB_JOINT_ROPE && of->impulse[0] == 0;
+
+		if (of->first_row < 0 || !of_group[solver->island_of[owner]])
+			continue;
+		for (int r = 0; r < rb_linkage_row_count(joint->link.kind); r++)
+			of->bend[r] += slack ? fmax(0, of->miss[r]) : of->miss[r];
+	}
+}
+
+void rb_joints_blame(struct rb_world *world, const struct rb_cohort *cohort,
+                     struct rb_attempt_outcome *outcome)
+{
+	struct rb_stepped *s = world->stepped;
+	struct cursor c = cursor_start;
+
+	if (!world->model->joints || world->model->rollback == RB_ROLLBACK_NONE)
+		return;
+	for (int k; (k = next(world, cohort, &c)) >= 0;) {
+		const struct rb_joint *joint = &world->model->joints->joint[k];
+		const int ends[2] = {joint->a, joint->b};
+		const double drift = rb_step_joint_rows_miss(world, k, &s->solver.joint[k]);
+
+		/* written so that NaN is not good */
+		if (drift <= world->model->tolerance_m)
+			continue;
+		if (outcome->joint < 0 || drift > outcome->drift) {
+			outcome->joint = k;
+			outcome->drift = drift;
+		}
+		for (int e = 0; e < 2; e++)
+			if (ends[e] >= 0 && rb_stepped_is_dynamic(world, ends[e]))
+				rb_stepped_blame(s, ends[e]);
+	}
+}
+
+/* ---- what is kept ---- */
+
+static void remember(const struct rb_joint *joint, struct rb_step_joint *of, double h)
+{
+	const bool slack = joint->link.kind == RB_JOINT_ROPE && of->impulse[0] == 0;
+
+	for (int p = 0; p < RB_JOINT_PARTS; p++)
+		of->last.force[p] = of->impulse[p] / h;
+	for (int r = 0; r < RB_LINKAGE_ROWS_MAX; r++)
+		of->last.curve[r] = slack ? 0 : of->bend[r] / (h * h);
+	of->last.pull = rb_vec3_scale(1 / h, of->pull);
+	of->last.twist = rb_vec3_scale(1 / h, of->twist);
+}
+
+double rb_joints_way(const struct rb_world *world, int k, double h)
+{
+	const struct rb_step_joint *of = &world->stepped->solver.joint[k];
+
+	return way_of(world, &world->model->joints->joint[k], of->last.way + h * of->rate);
+}
+
+void rb_joints_keep(struct rb_world *world, const struct rb_cohort *cohort, double h,
+                    const unsigned char *skip)
+{
+	struct cursor c = cursor_start;
+
+	RB_ASSERT(h > 0);
+	for (int k; (k = next(world, cohort, &c)) >= 0;) {
+		const struct rb_joint *joint = &world->model->joints->joint[k];
+		struct rb_step_joint *of = &world->stepped->solver.joint[k];
+
+		if (skip && skip[cohort->body[c.body]])
+			continue;
+		/* of groups that rest the forces are those that they have come to rest with */
+		if (of->first_row >= 0)
+			remember(joint, of, h);
+		of->last.way = rb_joints_way(world, k, h);
+		of->sum[0] = rb_vec3_add_scaled(of->sum[0], h, of->last.pull);
+		of->sum[1] = rb_vec3_add_scaled(of->sum[1], h, of->last.twist);
+		of->elapsed_s += h;
+	}
+}
+
+void rb_joints_load(const struct rb_stepped *s, int joint, rb_vec3 *pull, rb_vec3 *twist)
+{
+	const struct rb_step_joint *of = &s->solver.joint[joint];
+
+	*pull = of->last.pull;
+	*twist = of->last.twist;
+	if (!(of->elapsed_s > 0))
+		return; /* it stands still: nobody looks at it */
+	*pull = rb_vec3_scale(1 / of->elapsed_s, of->sum[0]);
+	*twist = rb_vec3_scale(1 / of->elapsed_s, of->sum[1]);
+}

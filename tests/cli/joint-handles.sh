@@ -1,0 +1,125 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Handles of joints: what they show in callbacks and at the end, what is refused, and release, also over a checkpoint.
+. tests/cli/functions
+
+# a ball that hangs still, one that swings on a hinge, and a bar fixed to the world; forces in closed form
+cat >hang.lua <<'END'
+world { duration = 0.5, frame_rate = 60, gravity = {0, 0, -10}, method = "located" }
+local a = sphere { name = "a", radius = 0.1, mass = 2, position = {0, 0, -1} }
+local rod = joint { kind = "rod", name = "rod", a = a, at_b = {0, 0, 0} }
+local b = sphere { name = "b", radius = 0.1, mass = 3, position = {1, 3, 0} }
+local hinge = joint { kind = "hinge", a = b, at = {0, 3, 0}, axis = {0, -1, 0} }
+local c = box { name = "c", size = {1, 0.2, 0.2}, mass = 3, position = {0.5, 6, 0} }
+local weld = joint { kind = "fixed", a = c, at = {0, 6, 0} }
+expect_always("the rod carries 20 N down on the world", function() return (rod.force - vec3(0, 0, -20)):length(), 1e-12 end)
+expect_always("and no torque", function() return rod.torque:length(), 1e-12 end)
+expect_always("its length stays", function() return math.abs(rod.length - 1) + math.abs(rod.speed), 1e-12 end)
+expect_always("the wall carries weight and moment", function()
+	return (weld.force - vec3(0, 0, -30)):length() + (weld.torque - vec3(0, 15, 0)):length(), 1e-12
+end)
+expect_always("what hangs is accelerated by nothing", function() return a.force:length() + c.force:length() + c.torque:length(), 1e-12 end)
+-- b against a is the world against the ball: about -y by the angle that the ball has fallen
+expect_always("the angle is where the ball is", function()
+	return math.abs(hinge.angle - math.atan(-b.position.z, b.position.x)), 1e-12
+end)
+expect_always("its speed is that of the ball", function()
+	return math.abs(hinge.speed - b.velocity:length()), 1e-12
+end)
+-- Newton's second law for the ball: the joint gives what weight lacks
+expect_always("the force is what accelerates", function()
+	return (b.mass * b.acceleration - (-hinge.force + b.mass * vec3(0, 0, -10))):length(), 1e-11
+end)
+expect("names and ends", function()
+	return rod.name == "rod" and hinge.name == nil and rod.kind == "rod" and rod.a == a and rod.b == nil
+		and tostring(rod) == "joint rod 'rod'" and not rod.released
+end)
+END
+exits 0 hang.lua --no-record --quiet
+
+# release: the ball flies on, on its parabola; the same bits over a checkpoint
+cat >release.lua <<'END'
+world { duration = 1, frame_rate = 60, gravity = {0, 0, -10} }
+local a = sphere { name = "a", radius = 0.1, mass = 2, position = {1, 0, 0} }
+local b = sphere { name = "b", radius = 0.1, mass = 2, position = {2, 0, 0} }
+local upper = joint { kind = "rod", a = a, at_b = {0, 0, 0} }
+local lower = joint { kind = "rod", a = a, b = b }
+record { fields = {"+", "joints"} }
+on_frame(function(t, k)
+	if k == 30 then
+		state.joint, state.t, state.p, state.v = lower, t, vec3(b.position), vec3(b.velocity)
+		lower:release()
+	end
+end)
+expect("the ball flies on", function()
+	local dt = time() - state.t
+	return (b.position - (vec3(state.p) + dt * vec3(state.v) + dt * dt / 2 * vec3(0, 0, -10))):length(), 1e-12
+end)
+expect("one is released, the other is not", function()
+	return state.joint == lower and lower.released and not upper.released and lower.force:length() == 0
+end)
+expect("the other ball still hangs", function() return math.abs(a.position:length() - 1), 1e-12 end)
+END
+exits 0 release.lua --quiet -o whole.h5
+exits 0 replay whole.h5
+for at in 0.3 0.7; do
+	printf 'at %s checkpoint\nat %s quit\n' $at "$(awk "BEGIN { print $at + 0.1 }")" >commands
+	exits 130 release.lua --quiet -o parts.h5 --commands commands --force
+	[ -s parts.h5.checkpoint ] || fail "no checkpoint at $at"
+	exits 0 release.lua --quiet -o parts.h5 --resume
+	exits 0 diff whole.h5 parts.h5
+done
+
+# motors: one that keeps a speed and is told another, at another torque; by I w / tau it is there, and stays
+cat >motor.lua <<'END'
+world { duration = 2, frame_rate = 50, time_step = 1e-3, method = "stepped" }
+local wheel = cylinder { name = "wheel", radius = 1, length = 0.1, mass = 4 } -- I = 2 kg m^2
+local axle = joint { kind = "hinge", a = wheel, at = {0, 0, 0}, axis = {0, 0, -1}, motor = {speed = 3, torque = 12} }
+local early, late
+on_frame(function(t, k)
+	if k == 40 then early = wheel.angular_velocity.z end
+	if k == 50 then axle:set_motor { speed = -1, torque = 8 } end
+	if k == 90 then late = wheel.angular_velocity.z end
+end)
+expect("it keeps its first speed from 0.5 s on, rad/s", function() return math.abs(early - 3), 1e-9 end)
+-- 4 rad/s less at 8 N m take 1 s from 1 s on: at 1.8 s it turns at 3 - 4 * 0.8
+expect("then slows down by its torque, rad/s", function() return math.abs(late - (3 - 4 * 0.8)), 1e-9 end)
+expect("its handle says so", function() return math.abs(axle.speed - wheel.angular_velocity.z), 1e-12 end)
+END
+exits 0 motor.lua --no-record --quiet
+sed 's/method = "stepped"/method = "located"/' motor.lua >located.lua
+exits 0 located.lua --no-record --quiet
+cat >follow.lua <<'END'
+world { duration = 1, frame_rate = 50, time_step = 1e-3, method = "stepped", gravity = {0, 0, -10} }
+local e = box { name = "e", size = {0.2, 0.2, 0.2}, mass = 1 }
+local lift = joint { kind = "slider", a = e, axis = {0, 0, -1}, motor = {way = function(t) return 0.1 * math.sin(3 * t) end, force = 100} }
+expect_always("the way is that of the function, m", function() return math.abs(lift.way - 0.1 * math.sin(3 * time())), 1e-7 end)
+expect_always("and where the box is", function() return math.abs(lift.way - e.position.z), 1e-12 end)
+END
+exits 0 follow.lua --no-record --quiet
+sed 's/return 0.1 \* math.sin(3 \* t) end, f/return t < 0.5 and 0 or "far" end, f/; /^expect/d' follow.lua >wrong.lua
+exits 65 wrong.lua --no-record --quiet
+says err "wrong.lua:3: 'way' must return a finite number \(got the text 'far'\) \(motor of slider #0 at t = 0.5"
+sed 's/method = "stepped", //' follow.lua >wrong.lua
+exits 65 wrong.lua --no-record --quiet
+says err "joint: .*a 'motor' that follows a function: only the stepped method"
+
+refused()
+{
+	cat >wrong.lua <<END
+world { duration = 0.1, gravity = {0, 0, -10} }
+local a = sphere { name = "a", radius = 0.1, position = {1, 0, 0} }
+local ball = joint { kind = "ball", name = "socket", a = a, at = {0, 0, 0} }
+local hinge = joint { kind = "hinge", a = sphere { radius = 0.1, position = {1, 5, 0} }, at = {0, 5, 0}, axis = {0, 1, 0} }
+on_frame(function() $1 end)
+END
+	exits 65 wrong.lua --no-record --quiet
+	says err "wrong.lua:5: .*$2"
+}
+refused 'ball:set_motor { speed = 1 }' "set_motor: a joint of kind 'ball' has no motor"
+refused 'hinge:set_motor { speed = 1 }' "set_motor: this joint has none"
+refused 'print(ball.speed)' "a joint of kind 'ball' has no 'speed'"
+refused 'print(hinge.way)' "a joint of kind 'hinge' has no 'way' \(did you mean 'angle'\?\)"
+refused 'hinge.angle = 1' "a joint's 'angle' can't be assigned"
+refused 'hinge.mine = 1' "a joint has no field 'mine' to assign"
+refused 'hinge.release()' 'release: called without its joint'

@@ -1,0 +1,110 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Joints as a scene states them: what check and info say, and every mistake by its own message.
+. tests/cli/functions
+
+# joints TEXT: a scene with two spheres and a post, then TEXT
+joints()
+{
+	cat >joints.lua <<END
+world { duration = 0.1, gravity = {0, 0, -9.81} }
+local a = sphere { name = "a", radius = 0.1 }
+local b = sphere { name = "b", radius = 0.1, position = {1, 0, 0} }
+local post = box { name = "post", size = {1, 1, 1}, position = {0, 5, 0}, static = true }
+$1
+END
+}
+
+# refused TEXT PATTERN: with the line of the call, status 65, and nothing else is said
+refused()
+{
+	joints "$1"
+	exits 65 check joints.lua --no-record
+	says err "^rbsim: joints.lua:5: joint('[a-z ]+'|: motor|.*): |joints.lua:5: joint"
+	says err "$2"
+	[ "$(grep -c 'joints.lua:' err)" -eq "${3:-1}" ] || fail "more than one mistake: $1"
+}
+
+refused 'joint { a = a, b = b }' "joint: 'kind' is missing \(one of fixed, ball, hinge,"
+refused 'joint { kind = "hing", a = a, b = b, at = {0, 0, 0}, axis = {0, 0, 1} }' \
+	"'kind' must be one of fixed, .*\(got 'hing'\) \(did you mean 'hinge'\?\)"
+refused 'joint { kind = "ball", b = b, at = {0, 0, 0} }' "'a' is missing"
+refused 'joint { kind = "ball", a = a, b = "c", at = {0, 0, 0} }' "'b': no body is named 'c' so far"
+refused 'joint { kind = "ball", a = a, b = a, at = {0, 0, 0} }' "'a' and 'b' are the same body"
+refused 'joint { kind = "ball", a = post, at = {0, 5, 0} }' 'nothing can move either end'
+refused 'joint { kind = "ball", a = a, b = b }' "'at' is missing: the point that 'a' and 'b' share"
+refused 'joint { name = "elbow", kind = "hinge", a = a, b = b, at = {0, 0, 0} }' \
+	"joint 'elbow': 'axis' is missing: a joint of kind 'hinge' needs it"
+refused 'joint { kind = "hinge", a = a, b = b, at = {0, 0, 0}, axis = {0, 0, 0} }' "'axis' must be a vector with a length"
+refused 'joint { kind = "universal", a = a, b = b, at = {0, 0, 0}, axis = {0, 0, 1} }' "'axis_b' is missing"
+refused 'joint { kind = "universal", a = a, b = b, at = {0, 0, 0}, axis = {0, 0, 1}, axis_b = {0, 1, 1} }' \
+	"'axis_b' must be at right angles to 'axis', to 1e-9 \(got an angle of 0.785"
+refused 'joint { kind = "ball", a = a, b = b, at = {0, 0, 0}, axis = {0, 0, 1} }' \
+	"'axis': a joint of kind 'ball' has none \(kinds that have it: hinge, slider, cylindrical and universal\)"
+refused 'joint { kind = "ball", a = a, b = b, at = {0, 0, 0}, limits = {-1, 1} }' \
+	"'limits': a joint of kind 'ball' has none \(kinds that have it: hinge, slider and cylindrical\)"
+refused 'joint { kind = "rod", a = a, b = b, at = {0, 0, 0} }' "'at': a joint of kind 'rod' has none"
+refused 'joint { kind = "rope", a = a }' "'at_b' is missing: the end of a rope in the world"
+refused 'joint { kind = "rope", a = a, b = b, length = -1 }' "'length' must be positive \(got -1\)"
+refused 'joint { kind = "rope", a = a, b = b, restitution = 2 }' "'restitution' must lie in \[0, 1\] \(got 2\)"
+refused 'joint { kind = "hinge", a = a, b = b, at = {0, 0, 0}, axis = {0, 0, 1}, limits = {0.1, 1} }' \
+	"'limits' must have low <= 0 <= high, since the angle is 0 at the start \(got \{0.1, 1\}\)"
+refused 'joint { kind = "slider", a = a, b = b, axis = {1, 0, 0}, limits = {1} }' "'limits' must be \{low, high\} \(got \{1\}\)"
+refused 'joint { kind = "slider", a = a, b = b, axis = {1, 0, 0}, limits = {0, 0} }' "leave nothing free"
+refused 'joint { kind = "hinge", a = a, b = b, at = {0, 0, 0}, axis = {0, 0, 1}, friction = -1 }' \
+	"'friction' must be 0 or more \(got -1\)|'friction' must be not negative"
+refused 'joint { kind = "hinge", a = a, b = b, at = {0, 0, 0}, axis = {0, 0, 1}, motor = {speed = 1} }' \
+	"joint: motor: 'torque' is missing: the most that the motor exerts"
+refused 'joint { kind = "hinge", a = a, b = b, at = {0, 0, 0}, axis = {0, 0, 1}, motor = {torque = 1} }' \
+	"joint: motor: wants 'speed' or 'angle'"
+refused 'joint { kind = "hinge", a = a, b = b, at = {0, 0, 0}, axis = {0, 0, 1}, motor = {speed = 1, force = 1} }' \
+	"joint: motor: 'force': a joint of kind 'hinge' has 'torque'"
+refused 'joint { kind = "slider", a = a, b = b, axis = {1, 0, 0}, motor = {angle = function(t) return t end, force = 1} }' \
+	"joint: motor: 'angle': a joint of kind 'slider' has 'way'"
+refused 'joint { kind = "hinge", a = a, b = b, at = {0, 0, 0}, axis = {0, 0, 1}, motor = {sped = 1, torque = 1} }' \
+	"joint: motor: unknown key 'sped' \(did you mean 'speed'\?\)"
+refused 'joint { kind = "hinge", a = a, b = b, at = {0, 0, 0}, axis = {0, 0, 1}, motor = 5 }' "joint: motor: must be a table of keys \(got 5\)"
+refused 'joint { kind = "hinge", a = a, b = b, at = {0, 0, 0}, axis = {0, 0, 1}, motor = {angle = function(t) return 1 + t end, torque = 1} }' \
+	"joint: motor: 'angle' must be 0 at t = 0, as that of the joint is at the start \(got 1\)"
+refused 'joint { kind = "hinge", a = a, b = b, at = {0, 0, 0}, axis = {0, 0, 1}, limit = {-1, 1} }' \
+	"unknown key 'limit' \(did you mean 'limits'\?\)"
+refused 'joint { kind = "hinge", a = a, b = b, anchor = {0, 0, 0}, at = {0, 0, 0}, axis = {0, 0, 1} }' "unknown key 'anchor' \(at, of joint"
+refused 'joint { kind = "ball", a = a, b = b, at_a = {0, 0, 0}, at_b = {0, 0, 0} }' '(apart|gap)'
+refused 'joint { kind = "rope", a = a, b = b, length = 0.5 }' '(longer|gap|apart)'
+refused 'joint { kind = "rod", a = a, b = b, length = 0.5 }' '(long|gap|apart)'
+
+joints 'joint { name = "x", kind = "ball", a = a, b = b, at = {0, 0, 0} } joint { name = "x", kind = "ball", a = a, at = {0, 0, 0} }'
+exits 65 check joints.lua --no-record
+says err "joint 'x': name 'x' is taken by the joint of line 5"
+joints 'motor { speed = 1 }'
+exits 65 check joints.lua --no-record
+says err 'a key of joint'
+joints 'hinge { a = a }'
+exits 65 check joints.lua --no-record
+says err 'joint \{ kind = "hinge"'
+joints 'local j = joint { kind = "ball", a = a, b = b, at = {0.5, 0, 0} } print(j.angel)'
+exits 65 check joints.lua --no-record
+says err "ball .* has no field 'angel' \(did you mean 'angle'\?\)"
+joints 'local j = joint { kind = "ball", a = a, b = b, at = {0.5, 0, 0} } print(j.angle)'
+exits 65 check joints.lua --no-record
+says err "a joint of kind 'ball' has no 'angle'"
+joints 'local j = joint { kind = "ball", a = a, b = b, at = {0.5, 0, 0} } j:release()'
+exits 65 check joints.lua --no-record
+says err 'release: only in on_step'
+joints 'joint { kind = "ball", a = a, b = b, at = {0.5, 0, 0} }'
+exits 65 check joints.lua --no-record --method classic
+says err "method 'classic' has no joints"
+
+# what check counts: a chain of two hinges from the world, a planar four-bar in space is one row short of 3 too many
+joints 'joint { kind = "hinge", a = a, at = {0, 0, 0}, axis = {0, 1, 0} }
+joint { kind = "hinge", a = a, b = b, at = {0.5, 0, 0}, axis = {0, 1, 0} }'
+exits 0 check joints.lua --no-record
+says out '^  joints +2 hinges$'
+says out '^  freedoms +2 at the start; joints have 10 rows, of which 0 are redundant$'
+joints 'joint { kind = "hinge", a = a, at = {0, 0, 0}, axis = {0, 1, 0} }
+joint { kind = "hinge", a = a, b = b, at = {0.5, 0, 0.2}, axis = {0, 1, 0} }
+joint { kind = "hinge", a = b, at = {1, 0, -0.3}, axis = {0, 1, 0} }'
+exits 0 check joints.lua --no-record --json
+[ "$(value joint_count)" = 3 ] || fail "joint_count: $(cat out)"
+[ "$(value freedoms)" = 0 ] || fail "freedoms: $(cat out)"
+[ "$(value redundant_rows)" = 3 ] || fail "redundant_rows: $(cat out)"
