@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* src/method/save.c, src/located/freeze.c, src/base/pack.c */
 #include "world/joint_state.h"
-#include "worlds.h"
+#include "jointed.h"
 
 #include <stdio.h>
 #include <sys/resource.h>
@@ -202,62 +202,9 @@ static void rims(struct lab *lab)
 		           (rb_vec3){0.15 + 0.1 * k, 0.05 * k, 0});
 }
 
-static void connect_by(struct lab *lab, int kind, int a, int b, rb_vec3 at)
-{
-	struct rb_joint_def def = rb_joint_def_default();
-
-	def.kind = kind;
-	def.a = a;
-	def.b = b;
-	if (kind != RB_JOINT_ROD || b < 0)
-		def.at = at;
-	if (kind == RB_JOINT_ROD && b < 0) {
-		def.at.x = (double)NAN;
-		def.at_b = at;
-	}
-	def.axis = (rb_vec3){0.1, 1, 0};
-	def.stiffness = kind == RB_JOINT_HINGE ? 0.3 : 0;
-	if (rb_scene_add_joint(&lab->scene, &def, NULL, &lab->error) != RB_OK)
-		fail_msg("%s", lab->error.text);
-}
-
-/* A chain that swings against a ball. */
-static void jointed(struct lab *lab)
-{
-	lab_open_located(lab, 1, 10);
-	lab_surface(lab, 0.3, 0.6);
-	lab->scene.world.gravity = (rb_vec3){0, 0, -9.81};
-	for (int k = 0; k < 3; k++)
-		lab_sphere(lab, 0.1, 1 + k, (rb_vec3){0.4 * (k + 1), 0.02 * k, 0}, none);
-	lab_sphere(lab, 0.1, 1, (rb_vec3){0.9, 0, -0.8}, none);
-	connect_by(lab, RB_JOINT_ROD, 0, -1, none);
-	connect_by(lab, RB_JOINT_HINGE, 1, 0, (rb_vec3){0.6, 0, 0});
-	connect_by(lab, RB_JOINT_BALL, 1, 2, (rb_vec3){1, 0, 0});
-}
-
-/* Two wheels that turn often from frame to frame, one driven by a motor that never gets there. */
-static void wheels(struct lab *lab)
-{
-	lab_open_located(lab, 0.5, 10);
-	for (int k = 0; k < 2; k++) {
-		struct rb_body_def def = lab_sphere_def(0.5, 2, (rb_vec3){3.0 * k, 0, 0}, none);
-		struct rb_joint_def joint = rb_joint_def_default();
-
-		def.angular_velocity = (rb_vec3){0, 0, 2000};
-		joint.kind = RB_JOINT_HINGE;
-		joint.a = lab_add(lab, &def);
-		joint.at = def.position;
-		joint.axis = (rb_vec3){0, 0, -1};
-		joint.motor_speed = k == 0 ? 5000 : (double)NAN;
-		joint.motor_max = k == 0 ? 5 : 0;
-		if (rb_scene_add_joint(&lab->scene, &joint, NULL, &lab->error) != RB_OK)
-			fail_msg("%s", lab->error.text);
-	}
-}
-
 static lay_out *const recipes[] = {gas,     stack,          boxes,          dense,
                                    classic, stepped,        classic_global, tables_located,
-                                   rims,    tables_stepped, jointed,        wheels};
+                                   rims,    tables_stepped, jointed_chain,  jointed_wheels};
 enum { RECIPE_COUNT = sizeof recipes / sizeof *recipes };
 
 /* ---- running ---- */

@@ -127,7 +127,7 @@ static void what_is_missing_or_too_much_is_told(void **state)
 	assert_mistake("box { name = 'b' }", "t.lua:1: box 'b': 'size' is missing");
 	assert_mistake("capsule { radius = 1 }", "capsule: 'length' is missing");
 	assert_mistake("cylinder { length = 1 }", "cylinder: 'radius' is missing");
-	assert_mistake("hull {}", "hull: 'points' is missing");
+	assert_mistake("hull {}", "hull: 'points' or 'file' is missing");
 	assert_mistake("body {}", "body: 'shapes' is missing");
 	/* one word for a key that is misspelt, not two */
 	assert_mistake("sphere { raduis = 1 }", "raduis");

@@ -68,6 +68,17 @@ struct rb_world_hooks {
 	                         struct rb_error *err);
 };
 
+/* Of these, the functions that the world asks for values; nothing is called back. */
+static inline struct rb_world_hooks rb_world_hooks_asked(const struct rb_world_hooks *all)
+{
+	struct rb_world_hooks asked = *all;
+
+	asked.step = NULL;
+	asked.collision = NULL;
+	asked.transition = NULL;
+	return asked;
+}
+
 /* Set before the first step, then only read. */
 struct rb_world_options {
 	int threads;        /* workers of the simulator; 0: one */

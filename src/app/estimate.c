@@ -336,10 +336,7 @@ static void add_moments(struct trial *trial, const struct report *first,
 static enum rb_status warm_up(struct trial *trial)
 {
 	const struct rb_world_hooks all = rb_script_hooks(trial->loaded->script);
-	const struct rb_world_hooks hooks = {.user = all.user,
-	                                     .field = all.field,
-	                                     .potential = all.potential,
-	                                     .motion = all.motion};
+	const struct rb_world_hooks hooks = rb_world_hooks_asked(&all);
 
 	allow(trial, 0, warm_up_s);
 	const enum rb_status status = make_world(trial, trial->loaded->model, 1, &hooks);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A quantity of a recording by name, at all of its frames: the time, an observable, a probe of the
- * scene, a part of a body (BODY.z, BODY.speed, BODY.rz) or of a joint (JOINT.angle). Main thread; owns nothing.
+ * scene, a part of a body (BODY.z, BODY.speed, BODY.rz) or of a joint (JOINT.angle). Main thread;
+ * owns nothing.
  */
 #ifndef RB_APP_QUANTITY_H
 #define RB_APP_QUANTITY_H

@@ -15,11 +15,6 @@
 
 struct rb_located;
 
-/* From the world's state, which is that of its start. The first advance makes arcs and foresees. */
-RB_CHECKED enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world,
-                                           struct rb_error *err);
-void rb_engine_destroy(struct rb_located *l); /* NULL is fine */
-
 /*
  * All events up to `until_s`, callbacks called; the world's state is then as of that moment. Of a
  * scene that may also be stepped (method "auto"): ends earlier, with the state of that moment,

@@ -13,6 +13,7 @@
 #include "base/memory.h"
 #include "located/driven.h"
 #include "located/engine.h"
+#include "located/engine_create.h"
 #include "located/inspect.h"
 #include "located/mechanics.h"
 #include "located/external_force.h"
@@ -201,11 +202,7 @@ static enum rb_status try_beginning(struct rb_world *world, struct rb_error *err
 {
 	struct rb_contacts *to = &world->loads->contacts;
 	const struct rb_world_options options = {.threads = 1, .keep_contacts = true};
-	const struct rb_world_hooks hooks = {.user = world->hooks.user,
-	                                     .field = world->hooks.field,
-	                                     .potential = world->hooks.potential,
-	                                     .motion = world->hooks.motion,
-	                                     .follow = world->hooks.follow};
+	const struct rb_world_hooks hooks = rb_world_hooks_asked(&world->hooks);
 	struct rb_world *other;
 	enum rb_status status = rb_world_create(&other, world->model, &options, &hooks, err);
 

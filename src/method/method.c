@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "located/engine.h"
+#include "located/engine_create.h"
 #include "located/located_invariants.h"
 #include "method/loads.h"
 #include "method/numbers.h"

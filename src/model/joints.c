@@ -136,11 +136,9 @@ static bool needs_axis(int kind)
 	       kind == RB_JOINT_UNIVERSAL;
 }
 
-/* What the method does not do yet; NULL: nothing. */
-static const char *unsupported(const struct rb_scene *scene, const struct rb_joint_def *def)
+/* What of the joint locating does not have yet, only steps have; NULL: nothing. */
+static const char *only_stepped(const struct rb_joint_def *def)
 {
-	if (scene->world.method == RB_METHOD_STEPPED)
-		return NULL;
 	if (def->kind == RB_JOINT_ROPE)
 		return "kind 'rope'";
 	if (!isnan(def->limits[0]) || !isnan(def->limits[1]))
@@ -323,14 +321,23 @@ bool rb_joint_fault(const struct rb_scene *scene, const struct rb_joint_def *def
 	if (ends_fault(scene, def, text) || numbers_fault(def, text) || axes_fault(def, text) ||
 	    free_fault(def, text) || gap_fault(scene, def, text))
 		return true;
-	const char *const missing = unsupported(scene, def);
+	const char *const missing = only_stepped(def);
+	const bool refuses = missing && scene->world.method == RB_METHOD_LOCATED;
 
-	if (missing)
+	if (refuses)
 		snprintf(text, RB_JOINT_FAULT_SIZE,
 		         "%s: only the stepped method has it in this version (world { method = "
-		         "\"stepped\" })",
+		         "\"stepped\" } or \"auto\")",
 		         missing);
-	return missing != NULL;
+	return refuses;
+}
+
+bool rb_joints_need_steps(const struct rb_scene *scene)
+{
+	for (int k = 0; k < scene->joint_count; k++)
+		if (only_stepped(&scene->joints[k]))
+			return true;
+	return false;
 }
 
 bool rb_scene_joined(const struct rb_scene *scene, int a, int b)

@@ -23,10 +23,9 @@ struct rb_candidates {
 	bool valid;
 	rb_vec3 *built_at; /* [bodies] m: the objects' origins when the boxes were made */
 	double *margin;    /* [bodies] m: how far each may get from there */
-	/* [bodies], of driven planes: where these were turned to then, and by how much more they may
-	   be, rad; NULL: nothing is driven */
-	rb_quat *built_turn;
-	double *turn_margin;
+	rb_quat *
+		built_turn; /* [bodies]: how driven planes were turned then; NULL: none is driven */
+	double *turn_margin; /* [bodies] rad: by how much more these may be */
 	/* [bodies] m: how far each gets in the step under way, if nothing touches it */
 	double *reach;
 	rb_aabb *box;

@@ -46,7 +46,10 @@ double rb_joints_way(const struct rb_world *world, int joint, double h_s);
 /* N, N m about b's point: what the joint has exerted on b, the mean of the whole step. */
 void rb_joints_load(const struct rb_stepped *stepped, int joint, rb_vec3 *pull, rb_vec3 *twist);
 
-/* The joint that holds after another at a body, of which this is the owner; -1: none. `*at` begins with -1. */
+/*
+ * The joint that holds after another at a body, of which this is the owner; -1: none. `*at` begins
+ * with -1.
+ */
 int rb_joints_next_of(const struct rb_world *world, int body, int *at);
 
 #endif

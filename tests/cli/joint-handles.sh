@@ -100,7 +100,13 @@ exits 0 follow.lua --no-record --quiet
 sed 's/return 0.1 \* math.sin(3 \* t) end, f/return t < 0.5 and 0 or "far" end, f/; /^expect/d' follow.lua >wrong.lua
 exits 65 wrong.lua --no-record --quiet
 says err "wrong.lua:3: 'way' must return a finite number \(got the text 'far'\) \(motor of slider #0 at t = 0.5"
-sed 's/method = "stepped", //' follow.lua >wrong.lua
+sed 's/method = "stepped", //' follow.lua >auto.lua
+exits 0 follow.lua --quiet -o follow.h5
+exits 0 auto.lua --quiet -o auto.h5
+exits 0 diff -q follow.h5 auto.h5
+exits 0 check auto.lua
+says out 'auto        by steps: locating has no ropes'
+sed 's/method = "stepped"/method = "located"/' follow.lua >wrong.lua
 exits 65 wrong.lua --no-record --quiet
 says err "joint: .*a 'motor' that follows a function: only the stepped method"
 
