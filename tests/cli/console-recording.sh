@@ -101,7 +101,7 @@ types : && enters 'help seek'
 sees 'seek TIME.PERCENT%: show the frame'
 types '?'
 sees 'Keys .up, down: more; .: back'
-sees '^  space +play what is paused'
+sees '^  space +play or pause'
 types PageDown PageDown PageDown
 sees '^  quit +leave the console'
 types Escape
