@@ -100,7 +100,7 @@ exits 0 unnamed.lua -q -o unnamed.h5
 exits 0 plot unnamed.h5 '#3.z'
 says out '#3.z'
 exits 64 plot unnamed.h5 '#4.z'
-says err "no quantity '#4.z' .*#ID of one without"
+says err "no quantity '#4.z' .*JOINT.angle"
 
 exits 64 plot run.h5
 exits 64 plot run.h5 height

@@ -31,6 +31,8 @@ refused 'joint { kind = "hing", a = a, b = b, at = {0, 0, 0}, axis = {0, 0, 1} }
 refused 'joint { kind = "ball", b = b, at = {0, 0, 0} }' "'a' is missing"
 refused 'joint { kind = "ball", a = a, b = "c", at = {0, 0, 0} }' "'b': no body is named 'c' so far"
 refused 'joint { kind = "ball", a = a, b = a, at = {0, 0, 0} }' "'a' and 'b' are the same body"
+refused 'joint { kind = "ball", a = a, at = {0, 1e9, 0} }' 'its point is 1e\+09 m from the centre of mass of a, too far for so little'
+refused 'joint { kind = "hinge", a = a, at = {1e308, 0, 0}, axis = {0, 0, 1} }' 'too far for so little inertia'
 refused 'joint { kind = "ball", a = post, at = {0, 5, 0} }' 'nothing can move either end'
 refused 'joint { kind = "ball", a = a, b = b }' "'at' is missing: the point that 'a' and 'b' share"
 refused 'joint { name = "elbow", kind = "hinge", a = a, b = b, at = {0, 0, 0} }' \

@@ -26,6 +26,9 @@ camera|camera { @ }
 lights|camera { lights = {{ direction = {0, 0, -1}, @ }} }
 record|record { @ }
 field|field(function() return {0, 0, 0} end, { @ })
+result|result("q", function() return 1 end, { @ })
+joint|joint { kind = "hinge", a = ball, at = {0, 0, 5}, axis = {0, 1, 0}, @ }
+motor|joint { kind = "hinge", a = ball, at = {0, 0, 5}, axis = {0, 1, 0}, motor = { @ } }
 param|param("q", 1, "help", { @ })
 END
 cat >values <<'END'
@@ -58,7 +61,7 @@ local m = material { name = "m", density = 1000 }
 local ball = sphere { name = "ball", radius = 0.1, position = {0, 0, 5}, material = m }
 local other = sphere { radius = 0.1, position = {0, 5, 5}, material = m }
 END
-	echo "$scene" | sed 's/, @//; s/@//' >>plain.lua
+	echo "$scene" | sed 's/, motor = { @ }//; s/, @//; s/@//' >>plain.lua
 	exits 0 check plain.lua
 done <words
 

@@ -93,7 +93,7 @@ wait $pid
 pid=
 for file in damaged/*.checkpoint*; do head -c 100 "$file" >cut.checkpoint && mv cut.checkpoint "$file"; done
 exits 1 sweep damaged --jobs 3
-says err 'point 0 .*exit status 66: .*is no checkpoint to go on from'
+says err 'point 0 .*exit status 66: .*is not a checkpoint to resume from'
 exits 0 sweep damaged --jobs 3
 whole damaged 6
 

@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import tempfile
+import time
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
@@ -143,9 +144,14 @@ class _Runs(Sequence[Run]):
 
 
 def _run_shares(executor: Executor, folder: Path, tasks: int, words: List[str], attempts: int) -> None:
-    """Has the executor run all shares. One whose worker dies is asked for again: it goes on where it was."""
+    """Has the executor run all shares. One whose worker dies is asked for again: it goes on where it was.
+
+    Runs of one that was killed may still be at work, and hold its points, so later attempts wait ever longer.
+    """
     todo = list(range(tasks))
     for attempt in range(attempts):
+        if attempt > 0:
+            time.sleep(0.1 * 4 ** attempt)
         futures = [(task, executor.submit(_task, program(), str(folder.resolve()), task, tasks, words))
                    for task in todo]
         again, said = [], ""
@@ -169,7 +175,7 @@ def _run_shares(executor: Executor, folder: Path, tasks: int, words: List[str], 
 
 
 def sweep(scene: PathLike, parameters: Optional[Mapping[str, Values]] = None, *, folder: Optional[PathLike] = None,
-          executor: Optional[Executor] = None, tasks: Optional[int] = None, attempts: int = 3, seeds: int = 1,
+          executor: Optional[Executor] = None, tasks: Optional[int] = None, attempts: int = 5, seeds: int = 1,
           options: Optional[Mapping[str, Any]] = None, flags: Sequence[str] = ()) -> Sweep:
     """Runs a scene for each combination of values: sweep("bounce.lua", {"e": [0.2, 0.5], "mu": "0:1:0.1"}).
 
