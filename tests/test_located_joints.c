@@ -658,6 +658,115 @@ static void friction_holds_a_pendulum(void **state)
 	lab_close(&lab);
 }
 
+/* Four balls in a line, joined to each other, and at both ends to the world, taut. */
+static void open_taut(struct lab *lab, enum rb_joint_kind kind, rb_vec3 g, rb_vec3 velocity)
+{
+	enum { BALLS = 4 };
+
+	open(lab, 1, 10);
+	lab->scene.world.gravity = g;
+	for (int k = 0; k < BALLS; k++)
+		lab_sphere(lab, 0.05, 1, (rb_vec3){k, 0, 0},
+		           k == 1 ? velocity : (rb_vec3){0, 0, 0});
+	for (int k = 0; k <= BALLS; k++) {
+		struct rb_joint_def def = joint(kind, k < BALLS ? k : BALLS - 1,
+		                                k > 0 && k < BALLS ? k - 1 : -1);
+
+		if (kind == RB_JOINT_BALL)
+			def.at = (rb_vec3){k - 0.5, 0, 0};
+		else if (k == 0 || k == BALLS)
+			def.at_b = (rb_vec3){k == 0 ? -1 : k, 0, 0};
+		add(lab, def);
+	}
+	lab_seal(lab, 1);
+}
+
+/* Runs it until it fails with these words. */
+static void fails_with(struct lab *lab, const char *first, const char *second)
+{
+	enum rb_status status = RB_OK;
+
+	while (status == RB_OK && lab->world->state.frame + 1 < lab->model->frame_count)
+		status = rb_world_step_frame(lab->world, &lab->error);
+	print_message("%s\n", lab->error.text);
+	assert_int_equal(status, RB_ERR_PHYSICS);
+	assert_non_null(strstr(lab->error.text, first));
+	assert_non_null(strstr(lab->error.text, second));
+	lab_close(lab);
+}
+
+/* What is free to first order is not to second: no motion keeps these joints. */
+static void a_taut_chain_fails_by_name(void **state)
+{
+	const rb_vec3 none = {0, 0, 0}, across = {0, 0, -gravity}, along = {-gravity, 0, 0};
+
+	(void)state;
+	for (int kind = 0; kind < 2; kind++) {
+		const enum rb_joint_kind of = kind ? RB_JOINT_BALL : RB_JOINT_ROD;
+		const char *const name = kind ? "ball #4" : "rod #4";
+		struct lab lab;
+
+		/* falls across */
+		open_taut(&lab, of, across, none);
+		fails_with(&lab, name, "they lock");
+		/* is thrown across */
+		open_taut(&lab, of, none, (rb_vec3){0, 0.1, 0});
+		fails_with(&lab, name, "they lock");
+		/* so slowly that against its weight that is next to rounding */
+		open_taut(&lab, of, along, (rb_vec3){0, 1e-3, 0});
+		fails_with(&lab, "what is joined to it", "lock and let go in turn");
+		/* hangs */
+		open_taut(&lab, of, along, none);
+		to_end(&lab);
+		balances(&lab, 1e-14, 1e-14, 1e-14);
+		lab_close(&lab);
+	}
+}
+
+/* A wheel that spins in gimbals, all of them balanced: what they carry is rounding and weight. */
+static void a_balanced_wheel_goes_on_spinning(void **state)
+{
+	const rb_vec3 size[3] = {{0.03, 0.5, 0.03}, {0.4, 0.03, 0.03}, {0, 0, 0}};
+	const rb_vec3 axis[3] = {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}};
+	const double mass[3] = {3.825, 3.06, 11.5};
+	struct lab lab;
+
+	(void)state;
+	open(&lab, 0.5, 60);
+	for (int k = 0; k < 3; k++) {
+		struct rb_body_def def = bar((rb_vec3){0, 0, 0}, size[k], mass[k]);
+
+		def.filters = true; /* of none */
+		if (k == 2) {
+			def.call = "cylinder";
+			def.shape.kind = RB_SHAPE_CYLINDER;
+			def.shape.radius = 0.12;
+			def.shape.size[2] = 0.03;
+			/* by rounding not quite */
+			def.orientation = rb_quat_from_turn((rb_vec3){0, acos(0), 0});
+		}
+		def.angular_velocity = (rb_vec3){k == 2 ? 200 : 0, 0, 0};
+		lab_add(&lab, &def);
+	}
+	for (int k = 0; k < 3; k++) {
+		struct rb_joint_def def = joint(RB_JOINT_HINGE, k, k - 1);
+
+		def.at = (rb_vec3){0, 0, 0};
+		def.axis = axis[k];
+		add(&lab, def);
+	}
+	lab_seal(&lab, 1);
+	to_end(&lab);
+	const rb_vec3 spin = rb_vec3_from(lab.world->state.spin + 6);
+
+	print_message("spin %.3g %.3g %.3g\n", spin.x - 200, spin.y, spin.z);
+	assert_near(spin.x, 200, 1e-11);
+	assert_near(spin.y, 0, 1e-11);
+	assert_near(spin.z, 0, 1e-11);
+	balances(&lab, 1e-14, 1e-14, 1e-14);
+	lab_close(&lab);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -676,6 +785,8 @@ int main(void)
 		cmocka_unit_test(beads_on_rods_fall_on_a_table),
 		cmocka_unit_test(a_simple_pendulum_keeps_its_period),
 		cmocka_unit_test(every_kind_keeps_energy_and_momentum),
+		cmocka_unit_test(a_taut_chain_fails_by_name),
+		cmocka_unit_test(a_balanced_wheel_goes_on_spinning),
 		cmocka_unit_test(a_double_pendulum_is_where_it_should_be),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

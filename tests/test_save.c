@@ -520,6 +520,8 @@ static const struct exempt exempt[] = {
 	{rb_next_fields, "again", "a sample of a motion that ends with the frame"},
 	{rb_cluster_fields, "has_jammed", "no recipe jams (Painleve)"},
 	{rb_cluster_fields, "hits", "no piece of a recipe ends so after a frame"},
+	{rb_cluster_fields, "crept",
+         "decides only when joints that lock have failed: test_located_joints"},
 	{rb_held_fields, "merged", "no recipe's accumulation of impacts ends at a frame"},
 	{rb_held_fields, "common", "no recipe has several points that creep one way"},
 	{rb_held_fields, "half", "no recipe has a rim within a piece"},

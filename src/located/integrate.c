@@ -24,6 +24,12 @@ static const double tolerance = 3e-14;
 static const double doubtful = 1e-8;
 /* Share of a column by which it is told from others, where that leads to forces that pull. */
 static const double nearly_open = 1e-6;
+/*
+ * Share of the time in which loads would move a member by its size: pieces of joined bodies are
+ * within 2^-8 of it. And how many more shorter than this share than others are too many.
+ */
+static const double creeping = 0x1p-20;
+enum { CREPT_MAX = 256 };
 
 /* What a piece to come needs. */
 struct room {
@@ -369,6 +375,107 @@ static bool fails_by_meeting(const struct rb_modes *w)
 	return true;
 }
 
+/* m/s^2: what the accelerations found leave of a joint's row. */
+static double left_of(const struct rb_modes *w, const struct rb_joint_row *row)
+{
+	const struct rb_coupled_row coupled = rb_joint_rows_coupled(row);
+
+	return fabs(rb_coupled_felt(&coupled, w->linear, w->angular) + row->bias);
+}
+
+/*
+ * Joints that lock: what they leave free to first order is none of the ways that they leave free,
+ * as of a straight chain that is held taut at both ends. Rows of theirs are combinations of others,
+ * but not what these ask for. Elimination takes a row for a combination (math/dense) where the
+ * square of what sets it apart is within 16 n ulp, and a motion there contradicts it by up to about
+ * the root of that; what does so by more goes on to, from one piece to the next, each of them as
+ * short as rounding makes it. Motors and contacts are let go instead. Names the joint; false: they
+ * agree.
+ */
+static bool fails_by_lock(const struct rb_modes *w)
+{
+	struct rb_located *l = w->l;
+	const struct rb_joint_rows *rows = &w->joints;
+	const double share = 8 * sqrt(16 * rows->count * DBL_EPSILON);
+	double worst = 0;
+	int which = 0;
+	char label[96];
+
+	if (rows->count == 0 || !w->dense.open || w->c->held_count > 0 || rb_joint_rows_drive(rows))
+		return false;
+	for (int k = 0; k < rows->count; k++) {
+		const double left = left_of(w, &rows->row[k]);
+
+		if (left > worst) {
+			worst = left;
+			which = rows->row[k].joint;
+		}
+	}
+	if (!(worst > share * fmax(w->max, rb_sizes_load(w))))
+		return false;
+	l->status = RB_FAIL(
+		l->err, RB_ERR_PHYSICS,
+		"%s cannot be kept together with the other joints at t = %.17g s: they lock, and "
+		"leave it %.3g m/s^2 (is a chain held taut, or a linkage stretched flat?)",
+		rb_joint_label(l->model->scene, l->model->joints->joint[which].def, label),
+		w->origin_s, worst);
+	return true;
+}
+
+/* Names the joint that carries most; false: there are none. */
+static bool fails_by_joints(const struct rb_modes *w, const char *why)
+{
+	struct rb_located *l = w->l;
+	double most = 0;
+	char label[96], body[64];
+
+	if (w->joints.count == 0)
+		return false;
+	int which = w->joints.row[0].joint;
+	for (int k = 0; k < w->joints.count; k++)
+		if (fabs(w->multiplier[k]) > most) {
+			most = fabs(w->multiplier[k]);
+			which = w->joints.row[k].joint;
+		}
+	l->status = RB_FAIL(
+		l->err, RB_ERR_PHYSICS,
+		"the motion of '%s' and what is joined to it cannot be followed beyond "
+		"t = %.17g s: %s, and %s carries most",
+		rb_scene_body_label(l->model->scene, l->model->id_of[w->c->member[0]], body),
+		w->origin_s, why,
+		rb_joint_label(l->model->scene, l->model->joints->joint[which].def, label));
+	return true;
+}
+
+/* Are joints, constant forces and inertia all that makes the members' pieces short? */
+static bool moves_by_joints(const struct rb_modes *w)
+{
+	struct rb_joint_spring_row spring;
+
+	if (w->joints.count == 0 || w->c->held_count > 0 ||
+	    (w->l->model->features & RB_FEATURES_VARIED))
+		return false;
+	for (int k = 0; k < w->joints.joint_count; k++)
+		if (rb_joint_rows_spring(&w->joints, k, w->origin_s, &spring))
+			return false;
+	return true;
+}
+
+/*
+ * Joints of which, by rounding, now all and now all but one are independent lock and let go in
+ * turn, in pieces that get nowhere (test_located_joints). Counts those; false: there are too many.
+ */
+static bool count_crept(struct rb_modes *w, double length, double natural_s)
+{
+	struct rb_cluster *c = w->c;
+
+	if (length < creeping * natural_s)
+		c->crept++;
+	else if (c->crept > 0)
+		c->crept--;
+	return c->crept < CREPT_MAX;
+}
+
 static void run(struct rb_modes *w, const struct room *room)
 {
 	struct rb_located *l = w->l;
@@ -411,6 +518,9 @@ static void run(struct rb_modes *w, const struct room *room)
 	for (int k = 0; k < c->held_count; k++)
 		w->doubt = fmax(w->doubt, 4 * fmin(rb_check_excess(w, k), doubtful * w->force_max));
 	const double guess = rb_sizes_of(w, room->scale);
+	if (fails_by_lock(w))
+		return;
+	const double natural_s = moves_by_joints(w) ? fmin(guess, rb_sizes_fall(w)) : 0;
 	w->calls = &calls;
 	w->scale = room->scale;
 	if (!(c->try_s > 0))
@@ -433,7 +543,8 @@ static void run(struct rb_modes *w, const struct room *room)
 
 		if (status == RB_ERR_PHYSICS && l->status == RB_OK && c->held_count > 0 && jams(w))
 			break;
-		if (status == RB_ERR_PHYSICS && l->status == RB_OK && fails_by_meeting(w))
+		if (status == RB_ERR_PHYSICS && l->status == RB_OK &&
+		    (fails_by_meeting(w) || fails_by_joints(w, "no step is short enough")))
 			break;
 		if (status != RB_OK) {
 			l->status = status;
@@ -456,6 +567,9 @@ static void run(struct rb_modes *w, const struct room *room)
 	                                rb_check_turns_aside(w, 0.5 * length, room->value)));
 	l->world->frame_counts.body_steps += calls * (uint64_t)c->member_count;
 	if (l->status != RB_OK || c->has_jammed)
+		return;
+	if (length < left_s && !count_crept(w, length, natural_s) &&
+	    fails_by_joints(w, "joints lock and let go in turn"))
 		return;
 	/* a piece ends at a moment that is later than its beginning */
 	put_on_piece(w, fmax(w->origin_s + length, nextafter(w->origin_s, HUGE_VAL)));

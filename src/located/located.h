@@ -162,6 +162,7 @@ RB_FIELDS_DECLARE(rb_account_rates_fields);
 	X(double, account_s, , "s", "until then the ledger has it (located/account)", RB_FINITE) \
 	X(double, least, , "1", "of struct rb_dense, at the beginning of the piece", RB_FINITE)  \
 	X(double, try_s, , "s", "length of the next piece", RB_TIME)                             \
+	X(uint64_t, crept, , "", "pieces that got nowhere, less those that did", RB_ANY_BITS)    \
 	X(int, next_free, , "", "1 + the next unused cluster, 0: none",                          \
 	  RB_UP_TO(RB_LIMIT_NEXT_FREE))                                                          \
 	X(int, hit_a, , "", "of `hits`", RB_UP_TO(RB_LIMIT_BODY))                                \

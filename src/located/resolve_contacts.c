@@ -598,8 +598,14 @@ static void fly(struct rb_settling *s, int body)
 	              rb_external_turning(s->l, body));
 }
 
+/* Of the clusters that were: the shortest step length, and the most of `crept`. */
+struct pace {
+	double try_s;
+	uint64_t crept;
+};
+
 /* Writes each part as a cluster or free arcs. */
-static void write_parts(struct rb_settling *s, double try_s)
+static void write_parts(struct rb_settling *s, const struct pace *pace)
 {
 	struct rb_located *l = s->l;
 	int *member = rb_slips_take(s, l->set_count, sizeof *member);
@@ -631,19 +637,20 @@ static void write_parts(struct rb_settling *s, double try_s)
 			return;
 		}
 		struct rb_cluster *c = &l->cluster[cluster];
-		c->try_s = try_s;
+		c->try_s = pace->try_s;
+		c->crept = pace->crept;
 		write_held(s, part, c, contact_point);
 		start_part(s, part, c, contact_point);
 		rb_queue_set(l->queue, l->n + cluster, rb_transition_next(l, cluster));
 	}
 }
 
-/* Closes the old clusters; `*try_s` is the shortest step length they had. */
-static void forget_before(struct rb_settling *s, double *try_s)
+/* Closes the old clusters. */
+static void forget_before(struct rb_settling *s, struct pace *pace)
 {
 	struct rb_located *l = s->l;
 
-	*try_s = 0;
+	*pace = (struct pace){0, 0};
 	for (int k = 0; k < l->set_count; k++) {
 		const int cluster = l->cluster_of[l->set[k]];
 
@@ -651,9 +658,10 @@ static void forget_before(struct rb_settling *s, double *try_s)
 		rb_past_keep(l, l->set[k], s->t);
 		if (cluster < 0)
 			continue;
-		if (l->cluster[cluster].integrated)
-			*try_s = *try_s > 0 ? fmin(*try_s, l->cluster[cluster].try_s)
-			                    : l->cluster[cluster].try_s;
+		const struct rb_cluster *c = &l->cluster[cluster];
+		if (c->integrated)
+			pace->try_s = pace->try_s > 0 ? fmin(pace->try_s, c->try_s) : c->try_s;
+		pace->crept = c->crept > pace->crept ? c->crept : pace->crept;
 		rb_account_cluster(l, cluster, s->t);
 		rb_cluster_drop(l, cluster);
 	}
@@ -727,7 +735,7 @@ static int find_hit(const struct rb_settling *s)
 static bool resolve_once(struct rb_settling *s, bool looks, bool may_seize)
 {
 	struct rb_located *l = s->l;
-	double try_s;
+	struct pace pace;
 
 	if (!begin(s))
 		return false;
@@ -746,9 +754,9 @@ static bool resolve_once(struct rb_settling *s, bool looks, bool may_seize)
 	join_all(s);
 	if (may_seize && s->joints.count == 0 && rb_seize(s))
 		return true;
-	forget_before(s, &try_s);
+	forget_before(s, &pace);
 	record_lifts(s);
-	write_parts(s, try_s);
+	write_parts(s, &pace);
 	return false;
 }
 

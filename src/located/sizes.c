@@ -19,10 +19,32 @@ static double load_of(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 f
 	return fmax(moves, rb_vec3_length(whole));
 }
 
+/* m: of the body, or of the joints that hold it. */
+static double size_of(const struct rb_modes *w, int body)
+{
+	const struct rb_joints *joints = w->l->model->joints;
+	double size = rb_model_reach(w->l->model, body);
+
+	for (int e = joints ? joints->first[body] : 0; joints && e < joints->first[body + 1]; e++)
+		size = fmax(size, joints->joint[joints->of[e]].size);
+	return size;
+}
+
+/*
+ * m/s^2, of the points of a joined body that turns: those of its joints, and what they answer, are
+ * differences of these, and round like them where they cancel, as of a balanced wheel in gimbals.
+ */
+static double turning_load(const struct rb_modes *w, int k)
+{
+	const double spin = rb_vec3_length(w->pose[k].spin);
+
+	return spin * spin * size_of(w, w->c->member[k]);
+}
+
 /*
  * Largest of a member. Forces solved together round together: all have the rounding of the largest.
  */
-static double largest_load(const struct rb_modes *w)
+double rb_sizes_load(const struct rb_modes *w)
 {
 	double max = 0;
 
@@ -44,6 +66,9 @@ static double largest_load(const struct rb_modes *w)
 				           w->l->model->inverse_mass[w->c->member[place]] * force);
 		}
 	}
+	for (int k = 0; w->joints.count > 0 && k < w->c->member_count; k++)
+		if (rb_joint_rows_hold(w->l, w->c->member[k]))
+			max = fmax(max, turning_load(w, k));
 	return max;
 }
 
@@ -72,21 +97,20 @@ static double bends_over(const struct rb_modes *w, int k)
 	return rb_attract_distance(&l->gravitation.all, w->c->member[k], &depth);
 }
 
-/* m: of the body, or of the joints that hold it. */
-static double size_of(const struct rb_modes *w, int body)
+double rb_sizes_fall(const struct rb_modes *w)
 {
-	const struct rb_joints *joints = w->l->model->joints;
-	double size = rb_model_reach(w->l->model, body);
+	const double load = rb_sizes_load(w);
+	double least = HUGE_VAL;
 
-	for (int e = joints ? joints->first[body] : 0; joints && e < joints->first[body + 1]; e++)
-		size = fmax(size, joints->joint[joints->of[e]].size);
-	return size;
+	for (int k = 0; load > 0 && k < w->c->member_count; k++)
+		least = fmin(least, sqrt(rb_model_reach(w->l->model, w->c->member[k]) / load));
+	return least;
 }
 
 double rb_sizes_of(struct rb_modes *w, double *scale)
 {
 	const struct rb_located *l = w->l;
-	const double load = largest_load(w);
+	const double load = rb_sizes_load(w);
 	double try_s = l->end_s;
 
 	for (int k = 0; k < w->c->member_count; k++) {

@@ -11,4 +11,10 @@
  */
 double rb_sizes_of(struct rb_modes *w, double *scale);
 
+/* m/s^2: the largest acceleration of which those of the members are differences, then. */
+double rb_sizes_load(const struct rb_modes *w);
+
+/* s: the shortest in which that load would move a member by its size; HUGE_VAL: there is none. */
+double rb_sizes_fall(const struct rb_modes *w);
+
 #endif
