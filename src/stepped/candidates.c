@@ -40,7 +40,7 @@ static void go_on(struct rb_candidates *near, int i, rb_vec3 to, rb_quat turn)
 	const double w = turn.w - q.w, x = turn.x - q.x, y = turn.y - q.y, z = turn.z - q.z;
 	const double square = w * w + x * x + y * y + z * z;
 
-	RB_ASSERT_COSTLY(i >= 0 && near->path[i] >= 0);
+	RB_ASSERT_COSTLY(i >= 0 && !(near->path[i] < 0)); /* NaN: of a try that fails */
 	near->turn[i] = turn;
 	if (square > 0)
 		near->path[i] += 2 * near->size[i] * sqrt(square) * (1 + 1e-9);
