@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "sweep/table.h"
 
 /* Columns of bodies, where the recording has them. */
 static const struct {
@@ -63,22 +64,6 @@ static const double *column_of(const struct rb_frame *frame, int column)
 	return values;
 }
 
-/* A text as a cell: quoted where it holds a separator, a quote or a line break. */
-static void print_text(FILE *file, const char *text)
-{
-	const bool quoted = text[strcspn(text, ",\"\r\n")] != '\0';
-
-	if (quoted)
-		putc('"', file);
-	for (; *text; text++) {
-		if (*text == '"')
-			putc('"', file);
-		putc(*text, file);
-	}
-	if (quoted)
-		putc('"', file);
-}
-
 /* Cells with commas before them. */
 static void print_numbers(FILE *file, const double *values, int count)
 {
@@ -97,7 +82,7 @@ static void print_vector(FILE *file, rb_vec3 v)
 static void print_body(const struct rb_exported *exported, FILE *file, int id)
 {
 	fprintf(file, ",%d,", id);
-	print_text(file, exported->reading->names[id]);
+	rb_table_print_cell(file, exported->reading->names[id]);
 }
 
 static void print_head(const struct rb_exported *exported, FILE *file, const struct rb_frame *frame)
@@ -136,7 +121,7 @@ static void print_frames_head(const struct rb_exported *exported, FILE *file,
 		fprintf(file, ",%s", numbers[k].name);
 	for (int k = 0; k < exported->reading->probe_count; k++) {
 		putc(',', file);
-		print_text(file, exported->reading->probe_names[k]);
+		rb_table_print_cell(file, exported->reading->probe_names[k]);
 	}
 	putc('\n', file);
 }
@@ -276,10 +261,10 @@ static enum rb_status write_results(struct rb_exported *exported, const char *na
 		return status;
 	fputs("name,value,unit\n", out.file);
 	for (int i = 0; i < reading->result_count; i++) {
-		print_text(out.file, reading->result_names[i]);
+		rb_table_print_cell(out.file, reading->result_names[i]);
 		print_numbers(out.file, &reading->results[i], 1);
 		putc(',', out.file);
-		print_text(out.file, reading->result_units[i]);
+		rb_table_print_cell(out.file, reading->result_units[i]);
 		putc('\n', out.file);
 	}
 	return rb_exported_publish(exported, &out, name, true, err);

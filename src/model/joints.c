@@ -450,9 +450,9 @@ static void list_ends(struct rb_joints *joints, int bodies)
 }
 
 /*
- * Refuses a point so far from a body's centre of mass that what pulls there turns the body and
- * hardly moves it: of the two, m r^2 / I apart, doubles hold both only as far as 1/16 ulp. Written
- * so that what is not finite is refused.
+ * Refuses a point so far from a body's centre of mass that a force there turns the body and hardly
+ * moves it: m r^2 / I is the ratio of the two accelerations of that point, and beyond 2^48 the
+ * smaller is within 16 ulp of the larger. Written so that what is not finite is refused.
  */
 static enum rb_status check_arms(const struct rb_model *model, int k, struct rb_error *err)
 {

@@ -196,7 +196,7 @@ static double turned(const struct rb_candidates *near, const struct rb_world *wo
 	return pi * sqrt(w * w + x * x + y * y + z * z);
 }
 
-/* True if no driven plane has turned, or in the step under way will turn, beyond its margin. */
+/* True unless body i is a driven plane that `ahead` rad more would turn beyond its margin. */
 static bool is_turn_within(const struct rb_candidates *near, const struct rb_world *world, int i,
                            double ahead)
 {

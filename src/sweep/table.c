@@ -320,10 +320,9 @@ void rb_table_release(struct rb_table *table)
 
 /* ---- CSV ---- */
 
-/* A cell as RFC 4180 has it: quoted where it holds a separator, a quote or a line break. */
-static void print_cell(FILE *file, const char *text)
+void rb_table_print_cell(FILE *file, const char *text)
 {
-	const bool quoted = text[strcspn(text, ",\"\n")] != '\0';
+	const bool quoted = text[strcspn(text, ",\"\r\n")] != '\0';
 
 	if (quoted)
 		putc('"', file);
@@ -357,7 +356,7 @@ void rb_table_print_csv(const struct rb_table *table, FILE *file)
 	for (int i = 0; i < table->column_count; i++) {
 		if (i > 0)
 			putc(',', file);
-		print_cell(file, table->columns[i].name);
+		rb_table_print_cell(file, table->columns[i].name);
 	}
 	putc('\n', file);
 	for (uint64_t row = 0; row < table->rows; row++) {
@@ -366,7 +365,8 @@ void rb_table_print_csv(const struct rb_table *table, FILE *file)
 			if (i > 0)
 				putc(',', file);
 			if (column->texts)
-				print_cell(file, column->texts[row] ? column->texts[row] : "");
+				rb_table_print_cell(file,
+				                    column->texts[row] ? column->texts[row] : "");
 			else if (!isnan(column->numbers[row]))
 				print_number(file, column->numbers[row]);
 		}

@@ -18,4 +18,7 @@ void rb_table_release(struct rb_table *table);
 /* Comma-separated, with a row of names above; what is missing is an empty cell. */
 void rb_table_print_csv(const struct rb_table *table, FILE *file);
 
+/* A text as a cell of RFC 4180: quoted where it holds a separator, a quote or a line break. */
+void rb_table_print_cell(FILE *file, const char *text);
+
 #endif

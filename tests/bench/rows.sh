@@ -19,3 +19,5 @@ compare "$BASE" "gas of 1,000, classic" "$BENCH_SCENES/gas.lua" -p n=1000 -p phi
 compare "$BASE" "tower of 20, located" "$BENCH_SCENES/stand.lua" -p count=20 -p seconds=1 --method located
 compare "$BASE" "tower of 20, by steps" "$BENCH_SCENES/stand.lua" -p count=20 -p seconds=1 --method stepped
 compare "$BASE" "wrecking ball, on springs" "$SCENES/wrecking_ball.lua" --method located --duration 0.3
+# 24 infinite planes that turn: each is a pair only with what it reaches, which it was not in BASE
+compare "$BASE" "drum of 24 planes, 500 spheres" "$BENCH_SCENES/drum.lua" --method stepped --duration 0.5
