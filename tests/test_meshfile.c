@@ -34,7 +34,7 @@ static void corners_of_a_binary_file_are_distinct_and_in_order(void **state)
 	const size_t size = tetrahedron(bytes);
 	(void)state;
 
-	assert_true(rb_meshfile_most(RB_MESHFILE_STL, size) <= 100);
+	assert_true(rb_meshfile_corners_max(RB_MESHFILE_STL, size) <= 100);
 	assert_int_equal(rb_meshfile_read(RB_MESHFILE_STL, bytes, size, points, &count, &err),
 	                 RB_OK);
 	assert_int_equal(count, 4);
@@ -109,7 +109,8 @@ static void damaged_files_are_refused_or_read(void **state)
 		const size_t cut = k < size ? (size_t)k : size;
 		const enum rb_meshfile_kind kind = k % 3 ? RB_MESHFILE_STL : RB_MESHFILE_OBJ;
 		char *const bytes = rb_memory_take(cut + 1, 1);
-		rb_vec3 *const points = rb_memory_take(rb_meshfile_most(kind, cut), sizeof *points);
+		rb_vec3 *const points = rb_memory_take(rb_meshfile_corners_max(kind, cut),
+		                                       sizeof *points);
 		struct rb_error err = {0};
 		size_t count = 0;
 

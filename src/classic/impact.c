@@ -30,7 +30,7 @@ struct approaching {
 	rb_vec3 impulse; /* N s on b, so far */
 };
 
-struct meetings {
+struct contacts {
 	struct rb_pass *pass;
 	/* m/s: what iteration may leave, a share of the largest approach of the first round */
 	double residue;
@@ -61,11 +61,11 @@ static bool any_touching(const struct rb_pass *pass)
 }
 
 /* Collects the touching pairs and what their approach owes to forces; false if there are none. */
-static bool gather(struct rb_pass *pass, struct meetings *all, bool after_substep)
+static bool gather(struct rb_pass *pass, struct contacts *all, bool after_substep)
 {
 	struct rb_world *world = pass->world;
 
-	*all = (struct meetings){.pass = pass};
+	*all = (struct contacts){.pass = pass};
 	all->row = rb_pass_take(pass, pass->arena, pass->touch_count, sizeof *all->row);
 	all->solver = rb_pass_take(pass, pass->arena, pass->touch_count, sizeof *all->solver);
 	all->active = rb_pass_take(pass, pass->arena, pass->touch_count, sizeof *all->active);
@@ -104,7 +104,7 @@ static bool gather(struct rb_pass *pass, struct meetings *all, bool after_subste
 }
 
 /* Lists the pairs whose approach is an impact in this round. */
-static void find_active(struct meetings *all, int round)
+static void find_active(struct contacts *all, int round)
 {
 	struct rb_world *world = all->pass->world;
 	double largest = 0;
@@ -146,7 +146,7 @@ static rb_vec3 row_impulse(const struct rb_impulse_row *row)
  * Solves all impacts of the round together; true if kinetic energy did not rise. False leaves the
  * velocities as they were.
  */
-static bool solve_together(struct meetings *all)
+static bool solve_together(struct contacts *all)
 {
 	struct rb_world *world = all->pass->world;
 	double scale = 0, work = 0, moved = 0;
@@ -189,7 +189,7 @@ static bool solve_together(struct meetings *all)
 }
 
 /* One after the other in order of pairs: a single impact never raises kinetic energy. */
-static void solve_one_by_one(struct meetings *all)
+static void solve_one_by_one(struct contacts *all)
 {
 	struct rb_world *world = all->pass->world;
 
@@ -211,7 +211,7 @@ static void solve_one_by_one(struct meetings *all)
 }
 
 /* One round, and what it adds to each pair's event. */
-static void run_round(struct meetings *all)
+static void run_round(struct contacts *all)
 {
 	if (all->active_count == 1 || !solve_together(all))
 		solve_one_by_one(all);
@@ -231,7 +231,7 @@ static void run_round(struct meetings *all)
  * Stops what still approaches, all touching pairs at once and without restitution; those that
  * needed an impulse become lasting contacts. True if any did.
  */
-static bool stop_the_rest(struct meetings *all)
+static bool stop_the_rest(struct contacts *all)
 {
 	struct rb_world *world = all->pass->world;
 	bool any = false;
@@ -292,7 +292,7 @@ static void keep_event(struct rb_pass *pass, const struct approaching *m)
 bool rb_impact_resolve(struct rb_pass *pass, bool after_substep)
 {
 	const rb_arena_mark here = rb_arena_here(pass->arena);
-	struct meetings all;
+	struct contacts all;
 	int impacts = 0;
 
 	if (!any_touching(pass) || !gather(pass, &all, after_substep))

@@ -73,9 +73,10 @@ double rb_gravitation_weight(const struct rb_model *model)
 		if (model->inverse_mass[i] > 0)
 			least = fmin(least, rb_model_reach(model, i));
 	for (int j = 0; j < n; j++) {
-		const double apart = rb_model_reach(model, j) + least;
+		const double distance = rb_model_reach(model, j) + least;
 
-		max = fmax(max, model->attraction[j] / (apart * apart + model->softening2_m2));
+		max = fmax(max,
+		           model->attraction[j] / (distance * distance + model->softening2_m2));
 	}
 	return max;
 }

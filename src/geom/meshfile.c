@@ -28,7 +28,7 @@ enum rb_meshfile_kind rb_meshfile_kind(const char *name)
 	return dot && strcasecmp(dot, ".obj") == 0 ? RB_MESHFILE_OBJ : RB_MESHFILE_NONE;
 }
 
-size_t rb_meshfile_most(enum rb_meshfile_kind kind, size_t size)
+size_t rb_meshfile_corners_max(enum rb_meshfile_kind kind, size_t size)
 {
 	/* a corner of a binary file takes more than 16 bytes, of text more than 12 */
 	return kind == RB_MESHFILE_NONE ? 0 : size / OBJ_LINE + 1;
@@ -108,7 +108,7 @@ static enum rb_status read_text(const char *word, const char *bytes, size_t size
 	for (const char *at = bytes; at < end; line++) {
 		at += strspn(at, " \t");
 		if (strncmp(at, word, length) == 0 && (at[length] == ' ' || at[length] == '\t')) {
-			RB_ASSERT(*count < rb_meshfile_most(RB_MESHFILE_OBJ, size));
+			RB_ASSERT(*count < rb_meshfile_corners_max(RB_MESHFILE_OBJ, size));
 			at += length;
 			if (!read_corner(&at, &points[*count]))
 				return RB_FAIL(err, RB_ERR_SCENE,

@@ -22,7 +22,7 @@ enum rb_meshfile_kind { RB_MESHFILE_NONE, RB_MESHFILE_STL, RB_MESHFILE_OBJ };
 enum rb_meshfile_kind rb_meshfile_kind(const char *name);
 
 /* No more corners are in so many bytes: room for rb_meshfile_read. */
-size_t rb_meshfile_most(enum rb_meshfile_kind kind, size_t size);
+size_t rb_meshfile_corners_max(enum rb_meshfile_kind kind, size_t size);
 
 /*
  * Distinct corners, in the order of their coordinates (x first). `bytes` ends with a zero behind

@@ -87,13 +87,13 @@ ALWAYS void run_four(const struct rb_attract *all, int first, int end,
 		const lanes dz = (pz[j] - z.x) + (rz[j] - z.rest);
 		const lanes square = dx * dx + dy * dy + dz * dz;
 		/* the point itself, and what is at the same place: no force */
-		const masks apart = (masks)(square > 0);
+		const masks distinct = (masks)(square > 0);
 		const lanes soft = square + softening2;
 		lanes distance;
 
 		root(&soft, &distance);
 		const lanes all_factor = mu[j] / (soft * distance);
-		const lanes factor = (lanes)((masks)all_factor & apart);
+		const lanes factor = (lanes)((masks)all_factor & distinct);
 		const lanes ax = factor * dx, ay = factor * dy, az = factor * dz;
 
 		add(&sx, &ax);

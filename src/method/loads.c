@@ -34,14 +34,14 @@ struct rb_loads {
 		 * owned: the engine that evaluates external forces where nothing is located; NULL
 		 * until needed
 		 */
-		looker;
+		observer;
 	struct rb_pose *pose;            /* [bodies], of all where nothing is located */
 	struct rb_external_parts *parts; /* [bodies] of which one row is used */
 };
 
 static void release(struct rb_loads *loads)
 {
-	rb_engine_destroy(loads->looker);
+	rb_engine_destroy(loads->observer);
 	rb_contacts_release(&loads->contacts);
 	rb_memory_free(loads->force);
 	rb_memory_free(loads->torque);
@@ -232,13 +232,13 @@ static enum rb_status place_all(struct rb_world *world, struct rb_error *err)
 {
 	struct rb_loads *loads = world->loads;
 
-	if (!loads->looker) {
-		const enum rb_status status = rb_engine_create(&loads->looker, world, err);
+	if (!loads->observer) {
+		const enum rb_status status = rb_engine_create(&loads->observer, world, err);
 
 		if (status != RB_OK)
 			return status;
 		for (int i = 0; i < world->model->body_count; i++)
-			loads->looker->place[i] = i;
+			loads->observer->place[i] = i;
 	}
 	for (int i = 0; i < world->model->body_count; i++)
 		loads->pose[i] = rb_world_pose(world, &world->state, i);
@@ -249,7 +249,7 @@ static enum rb_status place_all(struct rb_world *world, struct rb_error *err)
 static void attract(struct rb_world *world)
 {
 	struct rb_loads *loads = world->loads;
-	struct rb_located *const l = is_located(world) ? world->located : loads->looker;
+	struct rb_located *const l = is_located(world) ? world->located : loads->observer;
 	const struct rb_force_query view = {.time_s = world->state.time_s,
 	                                    .pose = is_located(world) ? NULL : loads->pose};
 
@@ -294,7 +294,7 @@ static struct rb_located *begin_inspection(struct rb_world *world, int i,
                                            struct rb_force_query *view)
 {
 	struct rb_loads *loads = world->loads;
-	struct rb_located *l = is_located(world) ? world->located : loads->looker;
+	struct rb_located *l = is_located(world) ? world->located : loads->observer;
 
 	*view = (struct rb_force_query){.time_s = world->state.time_s,
 	                                .active_s = world->state.time_s,
@@ -366,7 +366,7 @@ static void press_by_gravitation(const struct rb_gravitation *gravitation, int i
 static void press(struct rb_world *world, int i, struct rb_load *load)
 {
 	const struct rb_model *model = world->model;
-	struct rb_located *l = is_located(world) ? world->located : world->loads->looker;
+	struct rb_located *l = is_located(world) ? world->located : world->loads->observer;
 	const struct rb_force_query view = {.time_s = world->state.time_s,
 	                                    .pose = is_located(world) ? NULL : world->loads->pose};
 	const struct rb_element_view at = {l, &view};
@@ -450,7 +450,7 @@ enum rb_status rb_world_load(struct rb_world *world, int id, struct rb_load *loa
 	if (!driven)
 		return RB_OK;
 	const double t = world->state.time_s;
-	struct rb_located *l = is_located(world) ? world->located : world->loads->looker;
+	struct rb_located *l = is_located(world) ? world->located : world->loads->observer;
 
 	if (!is_located(world))
 		status = lead_on(l, i, t, err);

@@ -456,7 +456,7 @@ static void list_ends(struct rb_joints *joints, int bodies)
  */
 static enum rb_status check_arms(const struct rb_model *model, int k, struct rb_error *err)
 {
-	static const double apart_max = 1 / (16 * DBL_EPSILON);
+	static const double ratio_max = 1 / (16 * DBL_EPSILON);
 	const struct rb_joint *const joint = &model->joints->joint[k];
 	const int end[2] = {joint->a, joint->b};
 	const rb_vec3 arm[2] = {joint->link.at_a, joint->link.at_b};
@@ -475,7 +475,7 @@ static enum rb_status check_arms(const struct rb_model *model, int k, struct rb_
 		                                       inverse->m[2][2]
 		                             : 0;
 
-		if (length * length * model->mass[i] * turns <= apart_max)
+		if (length * length * model->mass[i] * turns <= ratio_max)
 			continue;
 		rb_scene_body_label(model->scene, model->id_of[i], body);
 		return RB_FAIL(err, RB_ERR_SCENE,
@@ -484,7 +484,7 @@ static enum rb_status check_arms(const struct rb_model *model, int k, struct rb_
 		               "expected at most %.3g)",
 		               model->scene->file, model->scene->joints[k].line,
 		               rb_joint_label(model->scene, k, label), length, body,
-		               length * length * model->mass[i] * turns, apart_max);
+		               length * length * model->mass[i] * turns, ratio_max);
 	}
 	return RB_OK;
 }

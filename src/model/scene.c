@@ -65,17 +65,17 @@ static char *take_bytes(struct rb_scene *scene, size_t size)
 	struct text_block *block = memory->texts;
 
 	if (!block || block->size - block->used < size) {
-		const size_t room = size > TEXT_BLOCK_SIZE / 4 ? size : TEXT_BLOCK_SIZE;
+		const size_t capacity = size > TEXT_BLOCK_SIZE / 4 ? size : TEXT_BLOCK_SIZE;
 
-		block = rb_memory_take(1, sizeof *block + room);
+		block = rb_memory_take(1, sizeof *block + capacity);
 		if (!block)
 			return NULL;
-		block->size = room;
+		block->size = capacity;
 		/*
 		 * inserted behind the current block if it is full at once, so that the current
 		 * one's rest is used
 		 */
-		if (room == size && memory->texts) {
+		if (capacity == size && memory->texts) {
 			block->next = memory->texts->next;
 			memory->texts->next = block;
 		} else {
@@ -134,7 +134,7 @@ static enum rb_status out_of_memory(const char *what, struct rb_error *err)
 }
 
 /* Makes room for one more element in `*array`. */
-static bool room(struct rb_scene *scene, void *array, int which, int count, size_t size)
+static bool reserve(struct rb_scene *scene, void *array, int which, int count, size_t size)
 {
 	return rb_memory_reserve(array, &scene->memory->capacity[which], (size_t)count + 1, size);
 }
@@ -293,8 +293,8 @@ enum rb_status rb_scene_add_material(struct rb_scene *scene, const struct rb_mat
 	struct rb_material_def material = *def;
 
 	if (!own(scene, &material.name) || !own(scene, &material.texture) ||
-	    !room(scene, &scene->materials, ARRAY_MATERIALS, scene->material_count,
-	          sizeof material))
+	    !reserve(scene, &scene->materials, ARRAY_MATERIALS, scene->material_count,
+	             sizeof material))
 		return out_of_memory("materials", err);
 	if (index)
 		*index = scene->material_count;
@@ -306,8 +306,8 @@ enum rb_status rb_scene_add_contact_pair(struct rb_scene *scene,
                                          const struct rb_contact_pair_def *def,
                                          struct rb_error *err)
 {
-	if (!room(scene, &scene->contact_pairs, ARRAY_PAIRS, scene->contact_pair_count,
-	          sizeof *def))
+	if (!reserve(scene, &scene->contact_pairs, ARRAY_PAIRS, scene->contact_pair_count,
+	             sizeof *def))
 		return out_of_memory("contact pairs", err);
 	scene->contact_pairs[scene->contact_pair_count++] = *def;
 	return RB_OK;
@@ -324,7 +324,7 @@ enum rb_status rb_scene_add_body(struct rb_scene *scene, const struct rb_body_de
 	body.force_first = scene->force_count;
 	body.force_count = 0;
 	if (!own(scene, &body.name) || !own(scene, &body.call) || !own(scene, &body.texture) ||
-	    !room(scene, &scene->bodies, ARRAY_BODIES, scene->body_count, sizeof body))
+	    !reserve(scene, &scene->bodies, ARRAY_BODIES, scene->body_count, sizeof body))
 		return out_of_memory("bodies", err);
 	if (index)
 		*index = scene->body_count;
@@ -351,7 +351,7 @@ enum rb_status rb_scene_add_solid(struct rb_scene *scene, const struct rb_solid 
 	own_copy.parts = take_copy(scene, def->parts, (size_t)def->part_count, sizeof *def->parts,
 	                           &failed);
 	if (failed ||
-	    !room(scene, &scene->solids, ARRAY_SOLIDS, scene->solid_count, sizeof own_copy))
+	    !reserve(scene, &scene->solids, ARRAY_SOLIDS, scene->solid_count, sizeof own_copy))
 		return out_of_memory("solids", err);
 	*solid = scene->solid_count;
 	scene->solids[scene->solid_count++] = own_copy;
@@ -362,7 +362,7 @@ enum rb_status rb_scene_add_force(struct rb_scene *scene, const struct rb_force_
                                   struct rb_error *err)
 {
 	RB_ASSERT(scene->body_count > 0);
-	if (!room(scene, &scene->forces, ARRAY_FORCES, scene->force_count, sizeof *def))
+	if (!reserve(scene, &scene->forces, ARRAY_FORCES, scene->force_count, sizeof *def))
 		return out_of_memory("forces", err);
 	scene->forces[scene->force_count++] = *def;
 	scene->bodies[scene->body_count - 1].force_count++;
@@ -372,7 +372,7 @@ enum rb_status rb_scene_add_force(struct rb_scene *scene, const struct rb_force_
 enum rb_status rb_scene_add_field(struct rb_scene *scene, const struct rb_field_def *def,
                                   struct rb_error *err)
 {
-	if (!room(scene, &scene->fields, ARRAY_FIELDS, scene->field_count, sizeof *def))
+	if (!reserve(scene, &scene->fields, ARRAY_FIELDS, scene->field_count, sizeof *def))
 		return out_of_memory("fields", err);
 	scene->fields[scene->field_count++] = *def;
 	return RB_OK;
@@ -384,7 +384,7 @@ enum rb_status rb_scene_add_joint(struct rb_scene *scene, const struct rb_joint_
 	struct rb_joint_def joint = *def;
 
 	if (!own(scene, &joint.name) ||
-	    !room(scene, &scene->joints, ARRAY_JOINTS, scene->joint_count, sizeof joint))
+	    !reserve(scene, &scene->joints, ARRAY_JOINTS, scene->joint_count, sizeof joint))
 		return out_of_memory("joints", err);
 	if (index)
 		*index = scene->joint_count;
@@ -407,7 +407,7 @@ enum rb_status rb_scene_group(struct rb_scene *scene, const char *name, int *ind
 		               "group '%s' is one too many (wanted at most %d groups)", name,
 		               GROUP_MAX);
 	const char *copy = rb_scene_text(scene, name);
-	if (!copy || !room(scene, &scene->groups, ARRAY_GROUPS, scene->group_count, sizeof copy))
+	if (!copy || !reserve(scene, &scene->groups, ARRAY_GROUPS, scene->group_count, sizeof copy))
 		return out_of_memory("groups", err);
 	*index = scene->group_count;
 	scene->groups[scene->group_count++] = copy;
@@ -421,7 +421,7 @@ enum rb_status rb_scene_add_camera(struct rb_scene *scene, const struct rb_camer
 
 	if (!own(scene, &camera.name) || !own(scene, &camera.file) || !own(scene, &camera.png) ||
 	    !own(scene, &camera.video) ||
-	    !room(scene, &scene->cameras, ARRAY_CAMERAS, scene->camera_count, sizeof camera))
+	    !reserve(scene, &scene->cameras, ARRAY_CAMERAS, scene->camera_count, sizeof camera))
 		return out_of_memory("cameras", err);
 	scene->cameras[scene->camera_count++] = camera;
 	return RB_OK;
@@ -435,7 +435,7 @@ enum rb_status rb_scene_add_param(struct rb_scene *scene, const struct rb_param_
 	if (!own(scene, &param.name) || !own(scene, &param.help) ||
 	    !own(scene, &param.default_text) || !own(scene, &param.value_text) ||
 	    !own(scene, &param.choices) ||
-	    !room(scene, &scene->params, ARRAY_PARAMS, scene->param_count, sizeof param))
+	    !reserve(scene, &scene->params, ARRAY_PARAMS, scene->param_count, sizeof param))
 		return out_of_memory("parameters", err);
 	scene->params[scene->param_count++] = param;
 	return RB_OK;
@@ -447,7 +447,7 @@ enum rb_status rb_scene_add_expect(struct rb_scene *scene, const struct rb_expec
 	struct rb_expect_def expect = *def;
 
 	if (!own(scene, &expect.text) ||
-	    !room(scene, &scene->expects, ARRAY_EXPECTS, scene->expect_count, sizeof expect))
+	    !reserve(scene, &scene->expects, ARRAY_EXPECTS, scene->expect_count, sizeof expect))
 		return out_of_memory("expectations", err);
 	scene->expects[scene->expect_count++] = expect;
 	return RB_OK;
@@ -463,7 +463,7 @@ enum rb_status rb_scene_add_measure(struct rb_scene *scene, bool probe,
 	RB_ASSERT(*count < RB_MEASURES_MAX && def->name && def->units && def->description);
 	if (!own(scene, &measure.name) || !own(scene, &measure.units) ||
 	    !own(scene, &measure.description) ||
-	    !room(scene, list, probe ? ARRAY_PROBES : ARRAY_RESULTS, *count, sizeof measure))
+	    !reserve(scene, list, probe ? ARRAY_PROBES : ARRAY_RESULTS, *count, sizeof measure))
 		return out_of_memory(probe ? "probes" : "results", err);
 	(*list)[(*count)++] = measure;
 	return RB_OK;
@@ -476,7 +476,7 @@ enum rb_status rb_scene_add_file(struct rb_scene *scene, const char *name, const
 	char *copy = size_bytes < SIZE_MAX ? take_bytes(scene, size_bytes + 1) : NULL;
 
 	if (!copy || !own(scene, &file.name) ||
-	    !room(scene, &scene->files, ARRAY_FILES, scene->file_count, sizeof file))
+	    !reserve(scene, &scene->files, ARRAY_FILES, scene->file_count, sizeof file))
 		return out_of_memory("files", err);
 	if (size_bytes > 0)
 		memcpy(copy, text, size_bytes);

@@ -145,9 +145,9 @@ static bool read_file(struct rb_call *call, int text, rb_vec3 **points, size_t *
 	const struct rb_source_file *const file = rb_asset_take(call, "file", name, any_bytes);
 	if (!file)
 		return false;
-	const size_t most = rb_meshfile_most(kind, file->size_bytes);
-	rb_sandbox_charge(L, 20 * most); /* their sorting */
-	*points = lua_newuserdatauv(L, most * sizeof **points, 0);
+	const size_t corners_max = rb_meshfile_corners_max(kind, file->size_bytes);
+	rb_sandbox_charge(L, 20 * corners_max); /* their sorting */
+	*points = lua_newuserdatauv(L, corners_max * sizeof **points, 0);
 	if (rb_meshfile_read(kind, file->text, file->size_bytes, *points, count, &err)) {
 		rb_call_mistake(call, "'file': '%s': %s", name, err.text);
 		return false;

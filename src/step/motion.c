@@ -65,7 +65,7 @@ struct watch {
 	bool places, turns; /* velocities, angular velocities are returned */
 	double size, round; /* m: of the smallest body; of coordinates */
 	double instant;     /* s: too short to look within */
-	int looks;
+	int inspections;
 };
 
 /* dq/dt = w q / 2, w in world axes. */
@@ -196,11 +196,12 @@ static void inspect_closer(struct watch *w, const struct part *p)
 	}
 	if (!sample(w, &p->begin, &p->middle, &low) || !sample(w, &p->middle, &p->end, &high))
 		return;
-	w->looks += 2;
+	w->inspections += 2;
 	/* only the first jump is reported */
 	if (low.rough[0] || low.rough[1])
 		inspect_closer(w, &low);
-	if (w->status == RB_OK && w->looks < INSPECTIONS_MAX && (high.rough[0] || high.rough[1]))
+	if (w->status == RB_OK && w->inspections < INSPECTIONS_MAX &&
+	    (high.rough[0] || high.rough[1]))
 		inspect_closer(w, &high);
 }
 
@@ -221,7 +222,7 @@ enum rb_status rb_motion_watch(const struct rb_motion *motion, struct rb_error *
 	if (sample(&w, &begin, &end, &all) && (all.rough[0] || all.rough[1]))
 		inspect_closer(&w, &all);
 	for (int turns = 0; turns < 2; turns++)
-		if (w.status == RB_OK && w.looks >= INSPECTIONS_MAX && all.rough[turns] &&
+		if (w.status == RB_OK && w.inspections >= INSPECTIONS_MAX && all.rough[turns] &&
 		    (turns ? w.turns : w.places))
 			refuse_velocities(&w, &all, turns);
 	return w.status;

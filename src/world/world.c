@@ -23,7 +23,7 @@ static bool moves(const struct rb_world *world, int id)
 }
 
 /* True for a dynamic body: neither static nor driven, so that its energy and momentum count. */
-static bool yields(const struct rb_world *world, int id)
+static bool is_dynamic(const struct rb_world *world, int id)
 {
 	return moves(world, id) &&
 	       !(world->model->driven && world->model->driven[world->model->index_of[id]]);
@@ -122,14 +122,14 @@ static rb_vec3 spin_momentum(const struct rb_world *world, int id)
 {
 	const rb_vec3 none = {0, 0, 0};
 
-	return yields(world, id) && world->state.spin
+	return is_dynamic(world, id) && world->state.spin
 	               ? rb_world_spin_momentum(world, world->model->index_of[id])
 	               : none;
 }
 
 double rb_world_kinetic_energy(const struct rb_world *world, int id)
 {
-	if (!yields(world, id))
+	if (!is_dynamic(world, id))
 		return 0;
 	const rb_vec3 v = rb_world_velocity(world, id);
 	const rb_vec3 w = rb_world_angular_velocity(world, id);
@@ -141,7 +141,7 @@ rb_vec3 rb_world_momentum(const struct rb_world *world, int id)
 {
 	const rb_vec3 none = {0, 0, 0};
 
-	return yields(world, id)
+	return is_dynamic(world, id)
 	               ? rb_vec3_scale(rb_world_mass(world, id), rb_world_velocity(world, id))
 	               : none;
 }
@@ -267,7 +267,7 @@ static struct account account_of(const struct rb_world *world, int id)
 	const struct rb_world_def *def = &world->model->scene->world;
 	struct account account = {0};
 
-	if (!yields(world, id))
+	if (!is_dynamic(world, id))
 		return account;
 	account.position = rb_world_center_of_mass(world, id);
 	account.momentum = rb_world_momentum(world, id);

@@ -20,7 +20,8 @@ int LLVMFuzzerTestOneInput(const unsigned char *bytes, size_t size)
 		return 0;
 	const enum rb_meshfile_kind kind = bytes[0] % 2 ? RB_MESHFILE_STL : RB_MESHFILE_OBJ;
 	char *const text = rb_memory_take(size, 1);
-	rb_vec3 *const points = rb_memory_take(rb_meshfile_most(kind, size - 1), sizeof *points);
+	rb_vec3 *const points = rb_memory_take(rb_meshfile_corners_max(kind, size - 1),
+	                                       sizeof *points);
 	if (!text || !points)
 		abort();
 	memcpy(text, bytes + 1, size - 1);
