@@ -101,8 +101,8 @@ static void what_is_said_of_a_pair_on_one_piece_holds_all_along_it(void **state)
 				max = fmax(max, rb_vec3_length(rb_vec3_sub(b, a)));
 			}
 			assert_true(max <= external);
-			const bool apart = rb_relative_keeps_apart(l, 0, 1, p->origin_s, p->until_s,
-			                                           least);
+			const bool apart = rb_relative_is_separated(l, 0, 1, p->origin_s,
+			                                            p->until_s, least);
 			if (rb_relative_began_far(l, 0, 1, p->until_s, least))
 				assert_true(nearest > least);
 			if (apart)

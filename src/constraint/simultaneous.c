@@ -182,8 +182,8 @@ static void restore(struct rounds *all, double spare, rb_along_across *back, rb_
 {
 	struct rb_cone *const cone = &all->cone;
 	const int contacts = contact_rows(all);
-	bool rubs = contacts < cone->row_count;
-	double most = 0;
+	bool any_friction = contacts < cone->row_count;
+	double restitution_max = 0;
 
 	for (int k = 0; k < contacts; k++) {
 		const double restitution = all->joint->contact[all->contact[k]].restitution;
@@ -191,12 +191,13 @@ static void restore(struct rounds *all, double spare, rb_along_across *back, rb_
 		back[k] = (rb_along_across){restitution * cone->row[k].base.impulse.n, {0, 0, 0}};
 		after[k] = rb_cone_velocity(cone, &cone->row[k]);
 		if (cone->row[k].base.impulse.n > 0)
-			most = fmax(most, restitution);
+			restitution_max = fmax(restitution_max, restitution);
 	}
 	for (int k = contacts; k < cone->row_count; k++) {
 		const rb_along_across p = cone->row[k].base.impulse;
 
-		back[k] = (rb_along_across){most * p.n, rb_vec3_scale(most, p.t)};
+		back[k] = (rb_along_across){restitution_max * p.n,
+		                            rb_vec3_scale(restitution_max, p.t)};
 		after[k] = rb_cone_velocity(cone, &cone->row[k]);
 	}
 	struct rb_solver_body *const kept = cone->kept;
@@ -226,9 +227,9 @@ static void restore(struct rounds *all, double spare, rb_along_across *back, rb_
 	}
 	for (int k = 0; k < contacts; k++) {
 		cone->row[k].given = true;
-		rubs = rubs || cone->row[k].base.friction > 0;
+		any_friction = any_friction || cone->row[k].base.friction > 0;
 	}
-	if (rubs)
+	if (any_friction)
 		rb_cone_resolve(cone, all->scale);
 }
 

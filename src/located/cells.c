@@ -5,11 +5,11 @@
  * entry, is three whole numbers that change when it crosses a wall and at no other time: they are
  * never worked out again from a position, so rounding can't lose a body.
  *
- * Walls give way: a body leaves its cell `yielding` x edge behind the wall. It must come back twice
- * that far before it returns, so one that stops or turns at a wall does not cross it for ever. The
- * edge is that much larger: bodies that touch are in neighbouring cells as long as each is in its
- * own or within `yielding` of it,
- *     r_a + r_b <= 2 r_max < edge (1 - 2 yielding),
+ * Walls give way: a body leaves its cell `hysteresis` x edge behind the wall. It must come back
+ * twice that far before it returns, so one that stops or turns at a wall does not cross it for
+ * ever. The edge is that much larger: bodies that touch are in neighbouring cells as long as each
+ * is in its own or within `hysteresis` of it,
+ *     r_a + r_b <= 2 r_max < edge (1 - 2 hysteresis),
  * and what is left of the difference covers the rounding of coordinates up to 1e12 edges.
  *
  * A cell is a block of three bodies and a tail: a walk of 27 is nine short stretches of memory
@@ -36,8 +36,8 @@ enum {
 	WALLS = 6, /* of a cell: 2 x axis + (1: the one at the higher end) */
 };
 
-static const double yielding = 0x1p-8; /* hysteresis of walls, edges; see above */
-static const double slack = 0x1p-6;    /* edge / (2 r_max) - 1 at least; above 2 x yielding */
+static const double hysteresis = 0x1p-8; /* hysteresis of walls, edges; see above */
+static const double slack = 0x1p-6;      /* edge / (2 r_max) - 1 at least; above 2 x hysteresis */
 /*
  * Bodies per cell for small bodies spread evenly. In a gas 0.25 to 0.7 are equally good: smaller
  * cells are crossed more often, larger ones hold more candidates.
@@ -442,7 +442,7 @@ static void set_edge(struct level *level, const struct extent *extent, double ed
 
 	level->edge = edge;
 	level->inverse = 1 / edge;
-	level->reach = edge * (0.5 + yielding);
+	level->reach = edge * (0.5 + hysteresis);
 	for (int k = 0; k < 3; k++) {
 		side[k] = SMALLEST_SIDE;
 		while ((double)side[k] < extent->size[k] / edge + 2 && side[k] < max)

@@ -34,7 +34,7 @@ int rb_cluster_take(struct rb_located *l, const int *member, int member_count, i
 		return -1;
 	memcpy(c->member, member, (size_t)member_count * sizeof *member);
 	c->used = true;
-	c->integrated = c->at_rest = c->is_cut = c->has_jammed = c->hits = false;
+	c->integrated = c->at_rest = c->is_cut = c->has_jumped = c->hits = false;
 	c->member_count = member_count;
 	c->held_count = 0;
 	c->account.n = 0;

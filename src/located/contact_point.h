@@ -69,7 +69,7 @@ double rb_contact_point_noise(const struct rb_located *l, const struct rb_contac
 
 /*
  * m/s^2: second derivative of the gap, on the arcs as they are at `t`, with the poses of the
- * meeting.
+ * contact point.
  */
 double rb_contact_point_bend(const struct rb_located *l, const struct rb_contact_point *m,
                              double t);

@@ -37,7 +37,7 @@ void rb_drift(struct rb_drift *drift);
 void rb_drift_places(struct rb_drift *drift);
 void rb_drift_stop(struct rb_drift *drift);
 
-/* A meeting with the poses that bodies of the set have been given since. */
+/* A contact point with the poses that bodies of the set have been given since. */
 void rb_drift_point(const struct rb_located *l, const struct rb_pose *pose,
                     struct rb_contact_point *m);
 

@@ -185,7 +185,7 @@ static void cluster_event(struct rb_located *l, int cluster, double t)
 		return;
 	}
 	/* a next piece is no crowd, however many there are; its arithmetic is counted */
-	if ((!c->integrated || c->is_cut || c->hits || c->has_jammed) && c->held_count > 0)
+	if ((!c->integrated || c->is_cut || c->hits || c->has_jumped) && c->held_count > 0)
 		count_crowd(l);
 	if (c->hits) { /* bodies in contact touch at another point */
 		rb_resolve_impacts(l, c->hit_a, c->hit_b, t);
@@ -416,7 +416,7 @@ static void take_left(struct rb_located *l)
 		l->status = RB_ERR_MEMORY;
 }
 
-/* Arcs of the beginning; what touches or has no closed form is settled. */
+/* Arcs of the beginning; what touches or has no closed form is resolved. */
 static void start(struct rb_located *l, double t)
 {
 	const rb_vec3 none = {0, 0, 0};

@@ -352,7 +352,7 @@ static bool has_driven_center(const struct rb_model *model)
 	return false;
 }
 
-bool rb_external_is_still(const struct rb_located *l, int i, double t)
+bool rb_external_is_constant_at_rest(const struct rb_located *l, int i, double t)
 {
 	const struct rb_model *const model = l->model;
 

@@ -61,7 +61,7 @@ void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pos
 /* Whether both are constant from `t` to the next switch as long as nothing touches the body. */
 bool rb_external_is_constant(const struct rb_located *l, int i, double t);
 /* ... as long as neither the body nor anything that is attracted moves. */
-bool rb_external_is_still(const struct rb_located *l, int i, double t);
+bool rb_external_is_constant_at_rest(const struct rb_located *l, int i, double t);
 /* The turning by torques only, where rb_external_is_constant: what rb_arc_anchor wants. */
 rb_vec3 rb_external_turning(const struct rb_located *l, int i);
 

@@ -63,7 +63,7 @@ uint64_t rb_feature_beyond(const struct rb_feature_side *a, const struct rb_feat
 /*
  * The same of two rims, or a rim and an edge or mantle, which have no closed form: from a place
  * near the point, seen from the reference, by Newton's method; the rates by the implicit function.
- * False: it is none of these, or does not settle.
+ * False: it is none of these, or does not converge.
  */
 bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_side *a,
                        const struct rb_feature_side *b, uint64_t key, rb_vec3 near);

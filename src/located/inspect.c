@@ -41,7 +41,7 @@ static void add_cluster(struct rb_located *l, struct rb_contacts *contacts, int 
 	const bool carries = c->used && (c->held_count > 0 || l->model->joints);
 	/* of one at rest the forces of contacts are known, those of joints are not */
 	const bool rests = c->at_rest && !c->integrated && l->model->joints;
-	const bool found = force && carries && (c->integrated || rests) && !c->has_jammed &&
+	const bool found = force && carries && (c->integrated || rests) && !c->has_jumped &&
 	                   rb_integrate_forces(l, cluster, t, force);
 	const bool now = found && c->integrated;
 

@@ -32,7 +32,7 @@ static const double creeping = 0x1p-20;
 enum { CREPT_MAX = 256 };
 
 /* What a piece to come needs. */
-struct room {
+struct columns {
 	double *value, *scale, *guess, *scratch; /* in the cluster's block; guess: [NODES][n] */
 	int *rate_row;                           /* [n] */
 };
@@ -56,7 +56,7 @@ void rb_integrate_lay_out(struct rb_cluster *c, int n)
 	c->piece.rest = c->piece.coefficient + (size_t)n * RB_GAUSS_NODES;
 }
 
-static bool take_room(struct rb_modes *w, struct room *room)
+static bool take_columns(struct rb_modes *w, struct columns *columns)
 {
 	struct rb_cluster *c = w->c;
 	const int n = c->member_count * w->row;
@@ -66,12 +66,12 @@ static bool take_room(struct rb_modes *w, struct room *room)
 	    !rb_memory_reserve(&c->block, &c->block_capacity, size, sizeof *c->block) ||
 	    !rb_account_reserve(w->l, c) || !rb_modes_reserve(w))
 		return false;
-	room->rate_row = rb_arena_take(w->l->arena, (size_t)n, sizeof *room->rate_row);
-	room->scale = c->block + rb_integrate_kept_size(n);
-	room->value = room->scale + n;
-	room->guess = room->value + n;
-	room->scratch = room->guess + (size_t)n * RB_GAUSS_NODES;
-	return room->rate_row != NULL;
+	columns->rate_row = rb_arena_take(w->l->arena, (size_t)n, sizeof *columns->rate_row);
+	columns->scale = c->block + rb_integrate_kept_size(n);
+	columns->value = columns->scale + n;
+	columns->guess = columns->value + n;
+	columns->scratch = columns->guess + (size_t)n * RB_GAUSS_NODES;
+	return columns->rate_row != NULL;
 }
 
 static void start_rows(const struct rb_modes *w, int k, int *rate_row)
@@ -129,8 +129,10 @@ static struct rb_gauss_guess guess_of(const struct rb_modes *w, double *to)
 	                               .from_s = first->left_s - first->origin_s};
 }
 
-/* All contacts stick after it, and the cluster is to be settled anew. False: it is no such case. */
-static bool jams(struct rb_modes *w)
+/*
+ * All contacts stick after it, and the cluster is to be resolved anew. False: it is no such case.
+ */
+static bool is_painleve(struct rb_modes *w)
 {
 	struct rb_located *l = w->l;
 	struct rb_cluster *c = w->c;
@@ -177,7 +179,7 @@ static bool jams(struct rb_modes *w)
 		rb_record_impact(l, w->origin_s, &w->contact_point[k], painleve.impulse[k], 0);
 	}
 	c->integrated = false;
-	c->has_jammed = true;
+	c->has_jumped = true;
 	return true;
 }
 
@@ -285,7 +287,7 @@ static bool has_entries(const struct rb_modes *w)
 	       model->center_count > 0 || !model->attracts_by_mass;
 }
 
-/* Are these other forces than those that settling has found? */
+/* Are these other forces than those that the resolution has found? */
 static bool are_others(const struct rb_modes *w)
 {
 	double off = 0, max = 0;
@@ -302,8 +304,8 @@ static bool are_others(const struct rb_modes *w)
 /*
  * Forces and accelerations at the beginning. Slips of which no direction is found that forces
  * balance across do not creep: they turn, however fast that is. And where these are not the forces
- * that settling has found, points are one too many but for next to nothing, which would leave the
- * forces to rounding: they keep those, if the modes are as good with them.
+ * that the resolution has found, points are one too many but for next to nothing, which would leave
+ * the forces to rounding: they keep those, if the modes are as good with them.
  */
 static bool begin_modes(struct rb_modes *w)
 {
@@ -342,7 +344,7 @@ static bool begin_modes(struct rb_modes *w)
  * Where no step is short enough: two that attract each other and cannot touch may have met head on.
  * Names them; false: it is no such case.
  */
-static bool fails_by_meeting(const struct rb_modes *w)
+static bool fails_by_collision(const struct rb_modes *w)
 {
 	struct rb_located *l = w->l;
 	const struct rb_attract *const all = &l->gravitation.all;
@@ -426,15 +428,15 @@ static bool fails_by_lock(const struct rb_modes *w)
 static bool fails_by_joints(const struct rb_modes *w, const char *why)
 {
 	struct rb_located *l = w->l;
-	double most = 0;
+	double largest = 0;
 	char label[96], body[64];
 
 	if (w->joints.count == 0)
 		return false;
 	int which = w->joints.row[0].joint;
 	for (int k = 0; k < w->joints.count; k++)
-		if (fabs(w->multiplier[k]) > most) {
-			most = fabs(w->multiplier[k]);
+		if (fabs(w->multiplier[k]) > largest) {
+			largest = fabs(w->multiplier[k]);
 			which = w->joints.row[k].joint;
 		}
 	l->status = RB_FAIL(
@@ -476,7 +478,7 @@ static bool count_crept(struct rb_modes *w, double length, double natural_s)
 	return c->crept < CREPT_MAX;
 }
 
-static void run(struct rb_modes *w, const struct room *room)
+static void run(struct rb_modes *w, const struct columns *columns)
 {
 	struct rb_located *l = w->l;
 	struct rb_cluster *c = w->c;
@@ -489,9 +491,9 @@ static void run(struct rb_modes *w, const struct room *room)
 		.rates = rb_rates,
 		.noise = l->model->features & RB_FEATURE_FIELD ? rb_modes_noise : NULL,
 		.user = w,
-		.rate_row = room->rate_row,
-		.guess = guess_of(w, room->guess),
-		.scale = room->scale,
+		.rate_row = columns->rate_row,
+		.guess = guess_of(w, columns->guess),
+		.scale = columns->scale,
 		.tolerance = tolerance,
 		.visited = w->parts ? rb_rates_enter_node : NULL,
 		/*
@@ -500,11 +502,11 @@ static void run(struct rb_modes *w, const struct room *room)
 		 */
 		.jumps = (l->model->features & RB_FEATURES_VARIED &
 	                  ~(rb_features)(RB_FEATURE_DRAG | RB_FEATURE_GRAVITATION)) != 0,
-		.scratch = room->scratch,
+		.scratch = columns->scratch,
 		.calls = &calls};
 
 	for (int k = 0; k < c->member_count; k++)
-		start_rows(w, k, room->rate_row);
+		start_rows(w, k, columns->rate_row);
 	if (rb_landing_begin(w) || !begin_modes(w))
 		return;
 	for (int k = 0; k < c->held_count; k++) {
@@ -517,12 +519,12 @@ static void run(struct rb_modes *w, const struct room *room)
 	 */
 	for (int k = 0; k < c->held_count; k++)
 		w->doubt = fmax(w->doubt, 4 * fmin(rb_check_excess(w, k), doubtful * w->force_max));
-	const double guess = rb_sizes_of(w, room->scale);
+	const double guess = rb_sizes_of(w, columns->scale);
 	if (fails_by_lock(w))
 		return;
 	const double natural_s = moves_by_joints(w) ? fmin(guess, rb_sizes_fall(w)) : 0;
 	w->calls = &calls;
-	w->scale = room->scale;
+	w->scale = columns->scale;
 	if (!(c->try_s > 0))
 		c->try_s = guess;
 	/* never past the end of the run by more than it needs, nor over a switch of forces */
@@ -541,10 +543,11 @@ static void run(struct rb_modes *w, const struct room *room)
 		                                            2 * DBL_EPSILON * w->origin_s,
 		                                            &c->piece, l->err);
 
-		if (status == RB_ERR_PHYSICS && l->status == RB_OK && c->held_count > 0 && jams(w))
+		if (status == RB_ERR_PHYSICS && l->status == RB_OK && c->held_count > 0 &&
+		    is_painleve(w))
 			break;
 		if (status == RB_ERR_PHYSICS && l->status == RB_OK &&
-		    (fails_by_meeting(w) || fails_by_joints(w, "no step is short enough")))
+		    (fails_by_collision(w) || fails_by_joints(w, "no step is short enough")))
 			break;
 		if (status != RB_OK) {
 			l->status = status;
@@ -558,15 +561,15 @@ static void run(struct rb_modes *w, const struct room *room)
 		 * room that was short says nothing of the motion, unless the step was shorter still
 		 */
 		c->try_s = cut && c->piece.length_s >= tried ? fmax(c->try_s, try_s) : try_s;
-		length = c->held_count > 0 ? rb_check_change_within(w, room->value)
+		length = c->held_count > 0 ? rb_check_change_within(w, columns->value)
 		                           : c->piece.length_s;
 		if (w->joints.count > 0)
-			length = rb_check_drives_within(w, length, room->value);
+			length = rb_check_drives_within(w, length, columns->value);
 		c->is_cut = length < c->piece.length_s;
-	} while (l->status == RB_OK && (rb_check_turns_aside(w, length, room->value) ||
-	                                rb_check_turns_aside(w, 0.5 * length, room->value)));
+	} while (l->status == RB_OK && (rb_check_turns_aside(w, length, columns->value) ||
+	                                rb_check_turns_aside(w, 0.5 * length, columns->value)));
 	l->world->frame_counts.body_steps += calls * (uint64_t)c->member_count;
-	if (l->status != RB_OK || c->has_jammed)
+	if (l->status != RB_OK || c->has_jumped)
 		return;
 	if (length < left_s && !count_crept(w, length, natural_s) &&
 	    fails_by_joints(w, "joints lock and let go in turn"))
@@ -596,13 +599,13 @@ void rb_integrate_piece(struct rb_located *l, int cluster, double t, bool goes_o
 	                     .row = rb_located_row(l),
 	                     .goes_on = goes_on};
 	const rb_arena_mark here = rb_arena_here(l->arena);
-	struct room room;
+	struct columns columns;
 
 	RB_ASSERT(cluster >= 0 && cluster < l->cluster_count && l->cluster[cluster].used);
 	rb_account_cluster(l, cluster, t);
 	w.c->anchor_s = w.c->account_s = t;
 	int *kept = NULL;
-	if (take_room(&w, &room))
+	if (take_columns(&w, &columns))
 		kept = rb_modes_take_places(l, w.c);
 	if (!kept) {
 		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory to integrate %d bodies",
@@ -613,7 +616,7 @@ void rb_integrate_piece(struct rb_located *l, int cluster, double t, bool goes_o
 	for (int k = 0; k < w.c->member_count; k++)
 		rb_past_keep(l, w.c->member[k], t);
 	rb_integrate_lay_out(w.c, w.c->member_count * w.row);
-	run(&w, &room);
+	run(&w, &columns);
 	if (l->status != RB_OK)
 		stay(&w);
 	rb_modes_give_back_places(l, w.c, kept);

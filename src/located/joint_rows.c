@@ -281,7 +281,7 @@ bool rb_joint_rows_spring(const struct rb_joint_rows *rows, int k, double t,
 		.bias = free.row.bias};
 	spring->multiplier = rb_joint_spring(joint, value, free.rate);
 	spring->dissipation = joint->damping * free.rate * free.rate;
-	spring->rubs = spring->drives = 0;
+	spring->friction_power = spring->drives = 0;
 	for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
 		const signed char mode = *mode_of(rows, rows->joint[k], kind);
 		const double force = rb_joint_rows_drive_now(l, rows->joint[k], kind).max * mode;
@@ -292,7 +292,7 @@ bool rb_joint_rows_spring(const struct rb_joint_rows *rows, int k, double t,
 		if (kind == RB_DRIVE_MOTOR)
 			spring->drives += force * free.rate;
 		else
-			spring->rubs -= force * free.rate;
+			spring->friction_power -= force * free.rate;
 	}
 	return true;
 }
@@ -336,7 +336,7 @@ void rb_joint_rows_enter_springs(const struct rb_joint_rows *rows, const double 
 		if (!rb_joint_rows_spring(rows, k, t, &spring))
 			continue;
 		rb_entries_energy(rate, RB_ENERGY_DAMPING, spring.dissipation);
-		rb_entries_energy(rate, RB_ENERGY_JOINT_FRICTION, spring.rubs);
+		rb_entries_energy(rate, RB_ENERGY_JOINT_FRICTION, spring.friction_power);
 		rb_entries_energy(rate, RB_ENERGY_DRIVEN, spring.drives);
 		rb_joint_rows_enter(rows, &spring.row, spring.multiplier, t, rate);
 	}

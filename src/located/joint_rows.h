@@ -91,10 +91,10 @@ void rb_joint_rows_fill(struct rb_joint_rows *rows, double t);
 
 /* Spring and damper of a joint at a moment. */
 struct rb_joint_spring_row {
-	struct rb_joint_row row; /* of the free coordinate */
-	double multiplier;       /* N, or N m: with motor and friction that are at a bound */
-	double dissipation;      /* W, >= 0: of the damper */
-	double rubs, drives;     /* W, of friction and motor: >= 0; given */
+	struct rb_joint_row row;       /* of the free coordinate */
+	double multiplier;             /* N, or N m: with motor and friction that are at a bound */
+	double dissipation;            /* W, >= 0: of the damper */
+	double friction_power, drives; /* W, of friction and motor: >= 0; given */
 };
 
 /* Of the k-th joint of rows->joint at the poses; false: it has neither. */

@@ -50,7 +50,7 @@ bool rb_landing_begin(struct rb_modes *w)
 		rb_arc_anchor(l, c->member[k], w->origin_s, &pose, none, none);
 	}
 	c->integrated = false;
-	c->has_jammed = c->hits = true;
+	c->has_jumped = c->hits = true;
 	c->hit_a = c->held[which].a;
 	c->hit_b = c->held[which].b;
 	return true;

@@ -12,7 +12,7 @@
 
 /*
  * At the beginning of a piece: the halves that it keeps to. True: a rim comes to lie flat at once,
- * all but exactly, and the cluster is to be struck. Its lowest point would run round it in times as
+ * all but exactly, and the cluster has an impact. Its lowest point would run round it in times as
  * short as what is left of its tilt, of which rounding leaves few digits; the other side of it
  * touches as far as anybody can say.
  */

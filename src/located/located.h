@@ -170,9 +170,8 @@ RB_FIELDS_DECLARE(rb_account_rates_fields);
 	X(bool, used, , "", "else one of the free ones", RB_FLAG)                                \
 	X(bool, integrated, , "", "else every member is on a parabola", RB_FLAG)                 \
 	X(bool, at_rest, , "", "nobody in it moves", RB_FLAG)                                    \
-	X(bool, has_jammed, , "",                                                                \
-	  "velocities have just jumped, or are to: it is to be settled, or struck, at once",     \
-	  RB_FLAG)                                                                               \
+	X(bool, has_jumped, , "",                                                                \
+	  "velocities have just jumped, or are to: it is to be resolved at once", RB_FLAG)       \
 	X(bool, is_cut, , "", "its piece ends where a contact changes its mode", RB_FLAG)        \
 	X(bool, hits, , "",                                                                      \
 	  "or where two bodies that touch already come to touch at another point", RB_FLAG)      \
@@ -301,7 +300,7 @@ enum {
 	RB_LOCATED_INSPECTION = 400,
 	RB_LOCATED_FLIGHT = 300,
 	RB_LOCATED_FIELD = 1500,
-	RB_LOCATED_PULL = 8,
+	RB_LOCATED_ATTRACTION = 8,
 	RB_LOCATED_SEARCH = 3000,
 	RB_LOCATED_SERIES = 1000
 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A meeting of two bodies as a contact of constraint/simultaneous. */
+/* A contact point of two bodies as a contact of constraint/simultaneous. */
 #ifndef RB_LOCATED_MECHANICS_H
 #define RB_LOCATED_MECHANICS_H
 

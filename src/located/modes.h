@@ -64,8 +64,8 @@ bool rb_modes_move(const struct rb_modes *w);
 int rb_modes_unknowns(const struct rb_held *held);
 
 /*
- * Fills w->force from poses, meetings, contacts and accelerations apart from them; false: too many
- * unknowns.
+ * Fills w->force from poses, contact points, contacts and accelerations apart from them; false: too
+ * many unknowns.
  */
 bool rb_modes_solve(struct rb_modes *w, double t);
 

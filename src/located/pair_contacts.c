@@ -545,7 +545,7 @@ static double much_longer(const struct rb_located *l, const struct rb_contact_po
 	while (more && h < until - t) {
 		const double longer_s = fmin(FACTOR * h, until - t);
 
-		more = rb_relative_keeps_apart(l, m->a, m->b, t, t + longer_s, least);
+		more = rb_relative_is_separated(l, m->a, m->b, t, t + longer_s, least);
 		if (more && longer_s >= until - t)
 			return HUGE_VAL;
 		if (more)

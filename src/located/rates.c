@@ -119,7 +119,7 @@ static bool count_inspection(struct rb_modes *w)
 	if (rb_located_gravitates(l) && w->goes_on)
 		return true;
 	if (rb_located_gravitates(l))
-		l->products += RB_LOCATED_PULL * (uint64_t)c->member_count *
+		l->products += RB_LOCATED_ATTRACTION * (uint64_t)c->member_count *
 		               (uint64_t)c->member_count / 2;
 	l->products += c->held_count + w->joints.count > 0
 	                       ? (uint64_t)w->dense.products +

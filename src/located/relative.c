@@ -95,8 +95,8 @@ static double excess(const rb_vec3 coefficient[RB_GAUSS_NODES], rb_vec3 d, doubl
 	return (length - least) * (length + least);
 }
 
-bool rb_relative_keeps_apart(const struct rb_located *l, int a, int b, double from, double until,
-                             double least)
+bool rb_relative_is_separated(const struct rb_located *l, int a, int b, double from, double until,
+                              double least)
 {
 	const struct rb_piece_of *const p = &l->piece[a];
 	const double begin = (from - p->origin_s) / p->piece.length_s;

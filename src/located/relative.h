@@ -25,7 +25,7 @@ bool rb_relative_began_far(const struct rb_located *l, int a, int b, double unti
  * which is exact: of two bodies that turn about each other in contact but for 1e-7 of their size it
  * still says so at once. False: it is not said.
  */
-bool rb_relative_keeps_apart(const struct rb_located *l, int a, int b, double from, double until,
-                             double least);
+bool rb_relative_is_separated(const struct rb_located *l, int a, int b, double from, double until,
+                              double least);
 
 #endif

@@ -15,7 +15,7 @@
 #include "located/account.h"
 #include "located/cluster.h"
 #include "located/integrate.h"
-#include "located/joint_settling.h"
+#include "located/joint_rest.h"
 #include "located/rest_rates.h"
 #include "located/mechanics.h"
 #include "located/past.h"
@@ -62,7 +62,7 @@ static bool has_ended(const struct rb_located *l, const struct rb_held *held, do
 }
 
 /* Collects the set's contact points, poses and what was held before. */
-static bool begin(struct rb_settling *s)
+static bool begin(struct rb_resolution *s)
 {
 	struct rb_located *l = s->l;
 
@@ -76,7 +76,7 @@ static bool begin(struct rb_settling *s)
 	s->linear = rb_slips_take(s, l->set_count, sizeof *s->linear);
 	s->angular = rb_slips_take(s, l->set_count, sizeof *s->angular);
 	s->constant = rb_slips_take(s, l->set_count, sizeof *s->constant);
-	s->still = rb_slips_take(s, l->set_count, sizeof *s->still);
+	s->constant_at_rest = rb_slips_take(s, l->set_count, sizeof *s->constant_at_rest);
 	s->root = rb_slips_take(s, l->set_count, sizeof *s->root);
 	s->load = rb_slips_take(s, l->set_count, sizeof *s->load);
 	if (l->status != RB_OK)
@@ -105,26 +105,26 @@ static bool begin(struct rb_settling *s)
 }
 
 /* Normal velocity, m/s, that a lasting contact may have by rounding. */
-static double rounds(const struct rb_settling *s, const struct rb_contact_point *m)
+static double rounds(const struct rb_resolution *s, const struct rb_contact_point *m)
 {
 	return rb_contact_point_noise(s->l, m) + s->slack + s->drift;
 }
 
 /* The same including the drift of integration. */
-static double integrates(const struct rb_settling *s, const struct rb_contact_point *m)
+static double integrates(const struct rb_resolution *s, const struct rb_contact_point *m)
 {
 	return rounds(s, m) + rb_drift_correct * (rb_vec3_length(m->pose_a.velocity) +
 	                                          rb_vec3_length(m->pose_b.velocity));
 }
 
 /* ... after an impact, whose velocities are exact, only rounding. */
-static double drifts(const struct rb_settling *s, const struct rb_contact_point *m)
+static double drifts(const struct rb_resolution *s, const struct rb_contact_point *m)
 {
-	return rb_slips_is_struck(s, m) ? rounds(s, m) : integrates(s, m);
+	return rb_slips_is_after_impact(s, m) ? rounds(s, m) : integrates(s, m);
 }
 
 /* True if a held contact separates or has left its features. */
-static bool parts(const struct rb_settling *s, const struct rb_contact_point *m)
+static bool parts(const struct rb_resolution *s, const struct rb_contact_point *m)
 {
 	const double max = drifts(s, m);
 
@@ -135,7 +135,7 @@ static bool parts(const struct rb_settling *s, const struct rb_contact_point *m)
 }
 
 /* Ends a contact: others of its pair inherit what was reported, or a lift is recorded. */
-static void end_contact(struct rb_settling *s, int k, const bool *kept)
+static void end_contact(struct rb_resolution *s, int k, const bool *kept)
 {
 	int first;
 	const int end = rb_slips_pair(s, k, &first);
@@ -162,7 +162,7 @@ static void end_contact(struct rb_settling *s, int k, const bool *kept)
  * True if a point that was passed on to other features opens by its overshoot. Whether it lasts,
  * its force decides; corrected, a separating body would be pulled back.
  */
-static bool opens_anew(const struct rb_settling *s, int k)
+static bool opens_anew(const struct rb_resolution *s, int k)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
 
@@ -173,7 +173,7 @@ static bool opens_anew(const struct rb_settling *s, int k)
 /*
  * A contact that has come to slip by more than drift, as where it rolls to another feature, slips.
  */
-static void let_slip(const struct rb_settling *s, int k)
+static void let_slip(const struct rb_resolution *s, int k)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
 	struct rb_held *const before = &s->before[k];
@@ -186,7 +186,7 @@ static void let_slip(const struct rb_settling *s, int k)
 }
 
 /* Removes drift and drops the contacts that ended. */
-static void keep_what_lasts(struct rb_settling *s)
+static void keep_what_lasts(struct rb_resolution *s)
 {
 	bool *const kept = rb_slips_take(s, s->contact_point_count, sizeof *kept);
 	struct rb_drift drift = {.l = s->l,
@@ -203,12 +203,13 @@ static void keep_what_lasts(struct rb_settling *s)
 	for (int k = 0; k < s->contact_point_count; k++) {
 		let_slip(s, k);
 		/* after an impact velocities are exact */
-		kept[k] = s->before[k].a >= 0 && !rb_slips_is_struck(s, &s->contact_point[k]) &&
+		kept[k] = s->before[k].a >= 0 &&
+		          !rb_slips_is_after_impact(s, &s->contact_point[k]) &&
 		          !parts(s, &s->contact_point[k]) && !opens_anew(s, k);
 	}
 	rb_drift(&drift);
-	rb_joint_rows_begin_drives(&s->joints, s->t, s->struck || s->l->starting);
-	rb_joint_rows_correct(&s->joints, s->t, s->pose, s->struck || s->l->starting);
+	rb_joint_rows_begin_drives(&s->joints, s->t, s->after_impact || s->l->starting);
+	rb_joint_rows_correct(&s->joints, s->t, s->pose, s->after_impact || s->l->starting);
 	for (int k = 0; k < s->contact_point_count; k++) {
 		rb_drift_point(s->l, s->pose, &s->contact_point[k]);
 		kept[k] = s->before[k].a < 0 || !parts(s, &s->contact_point[k]);
@@ -227,7 +228,7 @@ static void keep_what_lasts(struct rb_settling *s)
 /* ---- forces ---- */
 
 /* External accelerations of the set. */
-static void pulls(struct rb_settling *s)
+static void sample_external(struct rb_resolution *s)
 {
 	struct rb_located *l = s->l;
 	const struct rb_force_query view = {
@@ -238,14 +239,14 @@ static void pulls(struct rb_settling *s)
 		rb_external_force_at(l, l->set[k], &s->pose[k], &view, &s->linear[k],
 		                     &s->angular[k]);
 		s->constant[k] = rb_external_is_constant(l, l->set[k], s->t);
-		s->still[k] = rb_external_is_still(l, l->set[k], s->t);
+		s->constant_at_rest[k] = rb_external_is_constant_at_rest(l, l->set[k], s->t);
 		s->external_max = fmax(s->external_max, rb_vec3_max_abs(s->linear[k]));
 	}
 	rb_joint_rows_add_springs(&s->joints, s->t, s->linear, s->angular);
 }
 
 /* A dynamic body of the pair; of two, the first. */
-static int yielding(const struct rb_settling *s, int k)
+static int dynamic_of(const struct rb_resolution *s, int k)
 {
 	return rb_located_fixed(s->l, s->contact_point[k].a) ? s->contact_point[k].b
 	                                                     : s->contact_point[k].a;
@@ -262,7 +263,7 @@ static int root_of(int *root, int k)
 }
 
 /* Joins the parts of two bodies; the smaller place becomes the root. */
-static void join(struct rb_settling *s, int a, int b)
+static void join(struct rb_resolution *s, int a, int b)
 {
 	const struct rb_located *l = s->l;
 
@@ -273,7 +274,7 @@ static void join(struct rb_settling *s, int a, int b)
 }
 
 /* Joins what presses on each other and what force elements connect. */
-static void join_all(struct rb_settling *s)
+static void join_all(struct rb_resolution *s)
 {
 	const struct rb_model *model = s->l->model;
 
@@ -300,7 +301,7 @@ static void join_all(struct rb_settling *s)
 }
 
 /* Mode of a contact for reports. */
-static enum rb_held_mode mode_of(const struct rb_settling *s, int k)
+static enum rb_held_mode mode_of(const struct rb_resolution *s, int k)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
 	const rb_vec3 turn = rb_vec3_sub(m->pose_b.spin, m->pose_a.spin);
@@ -325,13 +326,15 @@ static enum rb_held_mode mode_of(const struct rb_settling *s, int k)
 static double friction_of(const struct rb_solver_contact *c)
 {
 	const double push = rb_vec3_dot(c->impulse, c->normal);
-	const double rubs = rb_vec3_length(rb_vec3_reject(c->impulse, c->normal));
+	const double friction_impulse = rb_vec3_length(rb_vec3_reject(c->impulse, c->normal));
 
-	return push > 0 && rubs < c->friction * push * (1 - gave_way) ? rubs / push : c->friction;
+	return push > 0 && friction_impulse < c->friction * push * (1 - gave_way)
+	               ? friction_impulse / push
+	               : c->friction;
 }
 
 /* The held contact for a point of the solution. */
-static struct rb_held held_of(struct rb_settling *s, int k)
+static struct rb_held held_of(struct rb_resolution *s, int k)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
 	const struct rb_solver_contact *c = &s->joint.contact[k];
@@ -375,7 +378,7 @@ static struct rb_held held_of(struct rb_settling *s, int k)
  * Records what the points of a pair do together, unless it was recorded or an accumulation is still
  * to end: they slide if one slides, rest if all rest, else they roll, rock or topple.
  */
-static void record_mode(struct rb_settling *s, struct rb_held *held, const int *contact_point,
+static void record_mode(struct rb_resolution *s, struct rb_held *held, const int *contact_point,
                         int count)
 {
 	static const enum rb_event_kind kinds[] = {[RB_HELD_REST] = RB_EVENT_REST,
@@ -415,7 +418,7 @@ static void record_mode(struct rb_settling *s, struct rb_held *held, const int *
  * True if a member's speed and acceleration are rounding: of a fall by its own size, and of its
  * load.
  */
-static bool is_nothing(const struct rb_settling *s, int k, double external, rb_vec3 speed,
+static bool is_nothing(const struct rb_resolution *s, int k, double external, rb_vec3 speed,
                        rb_vec3 rate)
 {
 	const double radius = rb_model_reach(s->l->model, s->l->set[k]);
@@ -427,7 +430,7 @@ static bool is_nothing(const struct rb_settling *s, int k, double external, rb_v
 }
 
 /* True if the member rotates and its rotation has no closed form. */
-static bool turns_oddly(const struct rb_settling *s, int k)
+static bool turns_oddly(const struct rb_resolution *s, int k)
 {
 	const struct rb_located *l = s->l;
 	const double radius = rb_model_reach(l->model, l->set[k]);
@@ -441,7 +444,7 @@ static bool turns_oddly(const struct rb_settling *s, int k)
 }
 
 /* True if accelerations are constant until the next transition. */
-static bool in_closed_form(const struct rb_settling *s, int part, const struct rb_cluster *c)
+static bool in_closed_form(const struct rb_resolution *s, int part, const struct rb_cluster *c)
 {
 	const struct rb_located *l = s->l;
 
@@ -453,7 +456,7 @@ static bool in_closed_form(const struct rb_settling *s, int part, const struct r
 	for (int k = 0; k < s->contact_point_count; k++) {
 		const struct rb_held *held = rb_set_held_like(l, &s->contact_point[k]);
 
-		if (!held || l->cluster_of[yielding(s, k)] != (int)(c - l->cluster))
+		if (!held || l->cluster_of[dynamic_of(s, k)] != (int)(c - l->cluster))
 			continue;
 		if (s->contact_point[k].b < l->n || s->contact_point[k].on_rim ||
 		    l->model->shape[s->contact_point[k].b].kind == RB_SHAPE_SPHERE)
@@ -469,7 +472,7 @@ static bool in_closed_form(const struct rb_settling *s, int part, const struct r
 }
 
 /* True if a driven body moves although it is at rest at this moment. */
-static bool will_move(const struct rb_settling *s, int body, double external)
+static bool will_move(const struct rb_resolution *s, int body, double external)
 {
 	const struct rb_located *l = s->l;
 
@@ -489,7 +492,7 @@ static bool will_move(const struct rb_settling *s, int body, double external)
  * True if the whole cluster is at rest and nothing moves it. At rest is a speed within rounding of
  * that of a fall by its own size.
  */
-static bool is_at_rest(const struct rb_settling *s, int part)
+static bool is_at_rest(const struct rb_resolution *s, int part)
 {
 	const struct rb_located *l = s->l;
 	double external = 0;
@@ -498,7 +501,7 @@ static bool is_at_rest(const struct rb_settling *s, int part)
 		if (root_of(s->root, k) == part)
 			external = fmax(external, rb_vec3_max_abs(s->linear[k]));
 	for (int k = 0; k < s->contact_point_count; k++)
-		if (rb_slips_press(s, k) && root_of(s->root, l->place[yielding(s, k)]) == part &&
+		if (rb_slips_press(s, k) && root_of(s->root, l->place[dynamic_of(s, k)]) == part &&
 		    (will_move(s, s->contact_point[k].a, external) ||
 		     will_move(s, s->contact_point[k].b, external)))
 			return false;
@@ -508,7 +511,8 @@ static bool is_at_rest(const struct rb_settling *s, int part)
 		const double radius = rb_model_reach(l->model, l->set[k]);
 		const struct rb_solver_body *b = &s->joint.body[k];
 
-		if (!s->still[k] || !is_nothing(s, k, external, s->pose[k].velocity, b->linear) ||
+		if (!s->constant_at_rest[k] ||
+		    !is_nothing(s, k, external, s->pose[k].velocity, b->linear) ||
 		    !is_nothing(s, k, external, rb_vec3_scale(radius, s->pose[k].spin),
 		                rb_vec3_scale(radius, b->angular)))
 			return false;
@@ -517,7 +521,7 @@ static bool is_at_rest(const struct rb_settling *s, int part)
 }
 
 /* Rates for the ledger of joints that hold a part at rest. */
-static void rate_joints(struct rb_settling *s, int part, struct rb_account_rates *rates)
+static void rate_joints(struct rb_resolution *s, int part, struct rb_account_rates *rates)
 {
 	bool *const own = rb_slips_take(s, s->l->set_count, sizeof *own);
 
@@ -525,11 +529,11 @@ static void rate_joints(struct rb_settling *s, int part, struct rb_account_rates
 		return;
 	for (int k = 0; k < s->l->set_count; k++)
 		own[k] = root_of(s->root, k) == part;
-	rb_joint_settling_rate(s, own, rates);
+	rb_joint_rest_rate(s, own, rates);
 }
 
 /* Starts a part on arcs or on its first piece. */
-static void start_part(struct rb_settling *s, int part, struct rb_cluster *c,
+static void start_part(struct rb_resolution *s, int part, struct rb_cluster *c,
                        const int *contact_point)
 {
 	struct rb_located *l = s->l;
@@ -565,13 +569,13 @@ static void start_part(struct rb_settling *s, int part, struct rb_cluster *c,
 }
 
 /* Writes the contacts of a part to its cluster. */
-static void write_held(struct rb_settling *s, int part, struct rb_cluster *c, int *contact_point)
+static void write_held(struct rb_resolution *s, int part, struct rb_cluster *c, int *contact_point)
 {
 	const struct rb_located *l = s->l;
 	int reported = 0;
 
 	for (int k = 0; k < s->contact_point_count; k++) {
-		if (!rb_slips_press(s, k) || root_of(s->root, l->place[yielding(s, k)]) != part)
+		if (!rb_slips_press(s, k) || root_of(s->root, l->place[dynamic_of(s, k)]) != part)
 			continue;
 		struct rb_held held = held_of(s, k);
 
@@ -589,7 +593,7 @@ static void write_held(struct rb_settling *s, int part, struct rb_cluster *c, in
 }
 
 /* Puts a body without contacts on a free arc. */
-static void fly(struct rb_settling *s, int body)
+static void fly(struct rb_resolution *s, int body)
 {
 	const int place = s->l->place[body];
 
@@ -605,7 +609,7 @@ struct pace {
 };
 
 /* Writes each part as a cluster or free arcs. */
-static void write_parts(struct rb_settling *s, const struct pace *pace)
+static void write_parts(struct rb_resolution *s, const struct pace *pace)
 {
 	struct rb_located *l = s->l;
 	int *member = rb_slips_take(s, l->set_count, sizeof *member);
@@ -622,7 +626,7 @@ static void write_parts(struct rb_settling *s, const struct pace *pace)
 				member[count++] = l->set[k];
 		for (int k = 0; k < s->contact_point_count; k++)
 			held_count += rb_slips_press(s, k) &&
-			              root_of(s->root, l->place[yielding(s, k)]) == part;
+			              root_of(s->root, l->place[dynamic_of(s, k)]) == part;
 		for (int k = 0; k < count; k++)
 			alone = alone && s->constant[l->place[member[k]]] &&
 			        !rb_joint_rows_hold(l, member[k]);
@@ -646,7 +650,7 @@ static void write_parts(struct rb_settling *s, const struct pace *pace)
 }
 
 /* Closes the old clusters. */
-static void forget_before(struct rb_settling *s, struct pace *pace)
+static void forget_before(struct rb_resolution *s, struct pace *pace)
 {
 	struct rb_located *l = s->l;
 
@@ -668,7 +672,7 @@ static void forget_before(struct rb_settling *s, struct pace *pace)
 }
 
 /* Records the lift of pairs that no longer press at any point. */
-static void record_lifts(struct rb_settling *s)
+static void record_lifts(struct rb_resolution *s)
 {
 	for (int k = 0, first; k < s->contact_point_count; k++) {
 		const int end = rb_slips_pair(s, k, &first);
@@ -688,7 +692,7 @@ static void record_lifts(struct rb_settling *s)
  * True if the set moves: what is at rest is solved once at any cost; what moves is solved again
  * soon, as is what is found after steps.
  */
-static bool is_moving(const struct rb_settling *s)
+static bool is_moving(const struct rb_resolution *s)
 {
 	const struct rb_located *l = s->l;
 
@@ -710,9 +714,9 @@ static bool is_moving(const struct rb_settling *s)
  * True if it is another point of bodies in contact. An impact has resolved all of them, but of a
  * flat rim only some: where it turns, another may be the lowest.
  */
-static bool comes_to_touch(const struct rb_settling *s, const struct rb_contact_point *m)
+static bool comes_to_touch(const struct rb_resolution *s, const struct rb_contact_point *m)
 {
-	return (!rb_slips_is_struck(s, m) || rb_vec3_max_abs(m->half) > 0) &&
+	return (!rb_slips_is_after_impact(s, m) || rb_vec3_max_abs(m->half) > 0) &&
 	       !rb_contact_point_passes(s->l, m, s->t);
 }
 
@@ -720,26 +724,26 @@ static bool comes_to_touch(const struct rb_settling *s, const struct rb_contact_
  * The first lasting contact that approaches, or a new point of bodies in contact; -1: none. What
  * steps have left is no impact.
  */
-static int find_hit(const struct rb_settling *s)
+static int find_hit(const struct rb_resolution *s)
 {
 	for (int k = 0; k < s->contact_point_count && !s->l->starting; k++)
 		if (rb_vec3_dot(s->contact_point[k].velocity, s->contact_point[k].normal) <
 		            -integrates(s, &s->contact_point[k]) &&
-		    ((s->before[k].a >= 0 && !rb_slips_is_struck(s, &s->contact_point[k])) ||
+		    ((s->before[k].a >= 0 && !rb_slips_is_after_impact(s, &s->contact_point[k])) ||
 		     comes_to_touch(s, &s->contact_point[k])))
 			return k;
 	return -1;
 }
 
 /* One attempt, impacts first; true: to be repeated. */
-static bool resolve_once(struct rb_settling *s, bool looks, bool may_seize)
+static bool resolve_once(struct rb_resolution *s, bool inspects, bool may_seize)
 {
 	struct rb_located *l = s->l;
 	struct pace pace;
 
 	if (!begin(s))
 		return false;
-	s->hit = looks ? find_hit(s) : -1;
+	s->hit = inspects ? find_hit(s) : -1;
 	if (s->hit >= 0)
 		return false;
 	keep_what_lasts(s);
@@ -748,8 +752,8 @@ static bool resolve_once(struct rb_settling *s, bool looks, bool may_seize)
 		rb_slips_too_many(s);
 		return false;
 	}
-	pulls(s);
-	if (l->status != RB_OK || !rb_slips_solve(s) || !rb_joint_settling_decide(s))
+	sample_external(s);
+	if (l->status != RB_OK || !rb_slips_solve(s) || !rb_joint_rest_decide(s))
 		return false;
 	join_all(s);
 	if (may_seize && s->joints.count == 0 && rb_seize(s))
@@ -760,7 +764,8 @@ static bool resolve_once(struct rb_settling *s, bool looks, bool may_seize)
 	return false;
 }
 
-bool rb_resolve_contacts(struct rb_located *l, double t, bool struck, double slack, int hit[2])
+bool rb_resolve_contacts(struct rb_located *l, double t, bool after_impact, double slack,
+                         int hit[2])
 {
 	const rb_arena_mark here = rb_arena_here(l->arena);
 	bool again = true;
@@ -769,8 +774,11 @@ bool rb_resolve_contacts(struct rb_located *l, double t, bool struck, double sla
 	RB_ASSERT(slack >= 0);
 	/* each Painleve impulse ends a slip; what it makes approach is an impact */
 	for (int round = 0; again; round++) {
-		struct rb_settling s = {
-			.l = l, .t = t, .slack = slack, .struck = struck || round > 0, .hit = -1};
+		struct rb_resolution s = {.l = l,
+		                          .t = t,
+		                          .slack = slack,
+		                          .after_impact = after_impact || round > 0,
+		                          .hit = -1};
 
 		again = resolve_once(&s, hit && round == 0, round <= l->set_count) &&
 		        l->status == RB_OK;

@@ -234,7 +234,7 @@ bool rb_resolve_impact_of_pair(struct rb_located *l, int a, int b, double t)
 /* ---- all that touch ---- */
 
 /* A simultaneous impact in work. */
-struct striking {
+struct impact {
 	struct rb_located *l;
 	double t;
 	struct rb_contact_point *contact_point;
@@ -246,7 +246,7 @@ struct striking {
 };
 
 /* Place of a member, or a new copy of a fixed body. */
-static int joint_body(struct striking *s, int body, const struct rb_pose *pose)
+static int joint_body(struct impact *s, int body, const struct rb_pose *pose)
 {
 	struct rb_located *l = s->l;
 
@@ -258,7 +258,7 @@ static int joint_body(struct striking *s, int body, const struct rb_pose *pose)
 	return s->joint.body_count++;
 }
 
-static struct rb_drift drift_of(struct striking *s, const bool *kept)
+static struct rb_drift drift_of(struct impact *s, const bool *kept)
 {
 	return (struct rb_drift){.l = s->l,
 	                         .t = s->t,
@@ -272,7 +272,7 @@ static struct rb_drift drift_of(struct striking *s, const bool *kept)
  * Removes the drift of pairs held at several points that now touch at another: it would feed a
  * series of impacts.
  */
-static bool put_right(struct striking *s)
+static bool put_right(struct impact *s)
 {
 	struct rb_located *l = s->l;
 	bool *const kept = rb_arena_take(l->arena, (size_t)s->contact_point_count + 1,
@@ -288,7 +288,7 @@ static bool put_right(struct striking *s)
 }
 
 /* Bodies and contacts for the solver. */
-static bool build(struct striking *s)
+static bool build(struct impact *s)
 {
 	struct rb_located *l = s->l;
 
@@ -337,7 +337,7 @@ static bool build(struct striking *s)
 }
 
 /* Relative velocity at contact k after the impact. */
-static rb_vec3 velocity_after(const struct striking *s, int k)
+static rb_vec3 velocity_after(const struct impact *s, int k)
 {
 	const struct rb_solver_contact *c = &s->joint.contact[k];
 	const struct rb_solver_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
@@ -356,7 +356,7 @@ static rb_vec3 lever_of(rb_vec3 arm, rb_vec3 normal)
 }
 
 /* Change of spin by a unit normal impulse. */
-static rb_vec3 turn_by(const struct striking *s, int place, rb_vec3 lever)
+static rb_vec3 turn_by(const struct impact *s, int place, rb_vec3 lever)
 {
 	if (place >= s->l->set_count || !s->l->top || !(rb_vec3_max_abs(lever) > 0))
 		return (rb_vec3){0, 0, 0};
@@ -364,7 +364,7 @@ static rb_vec3 turn_by(const struct striking *s, int place, rb_vec3 lever)
 }
 
 /* Takes the normal velocity of contact k away. */
-static void stop_normal(struct striking *s, int k, double target_velocity)
+static void stop_normal(struct impact *s, int k, double target_velocity)
 {
 	const struct rb_solver_contact *c = &s->joint.contact[k];
 	struct rb_solver_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
@@ -390,7 +390,7 @@ static void stop_normal(struct striking *s, int k, double target_velocity)
 /*
  * True if another contact at the same place holds the body, so that nothing brings this one back.
  */
-static bool is_taken_over(const struct striking *s, int k)
+static bool is_taken_over(const struct impact *s, int k)
 {
 	for (int i = 0; i < s->contact_point_count; i++)
 		if (i != k &&
@@ -402,7 +402,7 @@ static bool is_taken_over(const struct striking *s, int k)
 }
 
 /* Duration of the infinite series of rebounds that begins with this one, s; < 0: it is none. */
-static double accumulation(const struct striking *s, int k)
+static double accumulation(const struct impact *s, int k)
 {
 	const struct rb_located *l = s->l;
 	const struct rb_solver_contact *c = &s->joint.contact[k];
@@ -432,7 +432,7 @@ static double accumulation(const struct striking *s, int k)
 }
 
 /* Records the end of impact series between bodies that nothing presses together. */
-static void record_ends(struct striking *s)
+static void record_ends(struct impact *s)
 {
 	for (int k = 0; k < s->contact_point_count; k++) {
 		const struct rb_solver_contact *c = &s->joint.contact[k];
@@ -447,7 +447,7 @@ static void record_ends(struct striking *s)
 }
 
 /* Stops contacts one after the other, repeatedly, since stopping one may move another. */
-static void stop_one_by_one(struct striking *s, const bool *ends)
+static void stop_one_by_one(struct impact *s, const bool *ends)
 {
 	/* until all are at rest */
 	for (int pass = 0; pass < STOP_PASSES; pass++) {
@@ -470,7 +470,7 @@ static void stop_one_by_one(struct striking *s, const bool *ends)
 /*
  * Adds the contacts that approach now, or separate where they were at rest; true: there were any.
  */
-static bool keep_what_moves(const struct striking *s, const bool *stood, bool *kept)
+static bool keep_what_moves(const struct impact *s, const bool *stopped, bool *kept)
 {
 	bool any = false;
 
@@ -479,7 +479,7 @@ static bool keep_what_moves(const struct striking *s, const bool *stood, bool *k
 		const double target_velocity = rb_vec3_dot(velocity_after(s, k), c->normal);
 
 		if (kept[k] ||
-		    !(target_velocity < -c->noise || (stood[k] && target_velocity > c->noise)))
+		    !(target_velocity < -c->noise || (stopped[k] && target_velocity > c->noise)))
 			continue;
 		kept[k] = any = true;
 	}
@@ -487,7 +487,7 @@ static bool keep_what_moves(const struct striking *s, const bool *stood, bool *k
 }
 
 /* Largest change of a member's velocity, at its surface, m/s. */
-static double largest_change(const struct striking *s, const struct rb_solver_body *before)
+static double largest_change(const struct impact *s, const struct rb_solver_body *before)
 {
 	double max = 0;
 
@@ -504,7 +504,7 @@ static double largest_change(const struct striking *s, const struct rb_solver_bo
 }
 
 /* Largest rebound among those that end, m/s. */
-static double largest_rebound(const struct striking *s, const bool *ends)
+static double largest_rebound(const struct impact *s, const bool *ends)
 {
 	double max = 0;
 
@@ -516,8 +516,7 @@ static double largest_rebound(const struct striking *s, const bool *ends)
 }
 
 /* Velocities from `before` without the rebounds of `drift`. */
-static void stop_from(struct striking *s, struct rb_drift *drift,
-                      const struct rb_solver_body *before)
+static void stop_from(struct impact *s, struct rb_drift *drift, const struct rb_solver_body *before)
 {
 	for (int k = 0; k < s->l->set_count; k++) {
 		s->pose[k].velocity = before[k].linear;
@@ -536,28 +535,28 @@ static void stop_from(struct striking *s, struct rb_drift *drift,
  * price: for a body rolling over an edge that stands out by rounding, only rest would satisfy both
  * sides.
  */
-static void stop_together(struct striking *s, bool *ends)
+static void stop_together(struct impact *s, bool *ends)
 {
 	struct rb_drift drift = drift_of(s, ends);
 
 	drift.tries = true;
 	const size_t count = (size_t)s->l->set_count;
 	struct rb_solver_body *const before = rb_arena_take(s->l->arena, count, sizeof *before);
-	bool *const stood = rb_arena_take(s->l->arena, (size_t)s->contact_point_count,
-	                                  sizeof *stood);
-	bool more = before && stood;
+	bool *const stopped = rb_arena_take(s->l->arena, (size_t)s->contact_point_count,
+	                                    sizeof *stopped);
+	bool more = before && stopped;
 
 	for (int k = 0; k < s->contact_point_count && more; k++)
-		stood[k] = fabs(rb_vec3_dot(velocity_after(s, k), s->joint.contact[k].normal)) <=
-		           s->joint.contact[k].noise;
+		stopped[k] = fabs(rb_vec3_dot(velocity_after(s, k), s->joint.contact[k].normal)) <=
+		             s->joint.contact[k].noise;
 	if (more)
 		memcpy(before, s->joint.body, count * sizeof *before);
 	const double rebound = largest_rebound(s, ends);
 	for (int pass = 0; pass <= s->contact_point_count && more; pass++) {
 		stop_from(s, &drift, before);
-		more = pass < s->contact_point_count && keep_what_moves(s, stood, ends);
+		more = pass < s->contact_point_count && keep_what_moves(s, stopped, ends);
 	}
-	if (!before || !stood)
+	if (!before || !stopped)
 		s->l->status = RB_FAIL(s->l->err, RB_ERR_MEMORY, "no memory for a contact");
 	else if (!(largest_change(s, before) <= dear * rebound))
 		memcpy(s->joint.body, before, count * sizeof *before);
@@ -571,7 +570,7 @@ static void stop_together(struct striking *s, bool *ends)
  * Ends series of rebounds that stay within rounding of sizes: the contact lasts from here and is
  * reported at the limit of the series, 2 u / (a (1 - e)) later.
  */
-static void end_accumulations(struct striking *s)
+static void end_accumulations(struct impact *s)
 {
 	struct rb_located *l = s->l;
 	bool *const ends = rb_arena_take(l->arena, (size_t)s->contact_point_count + 1,
@@ -604,7 +603,7 @@ static void end_accumulations(struct striking *s)
 }
 
 /* One event for each pair: the sum of its impulses at their centre. */
-static void record_pair(struct striking *s, int first, int end)
+static void record_pair(struct impact *s, int first, int end)
 {
 	struct rb_contact_point m = s->contact_point[first];
 	rb_vec3 impulse = {0, 0, 0}, point = {0, 0, 0};
@@ -633,7 +632,7 @@ static void record_pair(struct striking *s, int first, int end)
 }
 
 /* Events of all pairs. */
-static void record_impacts(struct striking *s)
+static void record_impacts(struct impact *s)
 {
 	int first = 0;
 
@@ -649,7 +648,7 @@ static void record_impacts(struct striking *s)
 /* ---- the ledger ---- */
 
 /* Relative velocities before the impact, for the ledger; NULL without one. */
-static rb_vec3 *see_approaches(struct striking *s)
+static rb_vec3 *see_approaches(struct impact *s)
 {
 	struct rb_located *l = s->l;
 
@@ -666,7 +665,7 @@ static rb_vec3 *see_approaches(struct striking *s)
 }
 
 /* Enters what joints give to the momentum; they do no work but that of driven ends. */
-static void enter_joints(struct striking *s)
+static void enter_joints(struct impact *s)
 {
 	struct rb_entries e = {0};
 	double *const impulse = rb_arena_take(s->l->arena, (size_t)s->joints.count,
@@ -683,7 +682,7 @@ static void enter_joints(struct striking *s)
 }
 
 /* Enters the work of the impulses. */
-static void enter_impulses(struct striking *s, const rb_vec3 *approach)
+static void enter_impulses(struct impact *s, const rb_vec3 *approach)
 {
 	for (int k = 0; approach && k < s->contact_point_count; k++)
 		rb_work_impact(s->l, &s->contact_point[k], s->joint.contact[k].impulse, approach[k],
@@ -693,7 +692,7 @@ static void enter_impulses(struct striking *s, const rb_vec3 *approach)
 }
 
 /* Solves the impact, ends series, anchors the members. */
-static void collide(struct striking *s)
+static void collide(struct impact *s)
 {
 	struct rb_located *l = s->l;
 	int rounds = 0;
@@ -731,7 +730,7 @@ static void collide(struct striking *s)
 /* One simultaneous impact; returns the rounding of velocities that it leaves, m/s. */
 static double collide_once(struct rb_located *l, int a, int b, double t)
 {
-	struct striking s = {.l = l, .t = t};
+	struct impact s = {.l = l, .t = t};
 	const rb_arena_mark here = rb_arena_here(l->arena);
 
 	rb_set_add(l, a);

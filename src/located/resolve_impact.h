@@ -13,7 +13,7 @@
 bool rb_resolve_impact_of_pair(struct rb_located *l, int a, int b, double t);
 
 /*
- * Everything that touches these two, together. Leaves the set, settled (located/resolve_contacts);
+ * Everything that touches these two, together. Leaves the set, resolved (located/resolve_contacts);
  * no impact where nothing approaches.
  */
 void rb_resolve_impacts(struct rb_located *l, int a, int b, double t);

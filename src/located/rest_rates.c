@@ -3,7 +3,7 @@
 
 #include "math/attract.h"
 
-void rb_rest_rates_contact(const struct rb_settling *s, int k, bool rest_speed,
+void rb_rest_rates_contact(const struct rb_resolution *s, int k, bool rest_speed,
                            struct rb_account_rates *rates)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
@@ -32,7 +32,8 @@ void rb_rest_rates_contact(const struct rb_settling *s, int k, bool rest_speed,
 	torque[2] = rb_vec3_add_scaled(torque[2], 0.5, rb_vec3_cross(body->linear, force));
 }
 
-void rb_rest_rates_centers(const struct rb_settling *s, int member, struct rb_account_rates *rates)
+void rb_rest_rates_centers(const struct rb_resolution *s, int member,
+                           struct rb_account_rates *rates)
 {
 	const struct rb_located *l = s->l;
 	const struct rb_attract *const all = &l->gravitation.all;

@@ -8,11 +8,12 @@
 
 #include "located/slips.h"
 
-/* A contact of the settling, if one of its bodies is fixed; rest_speed: it stands. */
-void rb_rest_rates_contact(const struct rb_settling *s, int k, bool rest_speed,
+/* A contact of the resolution, if one of its bodies is fixed; rest_speed: it stands. */
+void rb_rest_rates_contact(const struct rb_resolution *s, int k, bool rest_speed,
                            struct rb_account_rates *rates);
 
 /* Fixed centres that attract a member which stands. */
-void rb_rest_rates_centers(const struct rb_settling *s, int member, struct rb_account_rates *rates);
+void rb_rest_rates_centers(const struct rb_resolution *s, int member,
+                           struct rb_account_rates *rates);
 
 #endif

@@ -20,13 +20,13 @@
 static const double left_out = 1e-9;
 
 /* True for a member of the set. */
-static bool is_yielding(const struct rb_settling *s, int body)
+static bool is_dynamic(const struct rb_resolution *s, int body)
 {
 	return body < s->l->n && s->l->place[body] >= 0;
 }
 
 /* Root of a part. */
-static int root_of(const struct rb_settling *s, int place)
+static int root_of(const struct rb_resolution *s, int place)
 {
 	while (s->root[place] != place)
 		place = s->root[place];
@@ -34,25 +34,26 @@ static int root_of(const struct rb_settling *s, int place)
 }
 
 /* Part that contact k belongs to. */
-static int part_of(const struct rb_settling *s, int k)
+static int part_of(const struct rb_resolution *s, int k)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
 
-	return root_of(s, s->l->place[is_yielding(s, m->a) ? m->a : m->b]);
+	return root_of(s, s->l->place[is_dynamic(s, m->a) ? m->a : m->b]);
 }
 
 /* True if it slips with less than its friction, which means that the law has no force. */
-static bool is_seized(const struct rb_settling *s, int k)
+static bool is_seized(const struct rb_resolution *s, int k)
 {
 	const struct rb_solver_contact *c = &s->joint.contact[k];
 	const double push = rb_vec3_dot(c->impulse, c->normal);
-	const double rubs = rb_vec3_length(rb_vec3_reject(c->impulse, c->normal));
+	const double friction_impulse = rb_vec3_length(rb_vec3_reject(c->impulse, c->normal));
 
-	return c->mode == RB_SOLVER_SLIDE && push > 0 && rubs < c->friction * push * (1 - left_out);
+	return c->mode == RB_SOLVER_SLIDE && push > 0 &&
+	       friction_impulse < c->friction * push * (1 - left_out);
 }
 
 /* True if no other pair presses in this part. */
-static bool is_alone(const struct rb_settling *s, int k)
+static bool is_alone(const struct rb_resolution *s, int k)
 {
 	int first;
 	const int end = rb_slips_pair(s, k, &first);
@@ -65,13 +66,13 @@ static bool is_alone(const struct rb_settling *s, int k)
 }
 
 /* Arm on a dynamic body: a fixed one may be anywhere. */
-static rb_vec3 arm_of(const struct rb_settling *s, const struct rb_contact_point *m)
+static rb_vec3 arm_of(const struct rb_resolution *s, const struct rb_contact_point *m)
 {
-	return is_yielding(s, m->a) ? m->arm_a : m->arm_b;
+	return is_dynamic(s, m->a) ? m->arm_a : m->arm_b;
 }
 
 /* The points of a pair as one, at the centre of their normal forces. */
-static struct rb_contact_point middle_of(const struct rb_settling *s, int k)
+static struct rb_contact_point middle_of(const struct rb_resolution *s, int k)
 {
 	struct rb_contact_point all = s->contact_point[k];
 	rb_vec3 off = {0, 0, 0}, velocity = {0, 0, 0};
@@ -98,7 +99,7 @@ static struct rb_contact_point middle_of(const struct rb_settling *s, int k)
 }
 
 /* Change of relative velocity at the point by an impulse: the inverse effective mass, 3 x 3. */
-static rb_mat3 inverse_effective_mass_of(const struct rb_settling *s,
+static rb_mat3 inverse_effective_mass_of(const struct rb_resolution *s,
                                          const struct rb_contact_point *m)
 {
 	rb_mat3 inverse_effective_mass = {{{0}}};
@@ -107,10 +108,10 @@ static rb_mat3 inverse_effective_mass_of(const struct rb_settling *s,
 		const rb_vec3 unit = {column == 0, column == 1, column == 2};
 		rb_vec3 of[2] = {{0, 0, 0}, {0, 0, 0}};
 
-		if (is_yielding(s, m->a))
+		if (is_dynamic(s, m->a))
 			of[0] = rb_mechanics_answer(s->l, m->a, &m->pose_a, m->arm_a, m->arm_a,
 			                            unit);
-		if (is_yielding(s, m->b))
+		if (is_dynamic(s, m->b))
 			of[1] = rb_mechanics_answer(s->l, m->b, &m->pose_b, m->arm_b, m->arm_b,
 			                            unit);
 		const rb_vec3 sum = rb_vec3_add(of[0], of[1]);
@@ -125,7 +126,7 @@ static rb_mat3 inverse_effective_mass_of(const struct rb_settling *s,
  * Impulse for an approach of rounding size, since the normal velocity is rounding. Where the
  * contact has a solution after all, the impulse is that small, and none is applied.
  */
-static rb_vec3 impulse_at(const struct rb_settling *s, const struct rb_contact_point *m,
+static rb_vec3 impulse_at(const struct rb_resolution *s, const struct rb_contact_point *m,
                           const struct rb_solver_contact *c, rb_vec3 *change)
 {
 	const struct rb_eccentric contact = {inverse_effective_mass_of(s, m), m->normal,
@@ -140,10 +141,10 @@ static rb_vec3 impulse_at(const struct rb_settling *s, const struct rb_contact_p
 }
 
 /* Applies an impulse to a member. */
-static void push(struct rb_settling *s, int body, const struct rb_pose *pose, rb_vec3 arm,
+static void push(struct rb_resolution *s, int body, const struct rb_pose *pose, rb_vec3 arm,
                  rb_vec3 impulse)
 {
-	struct rb_pose *const own = is_yielding(s, body) ? &s->pose[s->l->place[body]] : NULL;
+	struct rb_pose *const own = is_dynamic(s, body) ? &s->pose[s->l->place[body]] : NULL;
 
 	if (!own)
 		return;
@@ -155,7 +156,7 @@ static void push(struct rb_settling *s, int body, const struct rb_pose *pose, rb
 }
 
 /* Stops the slip at one point; false: no impulse does. */
-static bool seize_at(struct rb_settling *s, const struct rb_contact_point *m,
+static bool seize_at(struct rb_resolution *s, const struct rb_contact_point *m,
                      const struct rb_solver_contact *c)
 {
 	rb_vec3 change;
@@ -171,7 +172,7 @@ static bool seize_at(struct rb_settling *s, const struct rb_contact_point *m,
 }
 
 /* Stops all pressing contacts of a part; false: impulses within friction do not. */
-static bool seize_part(struct rb_settling *s, int part)
+static bool seize_part(struct rb_resolution *s, int part)
 {
 	struct rb_located *l = s->l;
 	const int max = s->contact_point_count;
@@ -220,7 +221,7 @@ static bool seize_part(struct rb_settling *s, int part)
 	return true;
 }
 
-bool rb_seize(struct rb_settling *s)
+bool rb_seize(struct rb_resolution *s)
 {
 	const rb_vec3 none = {0, 0, 0};
 	bool any = false;

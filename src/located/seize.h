@@ -12,10 +12,10 @@
 
 /*
  * `s` is solved, and its roots are joined. True: there was one, bodies have other velocities, and
- * are to be settled anew, as after an impact. One pair alone follows the law of
+ * are to be resolved anew, as after an impact. One pair alone follows the law of
  * constraint/eccentric, with its restitution, several points of it as one in their middle; of
  * several pairs all points are stopped, where that is within their cones, and give nothing back.
  */
-bool rb_seize(struct rb_settling *s);
+bool rb_seize(struct rb_resolution *s);
 
 #endif

@@ -156,11 +156,11 @@ bool rb_set_is_slow(const struct rb_located *l, const struct rb_contact_point *m
                     rb_vec3 force)
 {
 	const double *const inverse = l->model->inverse_mass;
-	const double rubs = rb_vec3_length(rb_vec3_reject(force, m->normal)) *
-	                    (inverse[m->a] + inverse[m->b]);
+	const double friction_force = rb_vec3_length(rb_vec3_reject(force, m->normal)) *
+	                              (inverse[m->a] + inverse[m->b]);
 
 	return rb_vec3_length(rb_vec3_reject(m->velocity, m->normal)) <= rb_set_creep(l, m) &&
-	       fabs(rate) <= slowly * rubs;
+	       fabs(rate) <= slowly * friction_force;
 }
 
 const struct rb_held *rb_set_held_like(const struct rb_located *l, const struct rb_contact_point *m)
@@ -525,17 +525,17 @@ int rb_set_grow(struct rb_located *l, double t, double slack, rb_set_joins *join
                 struct rb_contact_point **found)
 {
 	struct pairs pairs = {.t = t, .slack = slack, .joins = joins};
-	const bool strikes = joins == rb_set_touching;
+	const bool is_impact = joins == rb_set_touching;
 
 	RB_ASSERT(slack >= 0);
 	RB_ASSERT(l->set_count > 0);
-	if (rb_located_gravitates(l) && !strikes)
+	if (rb_located_gravitates(l) && !is_impact)
 		add_attracted(l);
 	for (int k = 0; k < l->set_count && !pairs.failed; k++) {
 		const int i = l->set[k];
 
 		/* an impact finds those that gravitation has in the cluster by what they touch */
-		if (l->cluster_of[i] >= 0 && !(strikes && rb_located_gravitates(l))) {
+		if (l->cluster_of[i] >= 0 && !(is_impact && rb_located_gravitates(l))) {
 			const struct rb_cluster *c = &l->cluster[l->cluster_of[i]];
 
 			for (int m = 0; m < c->member_count; m++)

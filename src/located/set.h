@@ -23,7 +23,7 @@ const struct rb_held *rb_set_held(const struct rb_located *l, int a, int b);
 /* One past the last point of the pair that `first` is of. */
 const struct rb_held *rb_set_held_end(const struct rb_located *l, const struct rb_held *first);
 /*
- * The held contact that this meeting goes on with, NULL: none. By its features; of those that have
+ * The held contact that this contact goes on with, NULL: none. By its features; of those that have
  * come to an end there, by its place.
  */
 const struct rb_held *rb_set_held_like(const struct rb_located *l,

@@ -19,7 +19,7 @@ enum { SLIP_ULP = 1, STRAIGHT_ULP = 64 };
 /* Cosine above which two normals are one, to rounding. */
 static const double same_way = 1 - 1e-12;
 
-void *rb_slips_take(struct rb_settling *s, int count, size_t size)
+void *rb_slips_take(struct rb_resolution *s, int count, size_t size)
 {
 	void *const block = rb_arena_take(s->l->arena, (size_t)(count > 0 ? count : 1), size);
 
@@ -29,7 +29,7 @@ void *rb_slips_take(struct rb_settling *s, int count, size_t size)
 	return block;
 }
 
-int rb_slips_pair(const struct rb_settling *s, int k, int *first)
+int rb_slips_pair(const struct rb_resolution *s, int k, int *first)
 {
 	const struct rb_contact_point *m = s->contact_point;
 	int end = k + 1;
@@ -46,7 +46,7 @@ int rb_slips_pair(const struct rb_settling *s, int k, int *first)
 /* ---- forces ---- */
 
 /* Place of a member, or a copy of a fixed body's accelerations. */
-static int joint_body(struct rb_settling *s, int body)
+static int joint_body(struct rb_resolution *s, int body)
 {
 	const struct rb_located *l = s->l;
 
@@ -57,7 +57,7 @@ static int joint_body(struct rb_settling *s, int body)
 }
 
 /* Members with their external accelerations. */
-static void joint_set(struct rb_settling *s, rb_mat3 *root)
+static void joint_set(struct rb_resolution *s, rb_mat3 *root)
 {
 	const struct rb_located *l = s->l;
 
@@ -76,7 +76,7 @@ static bool is_given(rb_vec3 slip)
 }
 
 /* Contact k for the solver, with its mode: stick, or slip in the given or present direction. */
-static void joint_contact(struct rb_settling *s, int k)
+static void joint_contact(struct rb_resolution *s, int k)
 {
 	struct rb_located *l = s->l;
 	const struct rb_contact_point *m = &s->contact_point[k];
@@ -88,7 +88,7 @@ static void joint_contact(struct rb_settling *s, int k)
 	struct rb_set_left left = {.sticks = false};
 	const bool has_left = before->a < 0 && rb_set_left_of(l, m, &left);
 	const bool sticks = before->a >= 0 ? !before->slipping || before->ending : left.sticks;
-	const bool stuck = sticks && !rb_slips_is_struck(s, m);
+	const bool stuck = sticks && !rb_slips_is_after_impact(s, m);
 
 	*c = rb_mechanics_contact(l, m);
 	c->a = joint_body(s, m->a);
@@ -110,7 +110,7 @@ static void joint_contact(struct rb_settling *s, int k)
 	}
 }
 
-bool rb_slips_press(const struct rb_settling *s, int k)
+bool rb_slips_press(const struct rb_resolution *s, int k)
 {
 	RB_ASSERT_COSTLY(k >= 0 && k < s->contact_point_count);
 	return rb_vec3_dot(s->joint.contact[k].impulse, s->contact_point[k].normal) > 0;
@@ -121,7 +121,7 @@ bool rb_slips_press(const struct rb_settling *s, int k)
  * half of its load as the initial force, so that neither has precedence. The bodies move alike for
  * any sharing.
  */
-static void share_loads(struct rb_settling *s)
+static void share_loads(struct rb_resolution *s)
 {
 	for (int k = 0; k < s->contact_point_count; k++)
 		for (int i = 0; i < s->contact_point_count && s->before[k].a < 0; i++) {
@@ -142,14 +142,14 @@ static void share_loads(struct rb_settling *s)
 }
 
 /* Adds a force to a member's load. */
-static void add_load(struct rb_settling *s, int body, double force)
+static void add_load(struct rb_resolution *s, int body, double force)
 {
 	if (body < s->l->n && s->l->place[body] >= 0)
 		s->load[s->l->place[body]] += s->l->model->inverse_mass[body] * force;
 }
 
 /* Sum of contact forces over mass for each member, m/s^2: the scale of rounding. */
-static void find_loads(struct rb_settling *s)
+static void find_loads(struct rb_resolution *s)
 {
 	for (int k = 0; k < s->l->set_count; k++)
 		s->load[k] = 0;
@@ -161,7 +161,7 @@ static void find_loads(struct rb_settling *s)
 	}
 }
 
-void rb_slips_too_many(const struct rb_settling *s)
+void rb_slips_too_many(const struct rb_resolution *s)
 {
 	s->l->status = RB_FAIL(s->l->err, RB_ERR_PHYSICS,
 	                       "%d contacts together are too many to locate",
@@ -169,7 +169,7 @@ void rb_slips_too_many(const struct rb_settling *s)
 }
 
 /* Accelerations where joints alone act. */
-static bool solve_joints(struct rb_settling *s)
+static bool solve_joints(struct rb_resolution *s)
 {
 	const size_t count = (size_t)s->l->set_count;
 	rb_vec3 *const linear = rb_slips_take(s, 2 * s->l->set_count, sizeof *linear);
@@ -188,7 +188,7 @@ static bool solve_joints(struct rb_settling *s)
 }
 
 /* Forces and modes in the given directions. */
-static bool solve(struct rb_settling *s)
+static bool solve(struct rb_resolution *s)
 {
 	s->joint.arena = s->l->arena;
 	s->joint.body = rb_slips_take(
@@ -226,7 +226,7 @@ static bool solve(struct rb_settling *s)
 /* ---- which way ---- */
 
 /* Rate of the slip velocity, m/s^2, across the normal. */
-static rb_vec3 slip_rate(const struct rb_settling *s, int k)
+static rb_vec3 slip_rate(const struct rb_resolution *s, int k)
 {
 	const struct rb_solver_contact *c = &s->joint.contact[k];
 	const struct rb_solver_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
@@ -237,7 +237,7 @@ static rb_vec3 slip_rate(const struct rb_settling *s, int k)
 	return rb_vec3_reject(rb_vec3_add(rate, c->bias), c->normal);
 }
 
-bool rb_slips_straight(const struct rb_settling *s, int k, rb_vec3 slip)
+bool rb_slips_straight(const struct rb_resolution *s, int k, rb_vec3 slip)
 {
 	const rb_vec3 rate = slip_rate(s, k);
 	const double along = rb_vec3_dot(rate, slip);
@@ -254,7 +254,7 @@ bool rb_slips_straight(const struct rb_settling *s, int k, rb_vec3 slip)
 	                     speed <= -along * 16 * DBL_EPSILON * s->t);
 }
 
-bool rb_slips_creep(const struct rb_settling *s, int k, const struct rb_held *held)
+bool rb_slips_creep(const struct rb_resolution *s, int k, const struct rb_held *held)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
 
@@ -266,7 +266,7 @@ bool rb_slips_creep(const struct rb_settling *s, int k, const struct rb_held *he
  * Ends slips that would stop within rounding of sizes: with several points they may turn at the end
  * as fast as they slow down. True if there was one: forces are to be found again.
  */
-static bool stop_slow_slips(struct rb_settling *s)
+static bool stop_slow_slips(struct rb_resolution *s)
 {
 	bool *const kept = rb_slips_take(s, s->contact_point_count, sizeof *kept);
 	struct rb_drift drift = {.l = s->l,
@@ -301,12 +301,12 @@ static bool stop_slow_slips(struct rb_settling *s)
 }
 
 /* The way that it is known to have slipped until now; false: none is. */
-static bool slipped(const struct rb_settling *s, int k, rb_vec3 *way)
+static bool slipped(const struct rb_resolution *s, int k, rb_vec3 *way)
 {
 	const struct rb_held *before = &s->before[k];
 	struct rb_set_left left;
 
-	if (rb_slips_is_struck(s, &s->contact_point[k]))
+	if (rb_slips_is_after_impact(s, &s->contact_point[k]))
 		return false;
 	if (before->a < 0) {
 		if (!rb_set_left_of(s->l, &s->contact_point[k], &left))
@@ -323,7 +323,7 @@ static bool slipped(const struct rb_settling *s, int k, rb_vec3 *way)
  * and friction in a direction wrong by that would turn it back within speed / (friction g), all the
  * way. True: there are some.
  */
-static bool keep_directions(struct rb_settling *s)
+static bool keep_directions(struct rb_resolution *s)
 {
 	bool any = false;
 
@@ -352,12 +352,12 @@ static bool keep_directions(struct rb_settling *s)
  * Slips that begin at all points of a pair together: each friction's direction is known only to the
  * root of rounding, so one common direction against their sum is tried. True: there are such pairs.
  */
-static bool begin_together(struct rb_settling *s)
+static bool begin_together(struct rb_resolution *s)
 {
 	bool any = false;
 
 	for (int k = 0, first, end; k < s->contact_point_count; k = end) {
-		rb_vec3 rubs = {0, 0, 0};
+		rb_vec3 friction_sum = {0, 0, 0};
 		bool begin = true, straight = true;
 		int count = 0;
 
@@ -373,10 +373,10 @@ static bool begin_together(struct rb_settling *s)
 			straight = straight &&
 			           rb_slips_straight(s, i,
 			                             rb_vec3_unit(rb_vec3_neg(friction), c->slip));
-			rubs = rb_vec3_add(rubs, friction);
+			friction_sum = rb_vec3_add(friction_sum, friction);
 		}
 		for (int i = k; i < end; i++) {
-			const rb_vec3 way = rb_vec3_reject(rb_vec3_neg(rubs),
+			const rb_vec3 way = rb_vec3_reject(rb_vec3_neg(friction_sum),
 			                                   s->contact_point[i].normal);
 
 			s->slip[i] = count > 1 && begin && !straight ? rb_vec3_unit(way, s->slip[i])
@@ -391,7 +391,7 @@ static bool begin_together(struct rb_settling *s)
  * Contacts whose stick has ended slip against the friction that it would have needed. True: there
  * are some.
  */
-static bool end_rest(struct rb_settling *s)
+static bool end_rest(struct rb_resolution *s)
 {
 	bool any = false;
 
@@ -399,7 +399,7 @@ static bool end_rest(struct rb_settling *s)
 		const struct rb_held *before = &s->before[k];
 
 		if (before->a < 0 || before->slipping || !before->ending ||
-		    rb_slips_is_struck(s, &s->contact_point[k]))
+		    rb_slips_is_after_impact(s, &s->contact_point[k]))
 			continue;
 		s->slip[k] = rb_vec3_unit(
 			rb_vec3_reject(rb_vec3_neg(before->force), s->contact_point[k].normal),
@@ -410,7 +410,7 @@ static bool end_rest(struct rb_settling *s)
 }
 
 /* True if they do begin to slip, and in that direction. */
-static bool rest_has_ended(const struct rb_settling *s)
+static bool rest_has_ended(const struct rb_resolution *s)
 {
 	const double rounding = STRAIGHT_ULP * DBL_EPSILON * s->external_max;
 
@@ -423,7 +423,7 @@ static bool rest_has_ended(const struct rb_settling *s)
 }
 
 /* True if slips in given directions are straight and do not begin backwards. */
-static bool go_as_given(const struct rb_settling *s, bool begin)
+static bool go_as_given(const struct rb_resolution *s, bool begin)
 {
 	const double rounding = STRAIGHT_ULP * DBL_EPSILON * s->external_max;
 
@@ -436,14 +436,14 @@ static bool go_as_given(const struct rb_settling *s, bool begin)
 }
 
 /* No direction is given. */
-static void forget_directions(struct rb_settling *s)
+static void forget_directions(struct rb_resolution *s)
 {
 	for (int k = 0; k < s->contact_point_count; k++)
 		s->slip[k] = (rb_vec3){0, 0, 0};
 }
 
 /* Solves with kept directions, without them if inconsistent, then with common beginnings. */
-static bool solve_ways(struct rb_settling *s)
+static bool solve_ways(struct rb_resolution *s)
 {
 	const bool keeps = keep_directions(s);
 
@@ -467,7 +467,7 @@ static bool solve_ways(struct rb_settling *s)
 	return true;
 }
 
-bool rb_slips_solve(struct rb_settling *s)
+bool rb_slips_solve(struct rb_resolution *s)
 {
 	s->slip = rb_slips_take(s, s->contact_point_count, sizeof *s->slip);
 	if (!s->slip)

@@ -3,8 +3,8 @@
  * For located/resolve_contacts: which forces hold and rub in the contacts of a set of bodies, and
  * which way those slip that do.
  *
- * What a settling works on is in the world's arena until it ends; l->set and l->place are those of
- * its bodies.
+ * State of one resolution of contacts is in the world's arena until it ends; l->set and l->place
+ * are those of its bodies.
  */
 #ifndef RB_LOCATED_SLIPS_H
 #define RB_LOCATED_SLIPS_H
@@ -13,66 +13,68 @@
 #include "located/set.h"
 #include "constraint/simultaneous.h"
 
-/* What one settling works on. */
-struct rb_settling {
+/* State of one resolution of contacts. */
+struct rb_resolution {
 	struct rb_located *l;
 	double t, slack;
 	double drift; /* m/s: what rounding of forces has added to velocities of held contacts */
 	bool moves;   /* some body of it does, or may soon */
-	bool struck;  /* an impact has just happened */
-	int hit;      /* meeting that approaches though it has lasted, -1: none */
-	struct rb_contact_point *contact_point; /* [meet_count], sorted by (a, b, parts, key) */
+	bool after_impact; /* an impact has just happened */
+	int hit;           /* contact that approaches though it has lasted, -1: none */
+	/* [contact_point_count], sorted by (a, b, parts, key) */
+	struct rb_contact_point *contact_point;
 	int contact_point_count;
-	struct rb_held *before;    /* [meet_count]: what was held of each, a < 0: nothing */
-	struct rb_pose *pose;      /* [set_count] */
+	struct rb_held *before; /* [contact_point_count]: what was held of each, a < 0: nothing */
+	struct rb_pose *pose;   /* [set_count] */
 	rb_vec3 *linear, *angular; /* [set_count]: accelerations without contacts, then with them */
 	struct rb_joint_rows joints;  /* of the set, at `pose` */
 	struct rb_simultaneous joint; /* bodies: the set, then the fixed partners */
 	bool *constant;               /* [set_count]: its other forces are constant */
-	bool *still;                  /* [set_count]: ... while all stands still */
+	bool *constant_at_rest;       /* [set_count]: ... while all is at rest */
 	int *root;                    /* [set_count]: union-find over what stays together */
 	double external_max;          /* m/s^2: largest acceleration that went in */
 	/* [set_count], m/s^2: what contacts' forces on a body would do to it one by one */
 	double *load;
-	rb_vec3 *
-		/* [meet_count]: unit, slips are to go this way; 0: as velocities or forces say */
-		slip;
+	/* [contact_point_count]: unit, slips are to go this way; 0: as velocities or forces say */
+	rb_vec3 *slip;
 };
 
 /*
  * Has an impact just given the contact's bodies their velocities? Gravitation joins bodies that it
  * does not reach: those are still on their piece.
  */
-static inline bool rb_slips_is_struck(const struct rb_settling *s, const struct rb_contact_point *m)
+static inline bool rb_slips_is_after_impact(const struct rb_resolution *s,
+                                            const struct rb_contact_point *m)
 {
 	const int mover = rb_located_fixed(s->l, m->a) ? m->b : m->a;
 
-	return s->struck && !(rb_located_gravitates(s->l) && rb_located_on_piece(s->l, mover));
+	return s->after_impact &&
+	       !(rb_located_gravitates(s->l) && rb_located_on_piece(s->l, mover));
 }
 
 /* Room in the arena; NULL, and l->status says so: there is none. */
-void *rb_slips_take(struct rb_settling *s, int count, size_t size);
+void *rb_slips_take(struct rb_resolution *s, int count, size_t size);
 
 /*
  * Fills `joint` and `load`. Slips that end within rounding are ended, which changes poses'
  * velocities. False: l->status says why, for one that these are too many contacts.
  */
-bool rb_slips_solve(struct rb_settling *s);
-void rb_slips_too_many(const struct rb_settling *s);
+bool rb_slips_solve(struct rb_resolution *s);
+void rb_slips_too_many(const struct rb_resolution *s);
 
 /* Those of the same pair as contact k: from *first to before the number returned. */
-int rb_slips_pair(const struct rb_settling *s, int k, int *first);
+int rb_slips_pair(const struct rb_resolution *s, int k, int *first);
 
 /*
  * Of contact k, once solved: does it press? Does a slip that goes this way keep its direction until
  * it ends, to rounding?
  */
-bool rb_slips_press(const struct rb_settling *s, int k);
-bool rb_slips_straight(const struct rb_settling *s, int k, rb_vec3 slip);
+bool rb_slips_press(const struct rb_resolution *s, int k);
+bool rb_slips_straight(const struct rb_resolution *s, int k, rb_vec3 slip);
 /*
  * Is the direction of its slip what balances the forces across it? Where the slip is slow and
  * changes its speed by much less than friction could: else it has no time to turn there.
  */
-bool rb_slips_creep(const struct rb_settling *s, int k, const struct rb_held *held);
+bool rb_slips_creep(const struct rb_resolution *s, int k, const struct rb_held *held);
 
 #endif

@@ -83,7 +83,7 @@ double rb_transition_next(const struct rb_located *l, int cluster)
 	double next = HUGE_VAL;
 
 	RB_ASSERT(cluster >= 0 && cluster < l->cluster_count && l->cluster[cluster].used);
-	if (c->has_jammed)
+	if (c->has_jumped)
 		return c->anchor_s;
 	for (int k = 0; k < c->held_count; k++)
 		if (c->held[k].recorded_s > c->anchor_s)

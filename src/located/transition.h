@@ -6,7 +6,7 @@
 #include "located/located.h"
 
 /*
- * Of a cluster as it was settled: its next own event (an end of slip, of a face, of a piece, of an
+ * Of a cluster as it was resolved: its next own event (an end of slip, of a face, of a piece, of an
  * accumulation; or rounding about to take a contact out of its band), s; INFINITY: none.
  */
 double rb_transition_next(const struct rb_located *l, int cluster);

@@ -162,8 +162,8 @@ static rb_vec3 velocity_of(const struct rb_modes *w, int i, double t)
 }
 
 /* Rates by a force at a body's centre. */
-static void add_pull(const struct rb_modes *w, int i, enum rb_ledger_momentum cause, rb_vec3 force,
-                     struct rb_entries *rate)
+static void add_attraction(const struct rb_modes *w, int i, enum rb_ledger_momentum cause,
+                           rb_vec3 force, struct rb_entries *rate)
 {
 	rb_entries_impulse(rate, cause, force, rb_gravitation_position(&w->l->gravitation, i));
 }
@@ -186,7 +186,7 @@ static void add_gravitation(const struct rb_modes *w, double t, struct rb_entrie
 			if (!rb_located_fixed(l, j)) {
 				const rb_vec3 more = rb_gravitation_surplus(&l->gravitation, i, j);
 
-				add_pull(w, i, RB_MOMENTUM_APPLIED, more, rate);
+				add_attraction(w, i, RB_MOMENTUM_APPLIED, more, rate);
 				rb_entries_energy(rate, RB_ENERGY_APPLIED,
 				                  rb_vec3_dot(more, velocity_of(w, i, t)));
 				continue;
@@ -194,7 +194,7 @@ static void add_gravitation(const struct rb_modes *w, double t, struct rb_entrie
 			const rb_vec3 d = rb_attract_between(all, i, j, &factor);
 			const rb_vec3 on = rb_vec3_scale(factor * all->inertial[i] * all->mu[j], d);
 
-			add_pull(w, i, cause_of(l, j), on, rate);
+			add_attraction(w, i, cause_of(l, j), on, rate);
 			if (rb_located_driven(l, j))
 				rb_entries_energy(rate, RB_ENERGY_DRIVEN,
 				                  rb_vec3_dot(on, rb_arc_velocity(l, j, t)));

@@ -11,7 +11,10 @@
 #include "located/modes.h"
 #include "located/external_force.h"
 
-/* An impact: `impulse` on b at the meeting, relative velocities of its points before and after. */
+/*
+ * An impact: `impulse` on b at the contact point, relative velocities of its points before and
+ * after.
+ */
 void rb_work_impact(struct rb_located *l, const struct rb_contact_point *m, rb_vec3 impulse,
                     rb_vec3 before, rb_vec3 after);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "located/joint_settling.h"
+#include "located/joint_rest.h"
 
-bool rb_joint_settling_decide(struct rb_settling *s)
+bool rb_joint_rest_decide(struct rb_resolution *s)
 {
 	if (!rb_joint_rows_drive(&s->joints))
 		return true;
@@ -15,7 +15,7 @@ bool rb_joint_settling_decide(struct rb_settling *s)
 }
 
 /* Cause of forces of joints with ends that do not yield: 0 static, 1 driven; -1: no such end. */
-static int lean_on(const struct rb_settling *s, const bool *own)
+static int lean_on(const struct rb_resolution *s, const bool *own)
 {
 	const struct rb_located *l = s->l;
 	int by = -1;
@@ -38,8 +38,8 @@ static int lean_on(const struct rb_settling *s, const bool *own)
 	return by;
 }
 
-void rb_joint_settling_rate(const struct rb_settling *s, const bool *own,
-                            struct rb_account_rates *rates)
+void rb_joint_rest_rate(const struct rb_resolution *s, const bool *own,
+                        struct rb_account_rates *rates)
 {
 	const struct rb_located *l = s->l;
 	const int by = lean_on(s, own);
