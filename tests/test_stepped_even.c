@@ -7,7 +7,10 @@
 
 enum { CORNERS = 4 };
 
-/* A box of 2 kg on what does not yield, at four corners: pushes at random, friction within the cones, at one of them at its edge. */
+/*
+ * A box of 2 kg on what does not yield, at four corners: pushes at random, friction within the
+ * cones, at one of them at its edge.
+ */
 struct sleep {
 	struct rb_solver_body body[2];
 	struct rb_constraint row[CORNERS];
@@ -21,7 +24,7 @@ static void lay(struct sleep *sleep, uint64_t series)
 	for (int k = 0; k < CORNERS; k++) {
 		const uint64_t of = 100 + 4 * (uint64_t)k;
 		struct rb_constraint *const row = &sleep->row[k];
-		const double push = solids_random(series, of, 0.1, 1);
+		const double normal_impulse = solids_random(series, of, 0.1, 1);
 		const double share = k == 0 ? 1 : solids_random(series, of + 1, 0, 1);
 		const double way = solids_random(series, of + 2, -3, 3);
 
@@ -32,8 +35,8 @@ static void lay(struct sleep *sleep, uint64_t series)
 		                              .inverse_mass_n = 1,
 		                              .inverse_mass_t = 1,
 		                              .friction = 0.4,
-		                              .impulse.n = push};
-		row->impulse.t = rb_vec3_scale(share * 0.4 * push,
+		                              .impulse.n = normal_impulse};
+		row->impulse.t = rb_vec3_scale(share * 0.4 * normal_impulse,
 		                               (rb_vec3){cos(way), sin(way), 0});
 	}
 	sleep->dense = (struct rb_row_system){
@@ -61,7 +64,10 @@ static void assert_same(rb_vec3 a, rb_vec3 b)
 	assert_near(a.z, b.z, 1e-14);
 }
 
-/* The same force and torque with the smallest squares: what is left over, 1 -1 -1 1, is not in it. Nothing leaves its cone. */
+/*
+ * The same force and torque with the smallest squares: what is left over, 1 -1 -1 1, is not in it.
+ * Nothing leaves its cone.
+ */
 static void pushes_become_even_and_do_the_same(void **state)
 {
 	struct rb_arena arena = {0};

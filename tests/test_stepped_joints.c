@@ -73,8 +73,9 @@ static struct rb_ledger_values ledger_of(const struct lab *lab)
 }
 
 /*
- * Velocities are half a step late: what forces give in half a step, of the bodies as they move, is what an energy is off by
- * that the steps themselves keep (joint_rows.h). Positions are bent by their curvature, hence some more.
+ * Velocities are half a step late: what forces give in half a step, of the bodies as they move, is
+ * what an energy is off by that the steps themselves keep (joint_rows.h). Positions are bent by
+ * their curvature, hence some more.
  */
 static double lateness(const struct lab *lab, double h)
 {
@@ -172,7 +173,10 @@ static void a_double_pendulum_converges_with_the_step(void **state)
 	assert_true(off[3] <= 2.5e-3);
 }
 
-/* A chain with a ball of a million times its links' mass at its end, from above; where it is let go. */
+/*
+ * A chain with a ball of a million times its links' mass at its end, from above; where it is let
+ * go.
+ */
 static void run_heavy_chain(rb_vec3 along, double seconds, double kick)
 {
 	enum { LINKS = 100 };
@@ -193,17 +197,17 @@ static void run_heavy_chain(rb_vec3 along, double seconds, double kick)
 	add_at(&lab, RB_JOINT_BALL, ball, last, rb_vec3_scale(0.1 * LINKS, along), nothing);
 	lab_seal(&lab, 1);
 	run_held(&lab);
-	rb_vec3 pull, twist;
-	rb_joints_load(lab.world->stepped, LINKS, &pull, &twist);
+	rb_vec3 reaction, twist;
+	rb_joints_load(lab.world->stepped, LINKS, &reaction, &twist);
 	const struct rb_counts c = counts_of(&lab);
 	print_message("substeps %g factors %g taken back %g; ball at %g %g %g, pull %g %g %g\n",
 	              (double)c.substeps, (double)c.factors, (double)c.rollbacks,
 	              rb_world_position(lab.world, ball).x, rb_world_position(lab.world, ball).y,
-	              rb_world_position(lab.world, ball).z, pull.x, pull.y, pull.z);
+	              rb_world_position(lab.world, ball).z, reaction.x, reaction.y, reaction.z);
 	if (along.z == -1) {
 		assert_vector(rb_world_position(lab.world, ball), ((rb_vec3){0, 0, -10.5}), 1e-6);
 		/* on b, the last link: the ball's weight */
-		assert_vector(pull, ((rb_vec3){0, 0, -1e6 * g}), 1e-3 * 1e6 * g);
+		assert_vector(reaction, ((rb_vec3){0, 0, -1e6 * g}), 1e-3 * 1e6 * g);
 	}
 	lab_close(&lab);
 }
@@ -285,7 +289,7 @@ static void a_motor_stalls_against_a_limit(void **state)
 {
 	struct rb_joint_def def;
 	struct lab lab;
-	rb_vec3 pull, twist;
+	rb_vec3 reaction, twist;
 
 	(void)state;
 	open_wheel(&lab, &def, 3, 1.0 / 240);
@@ -299,12 +303,15 @@ static void a_motor_stalls_against_a_limit(void **state)
 	assert_near(lab.world->stepped->solver.joint[0].last.way, 1, 1e-9);
 	assert_near(turning(&lab), 0, 1e-9);
 	/* motor and limit against each other: nothing is left on the world */
-	rb_joints_load(lab.world->stepped, 0, &pull, &twist);
+	rb_joints_load(lab.world->stepped, 0, &reaction, &twist);
 	assert_near(twist.z, 0, 1e-6);
 	lab_close(&lab);
 }
 
-/* A door that closes under a constant torque, e = 0.5: the apex after the first stop, rad before it. */
+/*
+ * A door that closes under a constant torque, e = 0.5: the apex after the first stop, rad before
+ * it.
+ */
 static double door_apex(double h)
 {
 	struct rb_joint_def def;
@@ -336,7 +343,10 @@ static double door_apex(double h)
 static void a_door_bounces_off_its_stop(void **state)
 {
 	(void)state;
-	/* tau = 2: met at 1 s with 2 rad/s; back with 1, so far as w^2 / (2 tau) = 1/4; an impact is up to a step late */
+	/*
+	 * tau = 2: met at 1 s with 2 rad/s; back with 1, so far as w^2 / (2 tau) = 1/4; an impact
+	 * is up to a step late
+	 */
 	for (int k = 0; k < 3; k++) {
 		const double h = 1.0 / (960 << k);
 
@@ -388,13 +398,19 @@ static void a_ball_on_a_rope_falls_and_is_held(void **state)
 			if (rb_world_time(lab.world) > 0.4)
 				top = fmax(top, rb_world_position(lab.world, 0).z);
 		}
-		/* taut at sqrt(2 0.5 / g) = 0.319 s, with sqrt(g) m/s; up again to where it was, or never */
+		/*
+		 * taut at sqrt(2 0.5 / g) = 0.319 s, with sqrt(g) m/s; up again to where it was, or
+		 * never
+		 */
 		assert_near(top, bounces ? -0.5 : -1, bounces ? 4 * sqrt(g) * h : 1e-7);
 		lab_close(&lab);
 	}
 }
 
-/* On a circle of 1 m from the lowest point with v0^2 = 3.5 g: slack at the height z = v^2 / g above the middle, z = 1/2. */
+/*
+ * On a circle of 1 m from the lowest point with v0^2 = 3.5 g: slack at the height z = v^2 / g above
+ * the middle, z = 1/2.
+ */
 static void a_rope_goes_slack_where_it_pulls_no_more(void **state)
 {
 	struct rb_joint_def def = rb_joint_def_default();
@@ -513,7 +529,7 @@ static void a_group_that_is_not_looked_at_again_keeps_its_forces(void **state)
 {
 	struct rb_joint_def def;
 	struct lab lab;
-	rb_vec3 pull, twist;
+	rb_vec3 reaction, twist;
 
 	(void)state;
 	open_wheel(&lab, &def, 2, 1.0 / 240);
@@ -527,8 +543,8 @@ static void a_group_that_is_not_looked_at_again_keeps_its_forces(void **state)
 	lab_seal(&lab, 1);
 	run_held(&lab);
 	/* on the world: the weight; of motor and spring, which hold each other, nothing */
-	rb_joints_load(lab.world->stepped, 0, &pull, &twist);
-	assert_near(pull.z, -6 * g, 1e-6);
+	rb_joints_load(lab.world->stepped, 0, &reaction, &twist);
+	assert_near(reaction.z, -6 * g, 1e-6);
 	assert_near(twist.z, 0, 1e-3);
 	const double way = lab.world->stepped->solver.joint[0].last.way;
 	assert_near(lab.world->stepped->solver.joint[0].last.force[RB_JOINT_SPRING], -0.5 * way,
@@ -672,7 +688,10 @@ static void mechanisms_hold_together_and_gain_nothing(void **state)
 		              rb_vec3_length(v.momentum[RB_MOMENTUM_CAUSES][0]),
 		              rb_vec3_length(v.momentum[RB_MOMENTUM_CAUSES][1]),
 		              v.momentum_scale[1]);
-		/* ground and world take and give all linear momentum; rounding of forces of many times the weights */
+		/*
+		 * ground and world take and give all linear momentum; rounding of forces of many
+		 * times the weights
+		 */
 		assert_true(rb_vec3_length(v.momentum[RB_MOMENTUM_CAUSES][0]) <=
 		            1e-6 * v.momentum_scale[0]);
 		lab_close(&lab);

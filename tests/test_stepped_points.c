@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* src/stepped/candidates, src/stepped/contact_points: what was far apart is not looked at again until it could be near. */
+/*
+ * src/stepped/candidates, src/stepped/contact_points: what was far apart is not looked at again
+ * until it could be near.
+ */
 #include "worlds.h"
 
 #include "stepped/projection.h"
@@ -53,7 +56,10 @@ static void a_stick_that_turns_hits_what_its_tip_reaches(void **state)
 	lab_close(&lab);
 }
 
-/* Seen far apart for long, and between others: nobody meets it but the wall, and then whom it had left. */
+/*
+ * Seen far apart for long, and between others: nobody meets it but the wall, and then whom it had
+ * left.
+ */
 static void what_comes_back_is_met(void **state)
 {
 	struct lab lab;
@@ -95,7 +101,10 @@ static void a_heap_of_boxes_that_turn_stays_within_the_tolerance(void **state)
 	lab_close(&lab);
 }
 
-/* An impact within a step may begin a turn as well as end it: what the contacts were solved for bends either way. */
+/*
+ * An impact within a step may begin a turn as well as end it: what the contacts were solved for
+ * bends either way.
+ */
 static void what_may_be_closed_follows_the_faster_turn(void **state)
 {
 	static const double spins[][2] = {{0, 0}, {0, 3}, {3, 0}, {3, 3}, {3, -1}};
@@ -126,7 +135,10 @@ static void what_may_be_closed_follows_the_faster_turn(void **state)
 	lab_close(&lab);
 }
 
-/* About any axis, from any orientation: no point of it has gone farther than its size times the angle, and some as far. */
+/*
+ * About any axis, from any orientation: no point of it has gone farther than its size times the
+ * angle, and some as far.
+ */
 static void what_turns_in_place_has_gone_its_size_times_its_angle(void **state)
 {
 	(void)state;
@@ -183,19 +195,19 @@ static void steps_take_over_what_was_located(void **state)
 
 	assert_int_equal(points->last_count, world->contacts.count);
 	for (size_t k = 0; k < points->last_count; k++) {
-		const struct rb_named_push *push = &points->last[k];
+		const struct rb_named_impulse *impulse = &points->last[k];
 		size_t found = 0;
 
-		assert_int_equal(push->a, push->b == at[floor] ? at[low]
-		                          : at[low] < at[high] ? at[low]
-		                                               : at[high]);
+		assert_int_equal(impulse->a, impulse->b == at[floor] ? at[low]
+		                             : at[low] < at[high]    ? at[low]
+		                                                     : at[high]);
 		for (size_t c = 0; c < world->contacts.count; c++) {
 			const struct rb_contact *contact = &world->contacts.row[c];
 
-			if (contact->a != push->a || contact->b != push->b ||
-			    contact->parts != push->parts || contact->key != push->key)
+			if (contact->a != impulse->a || contact->b != impulse->b ||
+			    contact->parts != impulse->parts || contact->key != impulse->key)
 				continue;
-			assert_true(push->force == contact->normal_force);
+			assert_true(impulse->force == contact->normal_force);
 			found++;
 		}
 		assert_int_equal(found, 1);

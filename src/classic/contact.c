@@ -241,8 +241,9 @@ static void reactions(struct rb_pass *pass)
 		RB_ASSERT_COSTLY(count <= pass->touch_count);
 	}
 	for (int n = 0; n < count; n++)
-		rb_link_push(world, &row[n].link,
-		             rb_vec3_add_scaled(row[n].tangent, row[n].normal, row[n].link.normal));
+		rb_link_apply(
+			world, &row[n].link,
+			rb_vec3_add_scaled(row[n].tangent, row[n].normal, row[n].link.normal));
 	/* a short substep moves nothing far: its remainder is taken up by the next long one */
 	const double tolerance = rb_contact_tolerance(pass) * fmin(pass->dt_s / pass->h_s, 100);
 	rb_impulse_rows_solve(world, row, count,

@@ -183,8 +183,8 @@ static bool solve_together(struct contacts *all)
 		return true;
 	}
 	for (int n = 0; n < all->active_count; n++)
-		rb_link_push(world, &all->solver[n].link,
-		             rb_vec3_neg(row_impulse(&all->solver[n])));
+		rb_link_apply(world, &all->solver[n].link,
+		              rb_vec3_neg(row_impulse(&all->solver[n])));
 	return false;
 }
 
@@ -205,7 +205,7 @@ static void solve_one_by_one(struct contacts *all)
 		const rb_vec3 impulse = rb_link_impact(&m->link, m->before, wanted(m));
 		row->normal = rb_vec3_dot(impulse, m->link.normal);
 		row->tangent = rb_vec3_add_scaled(impulse, -row->normal, m->link.normal);
-		rb_link_push(world, &m->link, impulse);
+		rb_link_apply(world, &m->link, impulse);
 		rb_entering_impact(all->pass, &m->link, impulse, m->before);
 	}
 }

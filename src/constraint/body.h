@@ -65,8 +65,8 @@ static inline rb_vec3 rb_solver_point_velocity(const struct rb_solver_body *body
 }
 
 /* An impulse, or a force, at `arm`. */
-static inline void rb_solver_push(const struct rb_solver_bodies *bodies, int i, rb_vec3 arm,
-                                  rb_vec3 impulse)
+static inline void rb_solver_apply(const struct rb_solver_bodies *bodies, int i, rb_vec3 arm,
+                                   rb_vec3 impulse)
 {
 	struct rb_solver_body *const body = &bodies->body[i];
 

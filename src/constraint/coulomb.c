@@ -21,11 +21,11 @@ static const double felt_share = 1e-26;
 static const double failed_share = 1e-9;
 
 /* Across the normal, at a push that the step leads to. */
-static void friction_impulse_of(const struct rb_cone *cone, struct rb_cone_row *row, double push,
-                                rb_along_across *step)
+static void friction_impulse_of(const struct rb_cone *cone, struct rb_cone_row *row,
+                                double normal_impulse, rb_along_across *step)
 {
 	const rb_along_across *const j = &row->base.impulse;
-	const double limit = cone->held ? row->limit : row->base.friction * push;
+	const double limit = cone->held ? row->limit : row->base.friction * normal_impulse;
 
 	row->friction_impulse = RB_CONE_KNOWN;
 	step->t = rb_vec3_neg(j->t);
@@ -74,7 +74,7 @@ static rb_along_across step_of(const struct rb_cone *cone, struct rb_cone_row *r
 {
 	const rb_along_across *const j = &row->base.impulse;
 	rb_along_across step = {0, {0, 0, 0}};
-	double push = j->n;
+	double normal_impulse = j->n;
 
 	row->closed = false;
 	row->friction_impulse = RB_CONE_KNOWN;
@@ -95,14 +95,14 @@ static rb_along_across step_of(const struct rb_cone *cone, struct rb_cone_row *r
 	}
 	if (!row->given) {
 		step.n = -row->u.n / row->bound_n;
-		push = j->n + step.n;
-		row->closed = push >= 0;
+		normal_impulse = j->n + step.n;
+		row->closed = normal_impulse >= 0;
 		if (!row->closed) {
-			push = 0;
+			normal_impulse = 0;
 			step.n = -j->n;
 		}
 	}
-	friction_impulse_of(cone, row, push, &step);
+	friction_impulse_of(cone, row, normal_impulse, &step);
 	return step;
 }
 
@@ -151,11 +151,12 @@ static void image_of(struct rb_cone *cone, rb_along_across *x, rb_along_across *
 			y[k].t = rb_vec3_scale(1 / row->bound_t, du.t);
 		if (row->friction_impulse != RB_CONE_SLIP)
 			continue;
-		const double push = row->closed && !cone->held ? x[k].n - y[k].n : 0;
+		const double normal_impulse = row->closed && !cone->held ? x[k].n - y[k].n : 0;
 		const rb_vec3 wanted = rb_vec3_add_scaled(x[k].t, -1 / row->bound_t, du.t);
 		const rb_vec3 across = rb_vec3_add_scaled(wanted, -rb_vec3_dot(wanted, row->along),
 		                                          row->along);
-		y[k].t = rb_vec3_add_scaled(x[k].t, -row->base.friction * push, row->along);
+		y[k].t = rb_vec3_add_scaled(x[k].t, -row->base.friction * normal_impulse,
+		                            row->along);
 		y[k].t = rb_vec3_add_scaled(y[k].t, -row->share, across);
 	}
 }
@@ -257,19 +258,19 @@ static void keep_cone(struct rb_cone *cone, double s, const rb_along_across *x,
 	for (int k = 0; k < cone->row_count; k++) {
 		const struct rb_cone_row *row = &cone->row[k];
 		const rb_along_across *const j = &row->base.impulse;
-		double push = j->n + s * x[k].n;
+		double normal_impulse = j->n + s * x[k].n;
 
 		kept[k] = (rb_along_across){s * x[k].n, rb_vec3_scale(s, x[k].t)};
 		const bool leaves = row->base.set == RB_CONSTRAINT_CONE
-		                            ? !(push > 0)
-		                            : nearest(row, push) != push;
+		                            ? !(normal_impulse > 0)
+		                            : nearest(row, normal_impulse) != normal_impulse;
 		if (row->closed && leaves) {
-			push = nearest(row, push);
-			kept[k].n = push - j->n;
+			normal_impulse = nearest(row, normal_impulse);
+			kept[k].n = normal_impulse - j->n;
 		}
 		if (row->base.set != RB_CONSTRAINT_CONE)
 			continue;
-		const double limit = cone->held ? row->limit : row->base.friction * push;
+		const double limit = cone->held ? row->limit : row->base.friction * normal_impulse;
 		if (row->friction_impulse == RB_CONE_FOLLOW)
 			kept[k].t = rb_vec3_scale(-row->base.friction * kept[k].n, row->slip);
 		if (row->friction_impulse != RB_CONE_STICK && row->friction_impulse != RB_CONE_SLIP)
@@ -325,8 +326,8 @@ static void steps_on_faces(struct rb_cone *cone, rb_along_across *step)
 		                            rb_vec3_scale(-1 / row->bound_t, row->u.t)};
 		if (row->friction_impulse != RB_CONE_SLIP)
 			continue;
-		const double push = row->base.impulse.n + (row->closed ? step[k].n : 0);
-		const double limit = cone->held ? row->limit : row->base.friction * push;
+		const double normal_impulse = row->base.impulse.n + (row->closed ? step[k].n : 0);
+		const double limit = cone->held ? row->limit : row->base.friction * normal_impulse;
 		step[k].t = rb_vec3_sub(rb_vec3_scale(limit, row->along), row->base.impulse.t);
 	}
 }

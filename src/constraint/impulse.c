@@ -164,7 +164,7 @@ static inline void push_body(struct rb_world *world, int i, double inverse_mass,
 	w[2] += turn.z;
 }
 
-void rb_link_push(struct rb_world *world, const struct rb_link *link, rb_vec3 impulse)
+void rb_link_apply(struct rb_world *world, const struct rb_link *link, rb_vec3 impulse)
 {
 	push_body(world, link->a, link->inverse_mass_a, link->inverse_inertia_a, link->arm_a,
 	          rb_vec3_neg(impulse));
@@ -289,7 +289,7 @@ static double solve_row(struct rb_world *world, struct rb_impulse_row *row)
 	row->normal = rb_vec3_dot(after, link->normal);
 	row->tangent = rb_vec3_add_scaled(after, -row->normal, link->normal);
 	row->change = rb_vec3_sub(after, before);
-	rb_link_push(world, link, row->change);
+	rb_link_apply(world, link, row->change);
 	return rb_vec3_length(row->change) *
 	       fmax(link->normal_inverse_mass, link->tangent_inverse_mass);
 }
@@ -307,7 +307,7 @@ static void follow(struct rb_world *world, struct rb_impulse_row *row, int count
 		row[k].normal += normal;
 		row[k].tangent = rb_vec3_add(
 			row[k].tangent, rb_vec3_add_scaled(extra, -normal, row[k].link.normal));
-		rb_link_push(world, &row[k].link, extra);
+		rb_link_apply(world, &row[k].link, extra);
 	}
 }
 
@@ -364,9 +364,9 @@ double rb_impulse_rows_solve(struct rb_world *world, struct rb_impulse_row *row,
 		 * friction, at last without
 		 */
 		for (int k = 0; k < count; k++) {
-			rb_link_push(world, &row[k].link,
-			             rb_vec3_neg(rb_vec3_add_scaled(row[k].tangent, row[k].normal,
-			                                            row[k].link.normal)));
+			rb_link_apply(world, &row[k].link,
+			              rb_vec3_neg(rb_vec3_add_scaled(row[k].tangent, row[k].normal,
+			                                             row[k].link.normal)));
 			row[k].normal = 0;
 			row[k].tangent = row[k].direction = (rb_vec3){0, 0, 0};
 			row[k].link.friction = round < 2 ? 0.5 * row[k].link.friction : 0;

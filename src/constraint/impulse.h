@@ -36,7 +36,7 @@ rb_vec3 rb_link_velocity(const struct rb_world *world, const struct rb_state *st
                          const struct rb_link *link);
 
 /* Applies an impulse, N s on b. */
-void rb_link_push(struct rb_world *world, const struct rb_link *link, rb_vec3 impulse);
+void rb_link_apply(struct rb_world *world, const struct rb_link *link, rb_vec3 impulse);
 
 /* Rounding of the relative velocity: a few ulp of the speeds that it is a difference of, m/s. */
 double rb_link_noise(const struct rb_world *world, const struct rb_link *link);

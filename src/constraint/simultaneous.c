@@ -109,8 +109,8 @@ static void hit_alone(struct rb_simultaneous *joint, struct rb_solver_contact *c
 	if (!(link.normal_inverse_mass > 0))
 		return;
 	const rb_vec3 impulse = rb_link_impact(&link, u, c->restitution * approach);
-	rb_solver_push(&bodies, c->a, c->arm_a, rb_vec3_neg(impulse));
-	rb_solver_push(&bodies, c->b, c->arm_b, impulse);
+	rb_solver_apply(&bodies, c->a, c->arm_a, rb_vec3_neg(impulse));
+	rb_solver_apply(&bodies, c->b, c->arm_b, impulse);
 	c->impulse = rb_vec3_add(c->impulse, impulse);
 	if (c->approach == 0)
 		c->approach = approach;

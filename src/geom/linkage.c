@@ -15,7 +15,7 @@ struct parts {
 	rb_vec3 arm_a, arm_b; /* m, world axes */
 	rb_vec3 d;            /* m, from a's point to b's */
 	rb_vec3 rate;         /* m/s, of d */
-	rb_vec3 pull;         /* m/s^2, of d, without accelerations: centripetal */
+	rb_vec3 centripetal;  /* m/s^2, of d, without accelerations: centripetal */
 	rb_quat turn_a;       /* from the joint's axes of a to the world */
 	rb_vec3 spin;         /* rad/s, of b against a */
 };
@@ -57,7 +57,7 @@ static struct parts parts_of(const struct rb_linkage *link, const struct rb_pose
 	p.rate = rb_vec3_add(
 		rb_vec3_sub(b->velocity, a->velocity),
 		rb_vec3_sub(rb_vec3_cross(b->spin, p.arm_b), rb_vec3_cross(a->spin, p.arm_a)));
-	p.pull = rb_vec3_sub(twice_cross(b->spin, p.arm_b), twice_cross(a->spin, p.arm_a));
+	p.centripetal = rb_vec3_sub(twice_cross(b->spin, p.arm_b), twice_cross(a->spin, p.arm_a));
 	p.turn_a = rb_quat_multiply(a->orientation, link->frame_a);
 	p.spin = rb_vec3_sub(b->spin, a->spin);
 	return p;
@@ -74,7 +74,7 @@ static int point_rows(const struct parts *p, struct rb_linkage_row *row)
 			.angular_a = rb_vec3_neg(rb_vec3_cross(p->arm_a, axis[k])),
 			.angular_b = rb_vec3_cross(p->arm_b, axis[k]),
 			.error = rb_vec3_dot(axis[k], p->d),
-			.bias = rb_vec3_dot(axis[k], p->pull),
+			.bias = rb_vec3_dot(axis[k], p->centripetal),
 		};
 	return 3;
 }
@@ -89,7 +89,7 @@ static struct rb_linkage_row along_row(const struct parts *p, rb_vec3 u)
 		.angular_a = rb_vec3_neg(rb_vec3_cross(rb_vec3_add(p->arm_a, p->d), u)),
 		.angular_b = rb_vec3_cross(p->arm_b, u),
 		.error = rb_vec3_dot(u, p->d),
-		.bias = rb_vec3_dot(u, p->pull) + 2 * rb_vec3_dot(turned, p->rate) +
+		.bias = rb_vec3_dot(u, p->centripetal) + 2 * rb_vec3_dot(turned, p->rate) +
 	                rb_vec3_dot(rb_vec3_cross(p->a->spin, turned), p->d),
 	};
 }
@@ -163,7 +163,7 @@ static int length_row(const struct rb_linkage *link, const struct parts *p,
 		.angular_a = rb_vec3_neg(rb_vec3_cross(p->arm_a, n)),
 		.angular_b = rb_vec3_cross(p->arm_b, n),
 		.error = length - link->length,
-		.bias = rb_vec3_dot(n, p->pull) +
+		.bias = rb_vec3_dot(n, p->centripetal) +
 	                (length > 0 ? rb_vec3_dot(across, across) / length : 0),
 	};
 	return 1;

@@ -54,7 +54,7 @@ static bool is_off(const struct rb_drift *drift, const struct rb_contact_point *
 
 /* ---- one contact ---- */
 
-static void push(const struct rb_drift *drift, int body, rb_vec3 arm, rb_vec3 impulse)
+static void apply(const struct rb_drift *drift, int body, rb_vec3 arm, rb_vec3 impulse)
 {
 	const struct rb_located *l = drift->l;
 	struct rb_pose *pose = pose_of(drift, body);
@@ -119,8 +119,8 @@ static void correct_one(const struct rb_drift *drift, int which)
 				-rb_vec3_dot(wrong, m->normal) /
 					rb_vec3_dot(m->normal, rb_mat3_apply(&k, m->normal)),
 				m->normal);
-		push(drift, m->a, m->arm_a, rb_vec3_neg(impulse));
-		push(drift, m->b, m->arm_b, impulse);
+		apply(drift, m->a, m->arm_a, rb_vec3_neg(impulse));
+		apply(drift, m->b, m->arm_b, impulse);
 		if (!drift->tries)
 			rb_work_impact(drift->l, m, impulse, m->velocity,
 			               rb_vec3_add(m->velocity, rb_mat3_apply(&k, impulse)));

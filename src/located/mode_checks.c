@@ -57,13 +57,13 @@ bool rb_check_holds_otherwise(struct rb_modes *w, double t)
 double rb_check_excess(const struct rb_modes *w, int k)
 {
 	const rb_vec3 n = w->contact_point[k].normal;
-	const double push = rb_vec3_dot(w->force[k], n);
+	const double normal_force = rb_vec3_dot(w->force[k], n);
 
 	RB_ASSERT_COSTLY(k >= 0);
 	if (w->c->held[k].slipping)
-		return -push;
-	return fmax(-push,
-	            rb_vec3_length(rb_vec3_reject(w->force[k], n)) - w->contact[k].friction * push);
+		return -normal_force;
+	return fmax(-normal_force, rb_vec3_length(rb_vec3_reject(w->force[k], n)) -
+	                                   w->contact[k].friction * normal_force);
 }
 
 /* True if contact k keeps its mode's law within the uncertainty of the forces. */
@@ -195,10 +195,10 @@ static bool rest_ends(struct rb_modes *w, double s, int which, double *value)
 	rb_gauss_values(&w->c->piece, s, value);
 	if (!rb_rates_evaluate(w, w->origin_s + s, value))
 		return false;
-	const double push = rb_vec3_dot(w->force[which], n);
+	const double normal_force = rb_vec3_dot(w->force[which], n);
 
-	if (!(push > 0) || !(rb_vec3_length(rb_vec3_reject(w->force[which], n)) >
-	                     w->contact[which].friction * push))
+	if (!(normal_force > 0) || !(rb_vec3_length(rb_vec3_reject(w->force[which], n)) >
+	                             w->contact[which].friction * normal_force))
 		return false;
 	held->force = w->force[which];
 	return true;

@@ -290,11 +290,11 @@ bool rb_modes_are_lawful(const struct rb_modes *w)
 {
 	for (int i = 0; i < w->c->held_count; i++) {
 		const rb_vec3 n = w->contact_point[i].normal;
-		const double push = rb_vec3_dot(w->force[i], n);
+		const double normal_force = rb_vec3_dot(w->force[i], n);
 
-		if (push < 0 ||
+		if (normal_force < 0 ||
 		    (!w->c->held[i].slipping && rb_vec3_length(rb_vec3_reject(w->force[i], n)) >
-		                                        w->contact[i].friction * push))
+		                                        w->contact[i].friction * normal_force))
 			return false;
 	}
 	return true;

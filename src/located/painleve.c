@@ -21,7 +21,7 @@ static int place_of(const struct rb_painleve *painleve, int body)
 }
 
 /* Adds an impulse to a body's change of velocity. */
-static void push(struct rb_painleve *painleve, int body, rb_vec3 arm, rb_vec3 impulse)
+static void apply(struct rb_painleve *painleve, int body, rb_vec3 arm, rb_vec3 impulse)
 {
 	const struct rb_located *l = painleve->l;
 	const int place = place_of(painleve, body);
@@ -55,8 +55,8 @@ static void respond(struct rb_painleve *painleve, const rb_vec3 *impulse, rb_vec
 	for (int k = 0; k < painleve->count; k++) {
 		const struct rb_contact_point *m = &painleve->contact_point[k];
 
-		push(painleve, m->a, m->arm_a, rb_vec3_neg(impulse[k]));
-		push(painleve, m->b, m->arm_b, impulse[k]);
+		apply(painleve, m->a, m->arm_a, rb_vec3_neg(impulse[k]));
+		apply(painleve, m->b, m->arm_b, impulse[k]);
 	}
 	for (int k = 0; k < painleve->count; k++) {
 		const struct rb_contact_point *m = &painleve->contact_point[k];

@@ -325,11 +325,12 @@ static enum rb_held_mode mode_of(const struct rb_resolution *s, int k)
  */
 static double friction_of(const struct rb_solver_contact *c)
 {
-	const double push = rb_vec3_dot(c->impulse, c->normal);
+	const double normal_impulse = rb_vec3_dot(c->impulse, c->normal);
 	const double friction_impulse = rb_vec3_length(rb_vec3_reject(c->impulse, c->normal));
 
-	return push > 0 && friction_impulse < c->friction * push * (1 - gave_way)
-	               ? friction_impulse / push
+	return normal_impulse > 0 &&
+	                       friction_impulse < c->friction * normal_impulse * (1 - gave_way)
+	               ? friction_impulse / normal_impulse
 	               : c->friction;
 }
 

@@ -607,7 +607,7 @@ static void record_pair(struct impact *s, int first, int end)
 {
 	struct rb_contact_point m = s->contact_point[first];
 	rb_vec3 impulse = {0, 0, 0}, point = {0, 0, 0};
-	double approach = 0, push = 0;
+	double approach = 0, normal_impulse = 0;
 
 	for (int k = first; k < end; k++) {
 		const struct rb_solver_contact *c = &s->joint.contact[k];
@@ -618,7 +618,7 @@ static void record_pair(struct impact *s, int first, int end)
 			point = rb_vec3_add_scaled(point, own,
 			                           rb_vec3_sub(s->contact_point[k].point,
 			                                       s->contact_point[first].point));
-		push += fmax(own, 0);
+		normal_impulse += fmax(own, 0);
 		if (c->approach > approach) {
 			approach = c->approach;
 			m.normal = c->normal;
@@ -626,8 +626,8 @@ static void record_pair(struct impact *s, int first, int end)
 	}
 	if (!(approach > 0))
 		return;
-	if (end > first + 1 && push > 0)
-		m.point = rb_vec3_add_scaled(m.point, 1 / push, point);
+	if (end > first + 1 && normal_impulse > 0)
+		m.point = rb_vec3_add_scaled(m.point, 1 / normal_impulse, point);
 	rb_record_impact(s->l, s->t, &m, impulse, approach);
 }
 

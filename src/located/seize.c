@@ -45,11 +45,11 @@ static int part_of(const struct rb_resolution *s, int k)
 static bool is_seized(const struct rb_resolution *s, int k)
 {
 	const struct rb_solver_contact *c = &s->joint.contact[k];
-	const double push = rb_vec3_dot(c->impulse, c->normal);
+	const double normal_impulse = rb_vec3_dot(c->impulse, c->normal);
 	const double friction_impulse = rb_vec3_length(rb_vec3_reject(c->impulse, c->normal));
 
-	return c->mode == RB_SOLVER_SLIDE && push > 0 &&
-	       friction_impulse < c->friction * push * (1 - left_out);
+	return c->mode == RB_SOLVER_SLIDE && normal_impulse > 0 &&
+	       friction_impulse < c->friction * normal_impulse * (1 - left_out);
 }
 
 /* True if no other pair presses in this part. */
@@ -82,11 +82,13 @@ static struct rb_contact_point middle_of(const struct rb_resolution *s, int k)
 
 	for (int i = first; i < end; i++) {
 		const struct rb_contact_point *m = &s->contact_point[i];
-		const double push = fmax(0, rb_vec3_dot(s->joint.contact[i].impulse, m->normal));
+		const double normal_impulse = fmax(
+			0, rb_vec3_dot(s->joint.contact[i].impulse, m->normal));
 
-		off = rb_vec3_add_scaled(off, push, rb_vec3_sub(arm_of(s, m), arm_of(s, &all)));
-		velocity = rb_vec3_add_scaled(velocity, push, m->velocity);
-		sum += push;
+		off = rb_vec3_add_scaled(off, normal_impulse,
+		                         rb_vec3_sub(arm_of(s, m), arm_of(s, &all)));
+		velocity = rb_vec3_add_scaled(velocity, normal_impulse, m->velocity);
+		sum += normal_impulse;
 	}
 	if (end == first + 1)
 		return all;
@@ -141,8 +143,8 @@ static rb_vec3 impulse_at(const struct rb_resolution *s, const struct rb_contact
 }
 
 /* Applies an impulse to a member. */
-static void push(struct rb_resolution *s, int body, const struct rb_pose *pose, rb_vec3 arm,
-                 rb_vec3 impulse)
+static void apply(struct rb_resolution *s, int body, const struct rb_pose *pose, rb_vec3 arm,
+                  rb_vec3 impulse)
 {
 	struct rb_pose *const own = is_dynamic(s, body) ? &s->pose[s->l->place[body]] : NULL;
 
@@ -164,8 +166,8 @@ static bool seize_at(struct rb_resolution *s, const struct rb_contact_point *m,
 
 	if (!(rb_vec3_dot(impulse, m->normal) > 0))
 		return false;
-	push(s, m->a, &m->pose_a, m->arm_a, rb_vec3_neg(impulse));
-	push(s, m->b, &m->pose_b, m->arm_b, impulse);
+	apply(s, m->a, &m->pose_a, m->arm_a, rb_vec3_neg(impulse));
+	apply(s, m->b, &m->pose_b, m->arm_b, impulse);
 	rb_work_impact(s->l, m, impulse, m->velocity, rb_vec3_add(m->velocity, change));
 	rb_record_impact(s->l, s->t, m, impulse, 0);
 	return true;

@@ -126,7 +126,7 @@ static void inherit(struct rb_step_point *fresh, size_t fresh_count,
 		for (size_t o = 0; o < old_count; o++) {
 			if (!is_same(&fresh[k], &old[o]))
 				continue;
-			fresh[k].push = old[o].push;
+			fresh[k].normal_impulse = old[o].normal_impulse;
 			fresh[k].friction_impulse = old[o].friction_impulse;
 			break;
 		}

@@ -34,7 +34,7 @@ enum { INSPECTIONS_MAX = 1 };
  * Looks for the bends of joints' ways, at most. Each leaves of what the one before has missed about
  * the angle of a step, and a pendulum takes one or none.
  */
-enum { JOINT_LOOKS_MAX = 6 };
+enum { JOINT_INSPECTIONS_MAX = 6 };
 
 struct flow {
 	struct rb_world *world;
@@ -157,14 +157,15 @@ static enum rb_status move_and_inspect(struct rb_world *world, struct rb_cohort 
 	enum rb_status status = RB_OK;
 
 	cohort->is_measured = false;
-	for (int looks = 0; again && status == RB_OK; looks++) {
+	for (int inspections = 0; again && status == RB_OK; inspections++) {
 		count_work(world);
 		move(world, cohort, h);
 		rb_drive_end(world);
 		again = false;
-		if ((world->broadphase && looks < INSPECTIONS_MAX) ||
-		    (world->model->joints && looks < JOINT_LOOKS_MAX))
-			status = rb_again(world, cohort, looks < INSPECTIONS_MAX, &again, err);
+		if ((world->broadphase && inspections < INSPECTIONS_MAX) ||
+		    (world->model->joints && inspections < JOINT_INSPECTIONS_MAX))
+			status = rb_again(world, cohort, inspections < INSPECTIONS_MAX, &again,
+			                  err);
 	}
 	return status;
 }

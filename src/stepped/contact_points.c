@@ -13,7 +13,7 @@
 #include "stepped/pivot.h"
 #include "stepped/clearance.h"
 
-RB_FIELDS_DEFINE(rb_named_push_fields, struct rb_named_push, RB_NAMED_PUSH_FIELDS);
+RB_FIELDS_DEFINE(rb_named_impulse_fields, struct rb_named_impulse, RB_NAMED_IMPULSE_FIELDS);
 
 enum rb_status rb_step_points_create(struct rb_step_points *points, const struct rb_model *model,
                                      struct rb_error *err)
@@ -121,7 +121,7 @@ static size_t find_key(const struct rb_step_points *points, const struct rb_step
 	const size_t end = points->last_count > 0 ? points->first_last[point->a + 1] : 0;
 
 	for (size_t k = points->last_count > 0 ? points->first_last[point->a] : 0; k < end; k++) {
-		const struct rb_named_push *last = &points->last[k];
+		const struct rb_named_impulse *last = &points->last[k];
 
 		if (last->b == point->b && last->key == key && last->parts == point->parts)
 			return k + 1;
@@ -156,7 +156,7 @@ static void fill_point(const struct inspection *inspection, struct rb_step_point
 	                              point->normal);
 	point->pair = inspection->pair;
 	point->from = 0;
-	point->push = 0;
+	point->normal_impulse = 0;
 	point->friction_impulse = (rb_vec3){0, 0, 0};
 	/* friction goes round with what turns together */
 	const double pivot = central ? 0
@@ -165,8 +165,8 @@ static void fill_point(const struct inspection *inspection, struct rb_step_point
 	point->from = find_last(points, point);
 	if (point->from == 0)
 		return;
-	const struct rb_named_push *last = &points->last[point->from - 1];
-	point->push = inspection->h * last->force;
+	const struct rb_named_impulse *last = &points->last[point->from - 1];
+	point->normal_impulse = inspection->h * last->force;
 	if (point->friction > 0)
 		point->friction_impulse = rb_vec3_scale(
 			inspection->h,

@@ -18,8 +18,8 @@ struct rb_step_point {
 	uint32_t parts; /* as in its name, the body of the lower index first */
 	uint64_t key;   /* the same */
 	bool central;
-	bool struck;    /* what the step's solution has applied has been told as an impact */
-	rb_vec3 normal; /* unit, from a to b */
+	bool after_impact; /* what the step's solution has applied has been told as an impact */
+	rb_vec3 normal;    /* unit, from a to b */
 	rb_vec3 arm_a,
 		arm_b; /* m, from the centres of mass; central: x is the length along the normal */
 	double gap;    /* m, at the beginning of the step */
@@ -28,7 +28,7 @@ struct rb_step_point {
 	double friction, restitution;
 	/* m/s: towards each other at the beginning of the step, before its forces */
 	double approach;
-	double push;              /* N s */
+	double normal_impulse;    /* N s */
 	rb_vec3 friction_impulse; /* N s, on b */
 	/* m, from a's centre of mass: where the solution has applied these; central: not set */
 	rb_vec3 lever;
@@ -37,24 +37,24 @@ struct rb_step_point {
 };
 
 /* What of a point the next step starts from; its name as of struct rb_step_point. */
-#define RB_NAMED_PUSH_FIELDS(X)                                                \
+#define RB_NAMED_IMPULSE_FIELDS(X)                                             \
 	X(int, a, , "", "index of a body that moves", RB_UP_TO(RB_LIMIT_BODY)) \
 	X(int, b, , "", "body index", RB_UP_TO(RB_LIMIT_ANY_BODY))             \
 	X(uint32_t, parts, , "", "of its name", RB_ANY_BITS)                   \
 	X(uint64_t, key, , "", "of its name", RB_ANY_BITS)                     \
 	X(double, force, , "N", "along the normal", RB_FINITE)                 \
 	X(rb_vec3, friction_impulse, , "N", "on b", RB_FINITE)
-struct rb_named_push {
-	RB_NAMED_PUSH_FIELDS(RB_FIELD_MEMBER)
+struct rb_named_impulse {
+	RB_NAMED_IMPULSE_FIELDS(RB_FIELD_MEMBER)
 };
-RB_FIELDS_DECLARE(rb_named_push_fields);
+RB_FIELDS_DECLARE(rb_named_impulse_fields);
 
 struct rb_step_points {
 	struct rb_step_point *row; /* owned */
 	size_t count, capacity;
-	struct rb_named_push *last; /* owned, in the order of points */
+	struct rb_named_impulse *last; /* owned, in the order of points */
 	size_t last_count, last_capacity;
-	struct rb_named_push *spare; /* owned: the other buffer for them */
+	struct rb_named_impulse *spare; /* owned: the other buffer for them */
 	size_t spare_capacity;
 	size_t *first_last; /* owned, [bodies + 1]: of each a in `last` */
 };

@@ -62,11 +62,11 @@ static struct rb_contact contact_of(const struct rb_world *world, const struct r
 	if (asleep) {
 		contact.normal_force = points->last[point->from - 1].force;
 		contact.tangent_force = points->last[point->from - 1].friction_impulse;
-	} else if (!point->struck) {
+	} else if (!point->after_impact) {
 		const rb_vec3 rebound = cohort->rebound[at];
 		const double more = rb_vec3_dot(rebound, point->normal);
 
-		contact.normal_force = (point->push + more) / h;
+		contact.normal_force = (point->normal_impulse + more) / h;
 		contact.tangent_force = rb_vec3_scale(
 			1 / h, rb_vec3_add(point->friction_impulse,
 		                           rb_vec3_add_scaled(rebound, -more, point->normal)));
@@ -122,7 +122,7 @@ enum rb_status rb_record_contacts(struct rb_world *world, const struct rb_cohort
 	if (status != RB_OK)
 		return status;
 	for (size_t k = 0; k < points->count; k++) {
-		if (!(points->row[k].push > 0) || (skip && skip[points->row[k].a]))
+		if (!(points->row[k].normal_impulse > 0) || (skip && skip[points->row[k].a]))
 			continue;
 		const struct rb_contact contact = contact_of(world, cohort, k, h);
 		if (all)
@@ -172,30 +172,31 @@ static bool is_impact(const struct rb_world *world, const struct rb_cohort *coho
                       size_t length, struct rb_event *event)
 {
 	const struct rb_step_point *point = &cohort->points.row[first];
-	double push = 0, approach = 0;
+	double normal_impulse = 0, approach = 0;
 
 	*event = (struct rb_event){
 		.kind = RB_EVENT_COLLISION, .a = point->a, .b = point->b, .normal = point->normal};
 	for (size_t k = 0; k < length; k++) {
 		const rb_vec3 rebound = cohort->rebound[first + k];
 
-		if (!(point[k].push > 0))
+		if (!(point[k].normal_impulse > 0))
 			continue;
-		const double along = point[k].push + rb_vec3_dot(rebound, point[k].normal);
+		const double along = point[k].normal_impulse +
+		                     rb_vec3_dot(rebound, point[k].normal);
 		event->impulse = rb_vec3_add(
 			event->impulse,
-			rb_vec3_add(rb_vec3_add_scaled(point[k].friction_impulse, point[k].push,
-		                                       point[k].normal),
+			rb_vec3_add(rb_vec3_add_scaled(point[k].friction_impulse,
+		                                       point[k].normal_impulse, point[k].normal),
 		                    rebound));
-		push += along;
+		normal_impulse += along;
 		approach = fmax(approach, point[k].approach);
 		event->point = rb_vec3_add_scaled(event->point, along, lever_of(&point[k]));
 	}
 	event->approach_speed = approach;
-	if (!(push > 0 && approach > world->stepped->solver.tolerance))
+	if (!(normal_impulse > 0 && approach > world->stepped->solver.tolerance))
 		return false;
-	event->point = rb_vec3_add_scaled(rb_world_row3(world->state.position, point->a), 1 / push,
-	                                  event->point);
+	event->point = rb_vec3_add_scaled(rb_world_row3(world->state.position, point->a),
+	                                  1 / normal_impulse, event->point);
 	return true;
 }
 
@@ -268,7 +269,7 @@ enum rb_status rb_record_impacts(struct rb_world *world, struct rb_cohort *cohor
 		    !is_impact(world, cohort, k, length, &event))
 			continue;
 		for (size_t p = k; p < k + length; p++)
-			points->row[p].struck = true;
+			points->row[p].after_impact = true;
 		event.time_s = time;
 		status = add_recorded(world, event, err);
 	}

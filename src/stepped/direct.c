@@ -85,10 +85,10 @@ static void project_cone(const struct rb_constraint *row, struct face *face, rb_
 		return;
 	const rb_vec3 way = rb_vec3_scale(1 / across, t);
 	const rb_vec3 edge = rb_vec3_add_scaled(n, mu, way);
-	const double push = (along + mu * across) / (1 + mu * mu);
-	const double side = mu * push / across;
+	const double normal_impulse = (along + mu * across) / (1 + mu * mu);
+	const double side = mu * normal_impulse / across;
 
-	face->now = rb_vec3_scale(push, edge);
+	face->now = rb_vec3_scale(normal_impulse, edge);
 	face->slope = rb_mat3_diagonal(side, side, side);
 	add_outer(&face->slope, -side, n, n);
 	add_outer(&face->slope, -side, way, way);

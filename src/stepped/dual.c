@@ -282,7 +282,7 @@ static void give(struct system *s, const struct unknown *x, double impulse)
 }
 
 /* Of rows inside their bounds, into `change`; returns the largest but of redundant ones. */
-static double look(struct system *s)
+static double residuals(struct system *s)
 {
 	double max = 0;
 
@@ -302,7 +302,7 @@ static double look(struct system *s)
 
 static double refine(struct system *s)
 {
-	double left = look(s);
+	double left = residuals(s);
 
 	for (int k = 0; k < REFINEMENTS_MAX && left > s->dual->tolerance; k++) {
 		const double before = left;
@@ -312,7 +312,7 @@ static double refine(struct system *s)
 			if (s->unknown[x].bound == INSIDE)
 				give(s, &s->unknown[x],
 				     s->change[RB_BLOCK * s->block[x] + s->place[x]]);
-		left = look(s);
+		left = residuals(s);
 		if (!(left <= progress_share * before))
 			break;
 	}

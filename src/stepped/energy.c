@@ -197,7 +197,7 @@ bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *is
 	return max <= (held ? impulse_max_held : impulse_max) * momentum;
 }
 
-bool rb_energy_is_pushed(const struct rb_row_system *dense)
+bool rb_energy_has_impulse(const struct rb_row_system *dense)
 {
 	for (int k = 0; k < dense->row_count; k++)
 		if (rb_constraint_side(&dense->row[k]) * dense->row[k].impulse.n > 0)
@@ -205,7 +205,7 @@ bool rb_energy_is_pushed(const struct rb_row_system *dense)
 	return false;
 }
 
-bool rb_energy_pushes_apart(const struct rb_row_system *dense)
+bool rb_energy_has_separation(const struct rb_row_system *dense)
 {
 	for (int k = 0; k < dense->row_count; k++)
 		if (dense->row[k].set == RB_CONSTRAINT_CONE && dense->row[k].impulse.n > 0 &&

@@ -37,9 +37,9 @@ static inline double rb_energy_gain(const struct rb_energy *energy)
 double rb_energy_share(const struct rb_energy *energy);
 
 /* Whether a row that pushes one way has an impulse. */
-bool rb_energy_is_pushed(const struct rb_row_system *dense);
+bool rb_energy_has_impulse(const struct rb_row_system *dense);
 /* Whether contacts that overlap, or would, are pushed apart. */
-bool rb_energy_pushes_apart(const struct rb_row_system *dense);
+bool rb_energy_has_separation(const struct rb_row_system *dense);
 
 /*
  * Whether impulses are of a size that the group's momentum, and what it is asked for, can explain;

@@ -405,7 +405,7 @@ static void enter_elements(struct entering *n)
 /* Friction in a collision, or of sliding contact. */
 static enum rb_ledger_energy friction_of(const struct rb_step_point *point)
 {
-	return point->struck ? RB_ENERGY_IMPACT_FRICTION : RB_ENERGY_SLIDING;
+	return point->after_impact ? RB_ENERGY_IMPACT_FRICTION : RB_ENERGY_SLIDING;
 }
 
 /*
@@ -460,18 +460,19 @@ static void enter_point(struct entering *n, const struct rb_step_point *point)
 	const bool is_dynamic = rb_stepped_is_dynamic(n->world, point->b);
 	rb_vec3 on_fixed = none;
 
-	RB_ASSERT_COSTLY(point->push > 0);
+	RB_ASSERT_COSTLY(point->normal_impulse > 0);
 	if (!is_dynamic) {
 		const rb_vec3 at = rb_vec3_add(rb_world_row3(n->before->position, point->a),
 		                               arm_of_a(point));
-		const rb_vec3 p = rb_vec3_add_scaled(point->friction_impulse, point->push,
+		const rb_vec3 p = rb_vec3_add_scaled(point->friction_impulse, point->normal_impulse,
 		                                     point->normal);
 
 		on_fixed = fixed_velocity(n, point->b, at);
 		enter_fixed(n, point->b, rb_vec3_neg(p), at);
 	}
 	const rb_vec3 u = mean_at(n, point, is_dynamic, on_fixed);
-	rb_entries_energy(&n->e, RB_ENERGY_IMPACTS, -point->push * rb_vec3_dot(u, point->normal));
+	rb_entries_energy(&n->e, RB_ENERGY_IMPACTS,
+	                  -point->normal_impulse * rb_vec3_dot(u, point->normal));
 	rb_entries_energy(&n->e, friction_of(point), -rb_vec3_dot(u, point->friction_impulse));
 }
 
@@ -507,7 +508,7 @@ static void enter_points(struct entering *n)
 	for (size_t k = 0; k < points->count; k++) {
 		const struct rb_step_point *point = &points->row[k];
 
-		if (!(point->push > 0) || !is_in(n, point->a))
+		if (!(point->normal_impulse > 0) || !is_in(n, point->a))
 			continue;
 		if (n->tally->body[point->a].kind == RB_TALLY_JOINED)
 			enter_point(n, point);
@@ -555,8 +556,8 @@ static void enter_joint(struct entering *n, int k)
 	const struct rb_step_joint *of = &n->world->stepped->solver.joint[k];
 	const struct rb_joint *joint = &n->world->model->joints->joint[k];
 	const struct rb_joint_work *work = &of->work;
-	const bool a_yields = rb_stepped_is_dynamic(n->world, joint->a);
-	const int other = a_yields ? joint->b : joint->a;
+	const bool a_is_dynamic = rb_stepped_is_dynamic(n->world, joint->a);
+	const int other = a_is_dynamic ? joint->b : joint->a;
 
 	rb_entries_energy(&n->e, RB_ENERGY_DRIVEN, work->motor);
 	rb_entries_energy(&n->e, RB_ENERGY_JOINT_FRICTION, work->friction);

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Redundant contacts: bodies that touch at more points than there are degrees of freedom (a box on
- * four corners) have pushes that are determined only up to the null space of the map from pushes to
- * wrenches. Gauss-Seidel leaves the component in the null space at whatever the order of rows has
- * made of it; where contacts slide, that would turn a symmetric box.
+ * four corners) have normal impulses that are determined only up to the null space of the map from
+ * impulses to wrenches. Gauss-Seidel leaves the component in the null space at whatever the order
+ * of rows has made of it; where contacts slide, that would turn a symmetric box.
  *
- * Of all pushes p with the same wrenches A p the one of least norm is the projection of p on the
- * row space of A. It is spanned here by modified Gram-Schmidt with one reorthogonalization ("twice
- * is enough": Giraud, Langou, Rozloznik 2005) on the rows of A, six per dynamic body. Cheaper than
- * an SVD, and a row that is dependent is recognized on the way. Where the projection would make a
- * push negative, the step towards it is shortened.
+ * Of all normal impulses p with the same wrenches A p the one of least norm is the projection of p
+ * on the row space of A. It is spanned here by modified Gram-Schmidt with one reorthogonalization
+ * ("twice is enough": Giraud, Langou, Rozloznik 2005) on the rows of A, six per dynamic body.
+ * Cheaper than an SVD, and a row that is dependent is recognized on the way. Where the projection
+ * would make a impulse negative, the step towards it is shortened.
  */
 #include "stepped/even.h"
 
@@ -37,8 +37,8 @@ static bool is_pair(const struct rb_constraint *x, const struct rb_constraint *y
 }
 
 /*
- * Rows with a push of those pairs that have several rows and slide at one of them; returns their
- * number.
+ * Rows with a normal impulse of those pairs that have several rows and slide at one of them;
+ * returns their number.
  */
 static int take_rows(const struct rb_row_system *rows, struct rb_constraint **taken)
 {
@@ -113,7 +113,7 @@ static double component(rb_vec3 v, int k)
 
 /*
  * Row of the matrix A: component `which` (0 to 2 force, 3 to 5 torque) of the wrench on a body per
- * unit of each push; v is [n].
+ * unit of each impulse; v is [n].
  */
 static void load(struct rb_constraint *const *taken, int n, int body, int which, double *v)
 {
@@ -153,13 +153,14 @@ static void span_loads(const struct rb_row_system *rows, struct rb_constraint *c
 }
 
 /*
- * Sets the push of a row and scales its friction to stay in the cone (sliding friction stays at the
- * edge). Returns the largest change of velocity in m/s that this makes at the contact.
+ * Sets the normal impulse of a row and scales its friction to stay in the cone (sliding friction
+ * stays at the edge). Returns the largest change of velocity in m/s that this makes at the contact.
  */
-static double put(const struct rb_row_system *rows, struct rb_constraint *row, double push)
+static double put(const struct rb_row_system *rows, struct rb_constraint *row,
+                  double normal_impulse)
 {
-	RB_ASSERT_COSTLY(row->impulse.n > 0 && push >= 0);
-	const double share = push / row->impulse.n, max = row->friction * push;
+	RB_ASSERT_COSTLY(row->impulse.n > 0 && normal_impulse >= 0);
+	const double share = normal_impulse / row->impulse.n, max = row->friction * normal_impulse;
 	const double square = rb_vec3_dot(row->impulse.t, row->impulse.t);
 	rb_vec3 friction_impulse = row->impulse.t;
 
@@ -168,8 +169,8 @@ static double put(const struct rb_row_system *rows, struct rb_constraint *row, d
 	else if (square > max * max)
 		friction_impulse = rb_vec3_scale(max / sqrt(square), friction_impulse);
 	const rb_vec3 change = rb_vec3_add_scaled(rb_vec3_sub(friction_impulse, row->impulse.t),
-	                                          push - row->impulse.n, row->normal);
-	row->impulse.n = push;
+	                                          normal_impulse - row->impulse.n, row->normal);
+	row->impulse.n = normal_impulse;
 	row->impulse.t = friction_impulse;
 	rb_constraint_apply(&rows->bodies, row, change);
 	return row->inverse_mass_n * rb_vec3_length(change);
@@ -192,29 +193,31 @@ bool rb_even(const struct rb_row_system *rows, double tolerance, double max, str
 	if (!store)
 		return false;
 	struct span span = {.unit = store, .n = n};
-	double *const scratch = store + size * size, *const push = scratch + n,
-		      *const even = push + n;
+	double *const scratch = store + size * size, *const normal_impulse = scratch + n,
+		      *const even = normal_impulse + n;
 
 	span_loads(rows, taken, &span, scratch);
 	if (span.count == n)
 		return false;
 	for (int i = 0; i < n; i++) {
-		push[i] = taken[i]->impulse.n;
+		normal_impulse[i] = taken[i]->impulse.n;
 		even[i] = 0;
 	}
 	for (int k = 0; k < span.count; k++) {
 		const double *const unit = span.unit + (size_t)k * size;
-		const double along = dot(push, unit, n);
+		const double along = dot(normal_impulse, unit, n);
 
 		for (int i = 0; i < n; i++)
 			even[i] += along * unit[i];
 	}
 	for (int i = 0; i < n; i++)
 		if (even[i] < 0)
-			share = fmin(share, push[i] / (push[i] - even[i]));
+			share = fmin(share, normal_impulse[i] / (normal_impulse[i] - even[i]));
 	for (int i = 0; i < n; i++)
-		changed = fmax(changed,
-		               put(rows, taken[i], fmax(0, push[i] + share * (even[i] - push[i]))));
+		changed = fmax(
+			changed,
+			put(rows, taken[i],
+		            fmax(0, normal_impulse[i] + share * (even[i] - normal_impulse[i]))));
 	RB_ASSERT(share >= 0 && share <= 1);
 	return changed > tolerance;
 }

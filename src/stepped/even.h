@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Pairs that touch at more points than there are freedoms: which of them bears how much is open,
- * and where they slide friction follows it. Of all pushes that do the same to the bodies the
- * smallest have the symmetry of the bodies, whatever the order of points.
+ * and where they slide friction follows it. Of all normal impulses that do the same to the bodies
+ * the smallest have the symmetry of the bodies, whatever the order of points.
  */
 #ifndef RB_STEPPED_EVEN_H
 #define RB_STEPPED_EVEN_H

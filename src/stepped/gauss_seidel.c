@@ -39,24 +39,25 @@ static inline double solve_cone(const struct rb_row_system *dense, struct rb_con
 	 * the sum is clamped, not the change: a later sweep may take back what this one gives too
 	 * much
 	 */
-	const double push = fmax(0, row->impulse.n + (row->target.n - u_n) / row->inverse_mass_n);
+	const double normal_impulse = fmax(0, row->impulse.n +
+	                                              (row->target.n - u_n) / row->inverse_mass_n);
 
 	/* what a mixture has left across the normal goes as well */
-	if (push == 0 && row->impulse.n == 0 && rb_vec3_max_abs(row->impulse.t) == 0) {
+	if (normal_impulse == 0 && row->impulse.n == 0 && rb_vec3_max_abs(row->impulse.t) == 0) {
 		*step = (rb_vec3){0, 0, 0};
 		return 0;
 	}
-	const double more = push - row->impulse.n;
+	const double more = normal_impulse - row->impulse.n;
 	rb_vec3 change = rb_vec3_scale(more, n);
 	double moved = fabs(more) * row->inverse_mass_n;
 
-	row->impulse.n = push;
+	row->impulse.n = normal_impulse;
 	if (row->friction > 0) {
 		const rb_vec3 slip = rb_vec3_add_scaled(u, -u_n, n);
 		rb_vec3 friction_impulse = rb_vec3_add_scaled(row->impulse.t,
 		                                              -1 / row->inverse_mass_t, slip);
 		const double square = rb_vec3_dot(friction_impulse, friction_impulse),
-			     max = row->friction * push;
+			     max = row->friction * normal_impulse;
 
 		if (square > max * max)
 			friction_impulse = rb_vec3_scale(max / sqrt(square), friction_impulse);
@@ -317,14 +318,14 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 	return result;
 }
 
-bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*push)[2],
+bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*impulses)[2],
                        int member_count)
 {
 	const struct rb_row_system *dense = sweep->dense;
 	bool far = false;
 
 	for (int k = 0; k < member_count; k++)
-		push[k][0] = push[k][1] = 0;
+		impulses[k][0] = impulses[k][1] = 0;
 	for (int k = 0; k < dense->row_count; k++) {
 		const struct rb_constraint *row = &dense->row[k];
 		const int ends[2] = {row->a, row->b};
@@ -336,13 +337,14 @@ bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*
 			if (body->inverse_mass == 0)
 				continue;
 			RB_ASSERT_COSTLY(at >= 0 && at < member_count);
-			if (push[at][1] == 0) /* once a body */
-				push[at][1] = rb_vec3_max_abs(body->linear) / body->inverse_mass;
-			push[at][0] += sweep->trace[k].max;
-			push[at][1] += rb_vec3_max_abs(rb_constraint_impulse(row));
+			if (impulses[at][1] == 0) /* once a body */
+				impulses[at][1] = rb_vec3_max_abs(body->linear) /
+				                  body->inverse_mass;
+			impulses[at][0] += sweep->trace[k].max;
+			impulses[at][1] += rb_vec3_max_abs(rb_constraint_impulse(row));
 		}
 	}
 	for (int k = 0; k < member_count; k++)
-		far = far || push[k][0] > far_ratio * push[k][1];
+		far = far || impulses[k][0] > far_ratio * impulses[k][1];
 	return far;
 }

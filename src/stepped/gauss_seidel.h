@@ -40,9 +40,9 @@ void rb_sweep_warm(const struct rb_row_system *dense);
 struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep);
 /*
  * Whether mixtures have led to impulses far beyond what it came to: velocities have the rounding of
- * these. `push` [members] is scratch, `local` a body's place in it.
+ * these. `impulses` [members] is scratch, `local` a body's place in it.
  */
-bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*push)[2],
+bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*impulses)[2],
                        int member_count);
 
 /* Scratch, once dense is known; false: no memory. */

@@ -473,14 +473,14 @@ static struct rb_hit *add_hit(struct impacts *all, const struct rb_step_point *p
 static void add_impulse(const struct impacts *all, struct rb_hit *hit,
                         const struct rb_step_point *point, const struct rb_solver_contact *c)
 {
-	const double push = rb_vec3_dot(c->impulse, c->normal);
+	const double normal_impulse = rb_vec3_dot(c->impulse, c->normal);
 
-	RB_ASSERT_COSTLY(!(push < 0));
+	RB_ASSERT_COSTLY(!(normal_impulse < 0));
 	hit->impulse = rb_vec3_add(hit->impulse, c->impulse);
-	if (!(push > 0))
+	if (!(normal_impulse > 0))
 		return;
-	hit->push += push;
-	hit->point = rb_vec3_add_scaled(hit->point, push / hit->push,
+	hit->normal_impulse += normal_impulse;
+	hit->point = rb_vec3_add_scaled(hit->point, normal_impulse / hit->normal_impulse,
 	                                rb_vec3_sub(place_of(all, point), hit->point));
 }
 
@@ -492,7 +492,7 @@ static bool pass(struct impacts *all, const struct rb_step_point *point,
                  const struct rb_solver_contact *c)
 {
 	struct rb_contacts *passed = &all->cohort->passed;
-	const double push = rb_vec3_dot(c->impulse, c->normal);
+	const double normal_impulse = rb_vec3_dot(c->impulse, c->normal);
 
 	if (!all->world->keeps_means || rb_vec3_max_abs(c->impulse) == 0)
 		return true;
@@ -504,8 +504,8 @@ static bool pass(struct impacts *all, const struct rb_step_point *point,
 		.point = place_of(all, point),
 		.normal = c->normal,
 		.gap = point->gap,
-		.normal_force = push,
-		.tangent_force = rb_vec3_add_scaled(c->impulse, -push, c->normal),
+		.normal_force = normal_impulse,
+		.tangent_force = rb_vec3_add_scaled(c->impulse, -normal_impulse, c->normal),
 		.parts = point->parts,
 		.key = point->key,
 	};

@@ -25,7 +25,7 @@ struct rb_hit {
 	double time_s;
 	double approach;                /* m/s */
 	double energy;                  /* J: crowded: of the approach */
-	double push;                    /* N s: along the normals, of all its points */
+	double normal_impulse;          /* N s: along the normals, of all its points */
 	rb_vec3 point, normal, impulse; /* impulse: N s, on b */
 };
 

@@ -254,7 +254,8 @@ static void place_joints(struct rb_solver *solver, const struct rb_world *world)
  * r. At the end of the step that is h^2 F.r of inertia, where the step does not resolve it: light
  * links that carry heavy bodies (Tournier, Nesme, Gilles, Faure, ACM TOG 34(4):132 (2015)).
  */
-static rb_mat3 pull_of(const struct rb_solver *solver, const struct rb_world *world, int i)
+static rb_mat3 geometric_stiffness(const struct rb_solver *solver, const struct rb_world *world,
+                                   int i)
 {
 	const struct rb_joints *joints = world->model->joints;
 	const rb_quat q = rb_world_orientation_at(world, &world->state, i);
@@ -290,19 +291,20 @@ static void stiffen(struct rb_solver *solver, const struct rb_world *world, int 
 	if (!solver->before || !(body->inverse_mass > 0) || body->inverse_inertia == 0 ||
 	    world->model->joints->first[i] == world->model->joints->first[i + 1])
 		return;
-	const rb_mat3 pull = pull_of(solver, world, i);
+	const rb_mat3 stiffness = geometric_stiffness(solver, world, i);
 	const double scalar = body->inverse_inertia;
 	const rb_mat3 inverse = isnan(scalar) ? solver->tensor[i]
 	                                      : rb_mat3_diagonal(scalar, scalar, scalar);
-	const double most = inverse.m[0][0] + inverse.m[1][1] + inverse.m[2][2];
+	const double trace = inverse.m[0][0] + inverse.m[1][1] + inverse.m[2][2];
 	rb_mat3 inertia, stiffened;
 
-	if (!(most * fmax(pull.m[0][0], fmax(pull.m[1][1], pull.m[2][2])) > resolved_max) ||
+	if (!(trace * fmax(stiffness.m[0][0], fmax(stiffness.m[1][1], stiffness.m[2][2])) >
+	      resolved_max) ||
 	    !rb_mat3_inverse(&inverse, &inertia))
 		return;
 	const rb_vec3 momentum = rb_mat3_apply(&inertia, body->angular);
 	for (int k = 0; k < 9; k++)
-		inertia.m[k / 3][k % 3] += pull.m[k / 3][k % 3];
+		inertia.m[k / 3][k % 3] += stiffness.m[k / 3][k % 3];
 	if (!rb_mat3_inverse(&inertia, &stiffened))
 		return;
 	solver->stiff[i] = 1;
@@ -562,11 +564,11 @@ static void fill_row(const struct pass *pass, struct rb_constraint *row, int num
 		.set = RB_CONSTRAINT_CONE,
 		.friction = point->friction,
 		.target.n = -(point->gap + point->bend) / solver->h_s,
-		.impulse = {point->push,
+		.impulse = {point->normal_impulse,
 	                    /* an impact or a later look may have turned the normal since then */
 	                    rb_vec3_reject(point->friction_impulse, point->normal)},
 	};
-	RB_ASSERT_COSTLY(point->push >= 0 && point->friction >= 0 && solver->h_s > 0);
+	RB_ASSERT_COSTLY(point->normal_impulse >= 0 && point->friction >= 0 && solver->h_s > 0);
 	row->impulse.t = rb_constraint_within(row->impulse.t, row->friction * row->impulse.n);
 	set_arms(pass, row, number);
 	rb_effective_mass_fill(&solver->dense.bodies, row);
@@ -604,7 +606,7 @@ static void store_rows_block(void *user, int block, int worker)
 			continue;
 		struct rb_step_point *point = &pass->points->row[pass->solver->point[k]];
 
-		point->push = row->impulse.n;
+		point->normal_impulse = row->impulse.n;
 		point->friction_impulse = row->impulse.t;
 	}
 }
@@ -665,7 +667,7 @@ static void find_pushed(struct rb_solver *solver, const struct rb_joints *joints
 		const struct rb_step_point *point = &points->row[k];
 		const int b = point->b < solver->body_count ? point->b : solver->body_count;
 
-		if (point->push > 0)
+		if (point->normal_impulse > 0)
 			solver->pushed[point->a] = solver->pushed[b] = 1;
 	}
 	for (int k = 0; k < solver->joined_count; k++) {

@@ -193,7 +193,7 @@ static struct rb_constraint free_row(const struct filling *f, int part)
 	                    : part == RB_JOINT_HIGH  ? (f->joint->high - f->way) / h
 	                    : part == RB_JOINT_MOTOR ? motor_rate(f)
 	                                             : 0;
-	double scale, most = 0;
+	double scale, max = 0;
 	struct rb_constraint row = line_row(f, &f->free.row, rate, &scale);
 
 	if (part == RB_JOINT_LOW || part == RB_JOINT_HIGH) {
@@ -207,9 +207,9 @@ static struct rb_constraint free_row(const struct filling *f, int part)
 		make_spring(f, &row, scale);
 		return row;
 	}
-	most = part == RB_JOINT_MOTOR ? f->query->world->joint[f->joint->def].motor_max
-	                              : f->joint->friction;
-	row.high = impulse_of(&row, most, h);
+	max = part == RB_JOINT_MOTOR ? f->query->world->joint[f->joint->def].motor_max
+	                             : f->joint->friction;
+	row.high = impulse_of(&row, max, h);
 	row.low = -row.high;
 	return row;
 }
@@ -369,7 +369,7 @@ static void note_row(const struct filling *f, int part, const struct rb_constrai
 	} else {
 		const rb_vec3 arm = sign < 0 ? row->arm_a : row->arm_b;
 
-		of->pull = rb_vec3_add(of->pull, p);
+		of->reaction = rb_vec3_add(of->reaction, p);
 		of->twist = rb_vec3_add(of->twist, rb_vec3_cross(rb_vec3_sub(arm, to_point), p));
 	}
 	alone.a = 0;
@@ -390,7 +390,7 @@ void rb_step_joint_rows_store(const struct rb_joint_query *query, int k, struct 
 	RB_ASSERT(query->before && query->share >= 0);
 	if (!query->from) {
 		memset(of->impulse, 0, sizeof of->impulse);
-		of->pull = of->twist = none;
+		of->reaction = of->twist = none;
 		of->work = (struct rb_joint_work){0};
 	}
 	for (int r = 0; r < rows; r++)

@@ -46,7 +46,7 @@ enum {
 	X(double, force, [RB_JOINT_PARTS], "N, N m", "of each part, on b", RB_FINITE)         \
 	X(double, curve, [RB_LINKAGE_ROWS_MAX], "m/s^2, rad/s^2", "bend over h^2", RB_FINITE) \
 	X(double, way, , "m, rad", "free coordinate, turns counted", RB_FINITE)               \
-	X(rb_vec3, pull, , "N", "on b", RB_FINITE)                                            \
+	X(rb_vec3, reaction, , "N", "on b", RB_FINITE)                                        \
 	X(rb_vec3, twist, , "N m", "on b, about its point", RB_FINITE)
 struct rb_joint_memory {
 	RB_JOINT_MEMORY_FIELDS(RB_FIELD_MEMBER)
@@ -74,7 +74,7 @@ struct rb_step_joint {
 	double drift; /* m: the largest of these; INFINITY: not measured in this try */
 	double rate;  /* m/s, rad/s: of the free coordinate as the step began; of a rope's length */
 	double impulse[RB_JOINT_PARTS]; /* N s, N m s: of the try */
-	rb_vec3 pull, twist;            /* N s, N m s, on b, about its point: of the try */
+	rb_vec3 reaction, twist;        /* N s, N m s, on b, about its point: of the try */
 	struct rb_joint_work work;      /* of the try */
 	rb_vec3 sum[2];   /* N s, N m s: pull and twist of what is kept of the whole step */
 	double elapsed_s; /* of it */

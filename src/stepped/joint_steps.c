@@ -8,7 +8,7 @@
 #include "world/joint_state.h"
 
 /* Of the tolerance, what a joint may drift by without another look at the step. */
-static const double look_share = 1.0 / 16;
+static const double inspect_share = 1.0 / 16;
 /* Of what it was in the look before, what it has to have come to for yet another. */
 static const double gain_share = 0.5;
 
@@ -134,7 +134,7 @@ enum rb_status rb_joints_try(struct rb_world *world, const struct rb_cohort *coh
 bool rb_joints_mark(struct rb_world *world, unsigned char *of_group)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
-	const double max = look_share * world->model->tolerance_m;
+	const double max = inspect_share * world->model->tolerance_m;
 	bool any = false;
 
 	for (int k = 0; solver->joint && k < solver->joined_count; k++) {
@@ -210,7 +210,7 @@ static void remember(const struct rb_joint *joint, struct rb_step_joint *of, dou
 		of->last.force[p] = of->impulse[p] / h;
 	for (int r = 0; r < RB_LINKAGE_ROWS_MAX; r++)
 		of->last.curve[r] = slack ? 0 : of->bend[r] / (h * h);
-	of->last.pull = rb_vec3_scale(1 / h, of->pull);
+	of->last.reaction = rb_vec3_scale(1 / h, of->reaction);
 	of->last.twist = rb_vec3_scale(1 / h, of->twist);
 }
 
@@ -237,20 +237,20 @@ void rb_joints_keep(struct rb_world *world, const struct rb_cohort *cohort, doub
 		if (of->first_row >= 0)
 			remember(joint, of, h);
 		of->last.way = rb_joints_way(world, k, h);
-		of->sum[0] = rb_vec3_add_scaled(of->sum[0], h, of->last.pull);
+		of->sum[0] = rb_vec3_add_scaled(of->sum[0], h, of->last.reaction);
 		of->sum[1] = rb_vec3_add_scaled(of->sum[1], h, of->last.twist);
 		of->elapsed_s += h;
 	}
 }
 
-void rb_joints_load(const struct rb_stepped *s, int joint, rb_vec3 *pull, rb_vec3 *twist)
+void rb_joints_load(const struct rb_stepped *s, int joint, rb_vec3 *reaction, rb_vec3 *twist)
 {
 	const struct rb_step_joint *of = &s->solver.joint[joint];
 
-	*pull = of->last.pull;
+	*reaction = of->last.reaction;
 	*twist = of->last.twist;
 	if (!(of->elapsed_s > 0))
 		return; /* it stands still: nobody looks at it */
-	*pull = rb_vec3_scale(1 / of->elapsed_s, of->sum[0]);
+	*reaction = rb_vec3_scale(1 / of->elapsed_s, of->sum[0]);
 	*twist = rb_vec3_scale(1 / of->elapsed_s, of->sum[1]);
 }

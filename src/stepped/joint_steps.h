@@ -44,7 +44,7 @@ void rb_joints_keep(struct rb_world *world, const struct rb_cohort *cohort, doub
 double rb_joints_way(const struct rb_world *world, int joint, double h_s);
 
 /* N, N m about b's point: what the joint has exerted on b, the mean of the whole step. */
-void rb_joints_load(const struct rb_stepped *stepped, int joint, rb_vec3 *pull, rb_vec3 *twist);
+void rb_joints_load(const struct rb_stepped *stepped, int joint, rb_vec3 *reaction, rb_vec3 *twist);
 
 /*
  * The joint that holds after another at a body, of which this is the owner; -1: none. `*at` begins

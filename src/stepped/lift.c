@@ -35,9 +35,9 @@ static void add_sunk(struct rb_lift *lift, const struct rb_step_points *points, 
 	for (size_t k = 0; k < points->count; k++) {
 		const struct rb_step_point *point = &points->row[k];
 
-		if (point->gap < 0 && point->push > 0)
-			lift->sunk[rb_forest_root(lift->parent, point->a)] -= point->gap *
-			                                                      point->push / h;
+		if (point->gap < 0 && point->normal_impulse > 0)
+			lift->sunk[rb_forest_root(lift->parent, point->a)] -=
+				point->gap * point->normal_impulse / h;
 	}
 }
 
@@ -112,7 +112,7 @@ void rb_lift_turn(struct rb_lift *lift, const struct rb_world *world,
 		const int ends[2] = {point->a, point->b};
 
 		/* the points of spheres about their centres stay where they are */
-		for (int e = 0; e < 2 && point->push > 0 && !point->central; e++) {
+		for (int e = 0; e < 2 && point->normal_impulse > 0 && !point->central; e++) {
 			const int i = ends[e];
 			if (!rb_stepped_is_dynamic(world, i))
 				continue;
@@ -122,7 +122,8 @@ void rb_lift_turn(struct rb_lift *lift, const struct rb_world *world,
 			const rb_vec3 along = rb_vec3_cross(spin, e ? point->arm_b : point->arm_a);
 
 			rb_vec3_to(turn, rb_vec3_add_scaled(rb_vec3_from(turn),
-			                                    e ? point->push : -point->push,
+			                                    e ? point->normal_impulse
+			                                      : -point->normal_impulse,
 			                                    rb_vec3_cross(along, point->normal)));
 		}
 	}

@@ -4,10 +4,10 @@
  * group have taken in the step, then the spin of bodies that have turned into each other.
  *
  * A point of a body that turns is off its straight way by w x (w x r) h^2 / 2, and closing lifts
- * the body by as much. In truth the point, which goes along by w x r h, takes the contact's push
- * with it: the push acts at another arm, and the torque slows the turning by just what the lift is
- * worth. Payment is that torque. It leaves momentum alone, so the forces of contacts are what has
- * changed it.
+ * the body by as much. In truth the point, which goes along by w x r h, takes the contact's impulse
+ * with it: the impulse acts at another arm, and the torque slows the turning by just what the lift
+ * is worth. Payment is that torque. It leaves momentum alone, so the forces of contacts are what
+ * has changed it.
  *
  * Made for one step in its arena; simulator thread.
  */
@@ -21,7 +21,7 @@ struct rb_lift {
 	double *energy_budget; /* [bodies], J, twice: what contacts took, by the first of a group */
 	double *sunk; /* [bodies], J: that steps before have given, by the first of a group */
 	double *way;  /* [6 bodies]: m; kg m^2 rad, as momentum */
-	double *turn; /* [3 bodies]: of the torque, by the closing's pushes, kg m^2/s */
+	double *turn; /* [3 bodies]: of the torque, by the impulses of closing, kg m^2/s */
 	unsigned char *moved; /* [bodies] */
 	unsigned char *given; /* [bodies]: a driven body has pushed, by a body of the group */
 	unsigned char *held;  /* [bodies]: so has a static one */
@@ -36,7 +36,7 @@ RB_CHECKED enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *w
 /* These bodies are closed together; b may be driven or static. */
 void rb_lift_join(struct rb_lift *lift, const struct rb_world *world, int a, int b);
 
-/* What points take along of the pushes that close them; before bodies move by these. */
+/* What points take along of the impulses that close them; before bodies move by these. */
 void rb_lift_turn(struct rb_lift *lift, const struct rb_world *world,
                   const struct rb_step_points *closing);
 

@@ -33,10 +33,10 @@ struct rb_local_rollback {
 	int *steps; /* owned, by body: that were taken and not taken back */
 	int *body;  /* owned: a group's, with driven ones */
 	struct rb_contacts last, before, kept; /* of a group's last step; of settled groups */
-	struct rb_contacts shown;   /* for the frames: of settled groups, over the whole step */
-	struct rb_means means;      /* of the group under way */
-	struct rb_named_push *push; /* owned: of settled groups */
-	size_t push_count, push_capacity;
+	struct rb_contacts shown; /* for the frames: of settled groups, over the whole step */
+	struct rb_means means;    /* of the group under way */
+	struct rb_named_impulse *impulse; /* owned: of settled groups */
+	size_t impulse_count, impulse_capacity;
 	struct rb_event_of *event; /* owned: impacts of settled groups */
 	size_t event_count, event_capacity;
 	struct rb_entries entries;  /* for the ledger: of the group under way */
@@ -96,7 +96,7 @@ void rb_local_rollback_destroy(struct rb_local_rollback *local)
 	rb_contacts_release(&local->kept);
 	rb_means_release(&local->means);
 	rb_contacts_release(&local->shown);
-	rb_memory_free(local->push);
+	rb_memory_free(local->impulse);
 	rb_memory_free(local->event);
 	rb_memory_free(local->book);
 	rb_memory_free(local);
@@ -122,13 +122,13 @@ static void forget_contacts(const struct rb_world *world, struct rb_contacts *co
 static void forget_unsettled(struct rb_world *world)
 {
 	struct rb_local_rollback *local = world->stepped->local;
-	size_t pushes = 0, events = 0, books = 0;
+	size_t impulses = 0, events = 0, books = 0;
 
 	forget_contacts(world, &local->kept);
 	forget_contacts(world, &local->shown);
-	for (size_t k = 0; k < local->push_count; k++)
-		if (local->swept.settled[local->push[k].a])
-			local->push[pushes++] = local->push[k];
+	for (size_t k = 0; k < local->impulse_count; k++)
+		if (local->swept.settled[local->impulse[k].a])
+			local->impulse[impulses++] = local->impulse[k];
 	for (size_t k = 0; k < local->event_count; k++)
 		if (local->swept.settled[local->event[k].body])
 			local->event[events++] = local->event[k];
@@ -136,7 +136,7 @@ static void forget_unsettled(struct rb_world *world)
 		if (local->swept.settled[local->book[k].body])
 			local->book[books++] = local->book[k];
 	local->book_count = books;
-	local->push_count = pushes;
+	local->impulse_count = impulses;
 	local->event_count = events;
 }
 
@@ -270,13 +270,14 @@ static enum rb_status resolve(struct rb_world *world, struct rb_swept_group *gro
 	struct rb_local_rollback *local = s->local;
 	const struct rb_step_points *points = &s->part.points;
 
-	if (!rb_memory_reserve(&local->push, &local->push_capacity,
-	                       local->push_count + points->last_count + 1, sizeof *local->push))
+	if (!rb_memory_reserve(&local->impulse, &local->impulse_capacity,
+	                       local->impulse_count + points->last_count + 1,
+	                       sizeof *local->impulse))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
 	if (points->last_count > 0)
-		memcpy(local->push + local->push_count, points->last,
+		memcpy(local->impulse + local->impulse_count, points->last,
 		       points->last_count * sizeof *points->last);
-	local->push_count += points->last_count;
+	local->impulse_count += points->last_count;
 	enum rb_status status = rb_contacts_join(&local->kept, &local->last, err);
 	if (status == RB_OK)
 		status = rb_means_record(&local->means, dt, &local->shown, err);
@@ -501,7 +502,7 @@ static void enter_all(struct rb_world *world, double start, double dt)
 }
 
 /* Warm-start impulses of both kinds, sorted by body. */
-static enum rb_status join_pushes(struct rb_world *world, double dt, struct rb_error *err)
+static enum rb_status join_impulses(struct rb_world *world, double dt, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_local_rollback *local = s->local;
@@ -516,16 +517,17 @@ static enum rb_status join_pushes(struct rb_world *world, double dt, struct rb_e
 	                                                  s->sleep.sleeps, err);
 	if (status != RB_OK)
 		return status;
-	const size_t count = points->last_count + local->push_count;
+	const size_t count = points->last_count + local->impulse_count;
 	struct rb_sort_item *item = rb_arena_take(&world->arena[0], count + 1, sizeof *item);
 	struct rb_sort_item *scratch = rb_arena_take(&world->arena[0], count + 1, sizeof *scratch);
-	struct rb_named_push *all = rb_arena_take(&world->arena[0], count + 1, sizeof *all);
+	struct rb_named_impulse *all = rb_arena_take(&world->arena[0], count + 1, sizeof *all);
 	if (!item || !scratch || !all || !rb_step_points_reserve(points, count))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
 	if (points->last_count > 0)
 		memcpy(all, points->last, points->last_count * sizeof *all);
-	if (local->push_count > 0)
-		memcpy(all + points->last_count, local->push, local->push_count * sizeof *all);
+	if (local->impulse_count > 0)
+		memcpy(all + points->last_count, local->impulse,
+		       local->impulse_count * sizeof *all);
 	for (size_t k = 0; k < count; k++)
 		item[k] = (struct rb_sort_item){(uint64_t)all[k].a, k};
 	rb_sort_by_key(item, scratch, count);
@@ -627,7 +629,7 @@ enum rb_status rb_local_rollback_step(struct rb_world *world, double start, doub
 		local->swept.was_group[i] = -1;
 		local->steps[i] = 1;
 	}
-	local->kept.count = local->shown.count = local->push_count = local->event_count =
+	local->kept.count = local->shown.count = local->impulse_count = local->event_count =
 		local->book_count = 0;
 	if (!rb_candidates_keep(&s->near))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", s->near.pair_count);
@@ -648,7 +650,7 @@ enum rb_status rb_local_rollback_step(struct rb_world *world, double start, doub
 	if (status == RB_OK)
 		rb_joints_keep(world, &s->all, dt, local->swept.failed);
 	if (status == RB_OK)
-		status = join_pushes(world, dt, err);
+		status = join_impulses(world, dt, err);
 	if (status == RB_OK) {
 		rb_sleep_end(world, start + dt, local->swept.failed);
 		return RB_OK;

@@ -34,15 +34,16 @@ static int by_name(const void *left, const void *right)
 /* Adds one substep of h seconds to the sums of a contact. */
 static void add(struct rb_mean *mean, const struct rb_contact *contact, double h)
 {
-	const double push = contact->normal_force * h;
+	const double normal_impulse = contact->normal_force * h;
 
 	RB_ASSERT_COSTLY(h > 0 && contact->normal_force >= 0);
 	mean->contact = *contact;
-	mean->push = rb_vec3_add_scaled(mean->push, push, contact->normal);
+	mean->normal_impulse = rb_vec3_add_scaled(mean->normal_impulse, normal_impulse,
+	                                          contact->normal);
 	mean->friction_impulse = rb_vec3_add_scaled(mean->friction_impulse, h,
 	                                            contact->tangent_force);
-	mean->moment = rb_vec3_add_scaled(mean->moment, push, contact->point);
-	mean->weight += push;
+	mean->moment = rb_vec3_add_scaled(mean->moment, normal_impulse, contact->point);
+	mean->weight += normal_impulse;
 	mean->lasts = true;
 }
 
@@ -92,15 +93,16 @@ enum rb_status rb_means_record(const struct rb_means *means, double h, struct rb
 		return status;
 	for (size_t k = 0; k < means->count; k++) {
 		const struct rb_mean *mean = &means->row[k];
-		const double push = rb_vec3_length(mean->push);
+		const double normal_impulse = rb_vec3_length(mean->normal_impulse);
 		struct rb_contact contact = mean->contact;
 
-		if (push > 0) {
-			const rb_vec3 normal = rb_vec3_scale(1 / push, mean->push);
+		if (normal_impulse > 0) {
+			const rb_vec3 normal = rb_vec3_scale(1 / normal_impulse,
+			                                     mean->normal_impulse);
 			const double more = rb_vec3_dot(mean->friction_impulse, normal);
 
 			contact.normal = normal;
-			contact.normal_force = (push + more) / h;
+			contact.normal_force = (normal_impulse + more) / h;
 			contact.tangent_force = rb_vec3_scale(
 				1 / h, rb_vec3_add_scaled(mean->friction_impulse, -more, normal));
 			contact.point = rb_vec3_scale(1 / mean->weight, mean->moment);

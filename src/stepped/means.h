@@ -13,11 +13,12 @@
 #include "world/contacts.h"
 
 struct rb_mean {
-	struct rb_contact contact;      /* as the last part had it that had it */
-	rb_vec3 push, friction_impulse; /* N s, on b: along the normals of parts, and across them */
-	rb_vec3 moment;                 /* N s m: points times the lengths of pushes */
-	double weight;                  /* N s: those added up */
-	bool lasts;                     /* the last part had it */
+	struct rb_contact contact; /* as the last part had it that had it */
+	rb_vec3 normal_impulse,
+		friction_impulse; /* N s, on b: along the normals of parts, and across them */
+	rb_vec3 moment;           /* N s m: points times the normal impulses */
+	double weight;            /* N s: those added up */
+	bool lasts;               /* the last part had it */
 };
 
 struct rb_means {

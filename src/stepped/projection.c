@@ -62,7 +62,7 @@ struct search {
 	unsigned char *lost;  /* by group: somebody in it is bad */
 	unsigned char *looked; /* by pair */
 	int *wave, *active,
-		*stilled;       /* bodies: to look from; seen ones; without their velocities */
+		*at_rest;       /* bodies: to look from; seen ones; without their velocities */
 	unsigned char *stopped; /* by body: it is without its velocity */
 	size_t *pair;           /* to be looked at */
 	int wave_count, active_count, resting_count;
@@ -90,11 +90,11 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->looked = rb_arena_take(arena, pairs + 1, 1);
 	search->wave = rb_arena_take(arena, n, sizeof *search->wave);
 	search->active = rb_arena_take(arena, n, sizeof *search->active);
-	search->stilled = rb_arena_take(arena, n, sizeof *search->stilled);
+	search->at_rest = rb_arena_take(arena, n, sizeof *search->at_rest);
 	search->pair = rb_arena_take(arena, pairs + 1, sizeof *search->pair);
 	if (search->place && search->first && search->of && search->seen && search->moved &&
 	    search->stopped && search->parent && search->lost && search->looked && search->wave &&
-	    search->active && search->stilled && search->pair) {
+	    search->active && search->at_rest && search->pair) {
 		memset(search->moved, 0, n);
 		memset(search->stopped, 0, n);
 		return RB_OK;
@@ -142,7 +142,7 @@ static void take_velocity(struct search *search, int i)
 	if (i >= world->model->body_count || search->stopped[i])
 		return;
 	search->stopped[i] = 1;
-	search->stilled[search->resting_count++] = i;
+	search->at_rest[search->resting_count++] = i;
 	rb_vec3_to(aside + 6 * (size_t)i, rb_world_row3(world->state.velocity, i));
 	if (world->state.spin)
 		rb_vec3_to(aside + 6 * (size_t)i + 3, rb_world_row3(world->state.spin, i));
@@ -158,7 +158,7 @@ static void give_velocities(const struct search *search)
 	const double *aside = world->stepped->aside;
 
 	for (int k = 0; k < search->resting_count; k++) {
-		const int i = search->stilled[k];
+		const int i = search->at_rest[k];
 
 		rb_vec3_to(world->state.velocity + 3 * (size_t)i,
 		           rb_vec3_from(aside + 6 * (size_t)i));
@@ -405,7 +405,7 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 	struct rb_stepped *s = world->stepped;
 
 	for (int k = 0; k < search->resting_count; k++)
-		clear_velocity(world, search->stilled[k]);
+		clear_velocity(world, search->at_rest[k]);
 	/* parts stand where their overlaps were found */
 	const double max = CHAIN_MAX * deepest(found) + world->model->tolerance_m;
 	enum rb_status status = find_points(search, found, max, err);
@@ -442,7 +442,7 @@ static enum rb_status find_depths_again(struct search *search, struct rb_depths 
 	struct rb_world *world = search->world;
 	const struct rb_stepped *s = world->stepped;
 
-	rb_candidates_place(search->cohort->near, world, search->stilled, search->resting_count);
+	rb_candidates_place(search->cohort->near, world, search->at_rest, search->resting_count);
 	const enum rb_status status = rb_depths_find(world, search->cohort->near,
 	                                             s->bad_count > 0 ? s->bad : NULL,
 	                                             search->moved, found, err);

@@ -267,7 +267,7 @@ enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_world *world,
 /* Whether restitution of this point shows beyond what the tolerance lets be. */
 static bool rebounds(const struct rb_solver *solver, const struct rb_step_point *point)
 {
-	return point->push > 0 &&
+	return point->normal_impulse > 0 &&
 	       (solver->hands_over || point->restitution * point->approach > solver->tolerance);
 }
 
@@ -379,7 +379,7 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 		 * what has not touched stays apart; what has, does not close faster than it was
 		 * left to
 		 */
-		row->target.n = point->push > 0 ? fmin(now, 0) : -(double)INFINITY;
+		row->target.n = point->normal_impulse > 0 ? fmin(now, 0) : -(double)INFINITY;
 		if (rebounds(solver, point))
 			row->target.n = fmax(0, point->restitution * point->approach);
 		rb_constraint_clear(row);

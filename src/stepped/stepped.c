@@ -397,12 +397,13 @@ static void pack_pushes(struct rb_world *world, struct rb_pack *pack)
 	struct rb_step_points *points = &world->stepped->all.points;
 	size_t count = points->last_count;
 
-	rb_pack_count(pack, &count, INT32_MAX, rb_fields_bytes(rb_named_push_fields()));
+	rb_pack_count(pack, &count, INT32_MAX, rb_fields_bytes(rb_named_impulse_fields()));
 	if (pack->loading &&
 	    !rb_memory_reserve(&points->last, &points->last_capacity, count, sizeof *points->last))
 		rb_pack_fail_memory(pack);
 	points->last_count = pack->failed ? 0 : count;
-	rb_fields_pack(rb_named_push_fields(), points->last, points->last_count, limits.high, pack);
+	rb_fields_pack(rb_named_impulse_fields(), points->last, points->last_count, limits.high,
+	               pack);
 	for (size_t k = 1; pack->loading && k < points->last_count; k++)
 		(void)rb_pack_check(pack, points->last[k - 1].a <= points->last[k].a,
 		                    "impulses that are not in order");

@@ -17,13 +17,13 @@ enum { SWEEPS_FIRST = 200, SWEEPS_MAX = 1000, SWEEPS_SETTLED = 64 };
  * The same where rows are in packs, and may be held; of spheres, most that stall are held sooner.
  */
 enum { WIDE_FIRST = 60, WIDE_MAX = 400, CENTRAL_MAX = 140, WIDE_HOLD = 100 };
-/* Turns of pushes and friction before a group is given up; sweeps of both in each. */
+/* Rounds of normal impulses and friction before a group is given up; sweeps of both in each. */
 enum { TURNS_MAX = 6, TURN_SWEEPS = 100 };
-/* Times that open pushes are made even, with sweeps after each. */
+/* Times that open normal impulses are made even, with sweeps after each. */
 enum { EVEN_MAX = 4 };
 /* Why factors are tried, and how many at most. */
-enum purpose { STIFF, STANDING, STALLED, SETTLED };
-enum { FACTORS_STIFF = 400, FACTORS_STANDING = 120, FACTORS_STALLED = 30, FACTORS_SETTLED = 12 };
+enum purpose { STIFF, AT_REST, STALLED, SETTLED };
+enum { FACTORS_STIFF = 400, FACTORS_AT_REST = 120, FACTORS_STALLED = 30, FACTORS_SETTLED = 12 };
 
 /*
  * Multiplications that one factorization may take, for each row and at most: some twenty sweeps.
@@ -72,7 +72,7 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
                         struct rb_arena *arena)
 {
 	static const int steps_max[] = {[STIFF] = FACTORS_STIFF,
-	                                [STANDING] = FACTORS_STANDING,
+	                                [AT_REST] = FACTORS_AT_REST,
 	                                [STALLED] = FACTORS_STALLED,
 	                                [SETTLED] = FACTORS_SETTLED};
 	const double share = purpose == STALLED && dense->row_count >= RB_WIDE_ROWS ? stalled_share
@@ -82,11 +82,11 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 	                                 .member = solver->member + island->first_member,
 	                                 .member_count = island->member_count,
 	                                 .local = solver->local,
-	                                 .tolerance = (purpose == SETTLED || purpose == STANDING
+	                                 .tolerance = (purpose == SETTLED || purpose == AT_REST
 	                                                       ? close_share
 	                                                       : direct_share) *
 	                                              solver->tolerance,
-	                                 .holds = purpose == STANDING,
+	                                 .holds = purpose == AT_REST,
 	                                 .steps_max = steps_max[purpose],
 	                                 .slip_tolerance = solver->tolerance,
 	                                 .max = fmin(share * (double)dense->row_count, factors_max),
@@ -103,7 +103,7 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 		return true;
 	}
 	/* of stiff groups, what factors have come to is better than what there was */
-	if (!result.tried || (purpose != STALLED && purpose != STANDING))
+	if (!result.tried || (purpose != STALLED && purpose != AT_REST))
 		return false;
 	memcpy(dense->row, kept, (size_t)dense->row_count * sizeof *kept);
 	apply_again(solver, island, dense);
@@ -141,9 +141,10 @@ static bool sweep_more(const struct rb_solver *solver, struct rb_sweeper *sweepe
 }
 
 /*
- * Friction in a jammed heap may not come to an end: pushes of many contacts creep on together until
- * one of them slips or opens, which may take thousands of sweeps. What acts across the normals is
- * then left as it is, if it is nearly right, and pushes alone see to it that no gap closes.
+ * Friction in a jammed heap may not come to an end: normal impulses of many contacts creep on
+ * together until one of them slips or opens, which may take thousands of sweeps. What acts across
+ * the normals is then left as it is, if it is nearly right, and normal impulses alone see to it
+ * that no gap closes.
  */
 static bool hold(struct rb_sweeper *sweeper, struct rb_island *island, double tolerance, int max)
 {
@@ -160,9 +161,10 @@ static bool hold(struct rb_sweeper *sweeper, struct rb_island *island, double to
 }
 
 /*
- * Where friction is not nearly right either, pushes are put right for it and it goes on from there,
- * in turns: pushes and friction that are far from each other's make sweeps of both swing. For large
- * groups, of which a lost step costs most: small ones are sooner done with shorter steps.
+ * Where friction is not nearly right either, normal impulses are corrected for it and it goes on
+ * from there, in turns: pushes and friction that are far from each other's make sweeps of both
+ * swing. For large groups, of which a lost step costs most: small ones are sooner done with shorter
+ * steps.
  */
 static bool take_turns(const struct rb_solver *solver, struct rb_sweeper *sweeper,
                        struct rb_island *island, double tolerance)
@@ -273,7 +275,7 @@ static double aim_of(const struct rb_solver *solver, const struct rb_island *isl
 }
 
 /* Whether the group was quiet when the step began, and nothing moves under it. */
-static bool stood(const struct rb_solver *solver, const struct rb_island *island)
+static bool was_at_rest(const struct rb_solver *solver, const struct rb_island *island)
 {
 	return solver->before && !island->carried && is_settled(solver, island, true);
 }
@@ -374,7 +376,7 @@ static bool is_stiff(const struct rb_solver *solver, const struct rb_island *isl
 
 /* ---- energy ---- */
 
-static void push_nothing_apart(const struct rb_row_system *dense)
+static void clear_separation(const struct rb_row_system *dense)
 {
 	for (int k = 0; k < dense->row_count; k++) {
 		struct rb_constraint *row = &dense->row[k];
@@ -398,7 +400,7 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 	const bool solved = island->residual <= solver->tolerance;
 
 	if (good)
-		push_nothing_apart(dense);
+		clear_separation(dense);
 	if (!good || !rb_sweeper_take(&sweeper, arena)) {
 		island->residual = (double)INFINITY; /* no memory: taken back */
 		return none;
@@ -426,12 +428,12 @@ static void keep_energy(const struct rb_solver *solver, struct rb_island *island
                         const struct rb_row_system *dense, struct rb_arena *arena)
 {
 	island->energy_budget = 0;
-	if (!rb_energy_is_pushed(dense))
+	if (!rb_energy_has_impulse(dense))
 		return;
 	const bool squeezed = solver->h_s < solver->whole_s &&
 	                      !(island->residual <= solver->tolerance);
 	struct rb_energy energy = rb_energy_of(solver, island);
-	if ((squeezed || rb_energy_gain(&energy) > energy.noise) && rb_energy_pushes_apart(dense))
+	if ((squeezed || rb_energy_gain(&energy) > energy.noise) && rb_energy_has_separation(dense))
 		energy = push_less(solver, island, dense, arena);
 	if (rb_energy_gain(&energy) > energy.noise)
 		rb_energy_take(solver, island, rb_energy_share(&energy));
@@ -477,7 +479,7 @@ static bool start_over(const struct rb_solver *solver, struct rb_island *island,
 
 	for (int k = 0; k < dense->row_count; k++)
 		rb_constraint_clear(&dense->row[k]);
-	push_nothing_apart(dense);
+	clear_separation(dense);
 	apply_again(solver, island, dense);
 	const bool good = rb_sweeper_take(&sweeper, arena) &&
 	                  sweep_more(solver, &sweeper, island, solver->tolerance / sweep_share,
@@ -497,7 +499,7 @@ struct trial {
 	const struct rb_row_system *rows;
 	struct rb_sweeper *sweeper;
 	struct rb_arena *arena;
-	bool standing, stiff;
+	bool at_rest, stiff;
 };
 
 static bool is_of_joints(const struct trial *trial)
@@ -551,13 +553,14 @@ static double off_by(const struct rb_row_system *rows, const struct rb_constrain
 {
 	const rb_vec3 u = rb_constraint_velocity(&rows->bodies, row);
 	const double u_n = rb_vec3_dot(u, row->normal);
-	const double push = fmax(0, row->impulse.n + (row->target.n - u_n) / row->inverse_mass_n);
+	const double normal_impulse = fmax(0, row->impulse.n +
+	                                              (row->target.n - u_n) / row->inverse_mass_n);
 	const rb_vec3 slip = rb_vec3_add_scaled(u, -u_n, row->normal);
 	const rb_vec3 wanted = rb_constraint_within(
 		rb_vec3_add_scaled(row->impulse.t, -1 / row->inverse_mass_t, slip),
-		row->friction * push);
+		row->friction * normal_impulse);
 
-	return fmax(fabs(push - row->impulse.n) * row->inverse_mass_n,
+	return fmax(fabs(normal_impulse - row->impulse.n) * row->inverse_mass_n,
 	            RB_SLIP_SHARE * row->inverse_mass_t *
 	                    rb_vec3_length(rb_vec3_sub(wanted, row->impulse.t)));
 }
@@ -585,9 +588,9 @@ static void polish_joints(const struct rb_solver *solver, struct rb_island *isla
 	rb_energy_mix(solver, island, &kept, 1);
 }
 
-static bool is_standing(const struct trial *trial)
+static bool is_at_rest(const struct trial *trial)
 {
-	return trial->standing;
+	return trial->at_rest;
 }
 
 static bool has_unequal_masses(const struct trial *trial)
@@ -608,7 +611,7 @@ static bool is_narrow(const struct trial *trial)
 
 static bool factors_at_rest(const struct trial *trial)
 {
-	return try_factors(trial->solver, trial->island, trial->rows, STANDING, trial->arena);
+	return try_factors(trial->solver, trial->island, trial->rows, AT_REST, trial->arena);
 }
 
 static bool factors_of_unequal_masses(const struct trial *trial)
@@ -663,7 +666,7 @@ static const struct strategy {
 	bool (*solve)(const struct trial *trial);
 } strategies[] = {
 	{is_of_joints, factors_of_joints},
-	{is_standing, factors_at_rest},
+	{is_at_rest, factors_at_rest},
 	{has_unequal_masses, factors_of_unequal_masses},
 	{NULL, sweeps_to_the_aim},
 	{NULL, sweeps_to_the_tolerance},
@@ -726,8 +729,8 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 	                            .sweeper = &sweeper,
 	                            .arena = arena,
 	                            .stiff = is_stiff(solver, island),
-	                            .standing = stood(solver, island)};
-	if (trial.standing)
+	                            .at_rest = was_at_rest(solver, island)};
+	if (trial.at_rest)
 		skip_alone(solver, &rows);
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&rows, solver->body_count + 1));
 	if (island->contact_count > 0 && island->row_count > island->contact_count)

@@ -97,9 +97,9 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 	                rb_row_system_is_of_contacts(sweeper->dense);
 	if (!sweeper->wide) {
 		sweeper->one = (struct rb_sweep){.dense = sweeper->dense};
-		sweeper->push = rb_arena_take(arena, (size_t)sweeper->member_count + 1,
-		                              sizeof *sweeper->push);
-		return sweeper->push && rb_sweep_take(&sweeper->one, arena);
+		sweeper->impulses = rb_arena_take(arena, (size_t)sweeper->member_count + 1,
+		                                  sizeof *sweeper->impulses);
+		return sweeper->impulses && rb_sweep_take(&sweeper->one, arena);
 	}
 	if (!colour_rows(sweeper, &colours, arena))
 		return false;
@@ -129,7 +129,7 @@ bool rb_sweeper_went_far(const struct rb_sweeper *sweeper)
 		return false;
 	for (int k = 0; k < sweeper->member_count; k++)
 		sweeper->local[sweeper->member[k]] = k;
-	return rb_sweep_went_far(&sweeper->one, sweeper->local, sweeper->push,
+	return rb_sweep_went_far(&sweeper->one, sweeper->local, sweeper->impulses,
 	                         sweeper->member_count);
 }
 

@@ -25,7 +25,7 @@ struct rb_sweeper {
 	/* rb_sweeper_take */
 	bool wide, central; /* central: of spheres alone */
 	struct rb_sweep one;
-	double (*push)[2]; /* [members]: scratch of `one` */
+	double (*impulses)[2]; /* [members]: scratch of `one` */
 	struct rb_wide many;
 };
 

@@ -231,7 +231,7 @@ enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept, struct rb_wor
 		join(world, swept->parent, swept->near.pair[k].a, swept->near.pair[k].b);
 	/* bodies that exchanged an impulse go back together, or momentum would be lost */
 	for (size_t k = 0; k < points->count; k++)
-		if (points->row[k].push > 0)
+		if (points->row[k].normal_impulse > 0)
 			join(world, swept->parent, points->row[k].a, points->row[k].b);
 	for (int k = 0; k < model->element_list_count; k++)
 		for (int m = 0; model->elements[k].end && m < model->elements[k].count; m++)

@@ -23,7 +23,7 @@ void rb_step_points_index(struct rb_step_points *points, const struct rb_model *
 
 static int by_name(const void *left, const void *right)
 {
-	const struct rb_named_push *x = left, *y = right;
+	const struct rb_named_impulse *x = left, *y = right;
 
 	if (x->a != y->a)
 		return x->a < y->a ? -1 : 1;
@@ -34,12 +34,12 @@ static int by_name(const void *left, const void *right)
 	return (x->key > y->key) - (x->key < y->key);
 }
 
-static struct rb_named_push taken_over(const struct rb_world *world,
-                                       const struct rb_contact *contact)
+static struct rb_named_impulse taken_over(const struct rb_world *world,
+                                          const struct rb_contact *contact)
 {
 	const bool swapped = world->model->inverse_mass[contact->a] == 0; /* driven */
 
-	return (struct rb_named_push){
+	return (struct rb_named_impulse){
 		.a = swapped ? contact->b : contact->a,
 		.b = swapped ? contact->a : contact->b,
 		.parts = contact->parts,
@@ -51,10 +51,10 @@ static struct rb_named_push taken_over(const struct rb_world *world,
 }
 
 /* The mean of points of one rim, out of those of a pair. */
-static struct rb_named_push mean_of_rim(const struct rb_named_push *pair, size_t length,
-                                        uint32_t parts, uint64_t rim)
+static struct rb_named_impulse mean_of_rim(const struct rb_named_impulse *pair, size_t length,
+                                           uint32_t parts, uint64_t rim)
 {
-	struct rb_named_push mean = {.a = pair->a, .b = pair->b, .parts = parts, .key = rim};
+	struct rb_named_impulse mean = {.a = pair->a, .b = pair->b, .parts = parts, .key = rim};
 	double count = 0;
 
 	for (size_t k = 0; k < length; k++) {
@@ -72,7 +72,8 @@ static struct rb_named_push mean_of_rim(const struct rb_named_push *pair, size_t
 }
 
 /* Those of a pair as they are, then each rim's mean for points that have no name there. */
-static size_t take_pair(const struct rb_named_push *pair, size_t length, struct rb_named_push *to)
+static size_t take_pair(const struct rb_named_impulse *pair, size_t length,
+                        struct rb_named_impulse *to)
 {
 	size_t count = 0;
 
@@ -96,23 +97,23 @@ enum rb_status rb_step_points_take_over(struct rb_step_points *points, struct rb
                                         struct rb_error *err)
 {
 	const struct rb_contacts *contacts = &world->contacts;
-	struct rb_named_push *push = rb_arena_take(&world->arena[0], contacts->count + 1,
-	                                           sizeof *push);
+	struct rb_named_impulse *impulse = rb_arena_take(&world->arena[0], contacts->count + 1,
+	                                                 sizeof *impulse);
 	size_t count = 0, length;
 
 	points->last_count = 0;
-	if (!push || !rb_step_points_reserve(points, 2 * contacts->count))
+	if (!impulse || !rb_step_points_reserve(points, 2 * contacts->count))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", contacts->count);
 	for (size_t k = 0; k < contacts->count; k++)
 		if (contacts->row[k].normal_force > 0)
-			push[count++] = taken_over(world, &contacts->row[k]);
+			impulse[count++] = taken_over(world, &contacts->row[k]);
 	if (count > 1)
-		qsort(push, count, sizeof *push, by_name);
+		qsort(impulse, count, sizeof *impulse, by_name);
 	for (size_t k = 0; k < count; k += length) {
-		for (length = 1; k + length < count && push[k + length].a == push[k].a &&
-		                 push[k + length].b == push[k].b;)
+		for (length = 1; k + length < count && impulse[k + length].a == impulse[k].a &&
+		                 impulse[k + length].b == impulse[k].b;)
 			length++;
-		points->last_count += take_pair(push + k, length,
+		points->last_count += take_pair(impulse + k, length,
 		                                points->last + points->last_count);
 	}
 	rb_step_points_index(points, world->model);
@@ -151,22 +152,22 @@ bool rb_step_points_reserve(struct rb_step_points *points, size_t count)
 	                         sizeof *points->last);
 }
 
-static struct rb_named_push push_of(const struct rb_step_points *points,
-                                    const struct rb_step_point *point, double h,
-                                    const unsigned char *asleep)
+static struct rb_named_impulse impulse_of(const struct rb_step_points *points,
+                                          const struct rb_step_point *point, double h,
+                                          const unsigned char *asleep)
 {
 	if (point->from > 0 && asleep[point->a]) {
-		struct rb_named_push push = points->last[point->from - 1];
+		struct rb_named_impulse impulse = points->last[point->from - 1];
 
-		push.key = point->key; /* it may stand for all of a rim */
-		return push;
+		impulse.key = point->key; /* it may stand for all of a rim */
+		return impulse;
 	}
-	return (struct rb_named_push){
+	return (struct rb_named_impulse){
 		.a = point->a,
 		.b = point->b,
 		.parts = point->parts,
 		.key = point->key,
-		.force = point->push / h,
+		.force = point->normal_impulse / h,
 		.friction_impulse = rb_vec3_scale(1 / h, point->friction_impulse)};
 }
 
@@ -180,18 +181,18 @@ enum rb_status rb_step_points_keep(struct rb_step_points *points, double h,
 	if (!rb_memory_reserve(&points->spare, &points->spare_capacity, max + 1,
 	                       sizeof *points->spare))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", max);
-	struct rb_named_push *const to = points->spare;
+	struct rb_named_impulse *const to = points->spare;
 	for (size_t k = 0; k <= points->count; k++) {
 		const struct rb_step_point *point = k < points->count ? &points->row[k] : NULL;
 
-		if (point && !(point->push > 0))
+		if (point && !(point->normal_impulse > 0))
 			continue;
 		for (; old < points->last_count && (!point || points->last[old].a < point->a);
 		     old++)
 			if (sleeps[points->last[old].a])
 				to[count++] = points->last[old];
 		if (point)
-			to[count++] = push_of(points, point, h, asleep);
+			to[count++] = impulse_of(points, point, h, asleep);
 	}
 	points->spare = points->last;
 	points->last = to;

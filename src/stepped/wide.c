@@ -46,9 +46,9 @@ struct rb_wide_pack {
 	lanes arm_a, arm_b; /* m, along the normal */
 	lanes inverse_mass_n, inverse_mass_t, inverse_n, inverse_t;
 	lanes target_velocity, friction;
-	lanes push;
+	lanes normal_impulse;
 	struct lanes3 friction_impulse;
-	lanes least;         /* N s, of push: 0, or what holds the rub */
+	lanes least;         /* N s, normal: 0, or what holds the friction */
 	struct lanes3 extra; /* N s: what the impulse was led on by, then all of its last way */
 	lanes count;         /* of sweeps that went one way */
 };
@@ -168,8 +168,9 @@ ALWAYS void turn_any(const struct rb_wide_turn *turn, struct four *a, struct fou
  * Adds an impulse along the normal and one across it. `turn` is NULL where rows are central, here
  * as below.
  */
-ALWAYS void push(const struct rb_wide_pack *pack, const struct rb_wide_turn *turn, struct four *a,
-                 struct four *b, const lanes *along, const struct lanes3 *across)
+ALWAYS void apply_impulse(const struct rb_wide_pack *pack, const struct rb_wide_turn *turn,
+                          struct four *a, struct four *b, const lanes *along,
+                          const struct lanes3 *across)
 {
 	const struct lanes3 impulse = {across->x + *along * pack->normal.x,
 	                               across->y + *along * pack->normal.y,
@@ -231,12 +232,12 @@ ALWAYS double solve_pack(struct rb_solver_body *body, struct rb_wide_pack *pack,
 	take(&a, body, pack->a);
 	take(&b, body, pack->b);
 	inspect(pack, turn, &a, &b, &along, &slip);
-	along = pack->push + (pack->target_velocity - along) * pack->inverse_n;
+	along = pack->normal_impulse + (pack->target_velocity - along) * pack->inverse_n;
 	along = CHOOSE(along > pack->least, along, pack->least);
-	const mask acts = (along > none) | (pack->push != none);
+	const mask acts = (along > none) | (pack->normal_impulse != none);
 	if (!(acts[0] | acts[1] | acts[2] | acts[3]))
 		return 0;
-	more = along - pack->push;
+	more = along - pack->normal_impulse;
 	if (turn) {
 		slip.x += more * turn->skew.x;
 		slip.y += more * turn->skew.y;
@@ -264,9 +265,9 @@ ALWAYS double solve_pack(struct rb_solver_body *body, struct rb_wide_pack *pack,
 	pack->extra.x += d.x + more * pack->normal.x;
 	pack->extra.y += d.y + more * pack->normal.y;
 	pack->extra.z += d.z + more * pack->normal.z;
-	pack->push = along;
+	pack->normal_impulse = along;
 	pack->friction_impulse = friction_impulse;
-	push(pack, turn, &a, &b, &more, &d);
+	apply_impulse(pack, turn, &a, &b, &more, &d);
 	give(&a, body, pack->a, pack->writes_a);
 	give(&b, body, pack->b, pack->writes_b);
 	more *= pack->inverse_mass_n;
@@ -296,13 +297,13 @@ ALWAYS void lead_pack(struct rb_solver_body *body, struct rb_wide_pack *pack,
 	pack->extra = extra;
 	if (!(moves[0] | moves[1] | moves[2] | moves[3]))
 		return;
-	pack->push += along;
+	pack->normal_impulse += along;
 	pack->friction_impulse = (struct lanes3){pack->friction_impulse.x + across.x,
 	                                         pack->friction_impulse.y + across.y,
 	                                         pack->friction_impulse.z + across.z};
 	take(&a, body, pack->a);
 	take(&b, body, pack->b);
-	push(pack, turn, &a, &b, &along, &across);
+	apply_impulse(pack, turn, &a, &b, &along, &across);
 	give(&a, body, pack->a, pack->writes_a);
 	give(&b, body, pack->b, pack->writes_b);
 }
@@ -396,21 +397,21 @@ static void fill_turn(const struct rb_wide *wide, struct rb_wide_turn *turn, int
 
 static void load_lane(struct rb_wide_pack *pack, int i, const struct rb_constraint *row, bool holds)
 {
-	const bool rubs = row->friction > 0;
+	const bool has_friction = row->friction > 0;
 
-	pack->push[i] = row->impulse.n;
+	pack->normal_impulse[i] = row->impulse.n;
 	pack->friction_impulse.x[i] = row->impulse.t.x;
 	pack->friction_impulse.y[i] = row->impulse.t.y;
 	pack->friction_impulse.z[i] = row->impulse.t.z;
 	pack->extra.x[i] = pack->extra.y[i] = pack->extra.z[i] = 0;
 	pack->count[i] = 0;
-	pack->inverse_t[i] = rubs && !holds ? 1 / row->inverse_mass_t : 0;
-	pack->least[i] = rubs && holds ? rb_vec3_length(row->impulse.t) / row->friction : 0;
+	pack->inverse_t[i] = has_friction && !holds ? 1 / row->inverse_mass_t : 0;
+	pack->least[i] = has_friction && holds ? rb_vec3_length(row->impulse.t) / row->friction : 0;
 }
 
 static void store_lane(const struct rb_wide_pack *pack, int i, struct rb_constraint *row)
 {
-	row->impulse.n = pack->push[i];
+	row->impulse.n = pack->normal_impulse[i];
 	row->impulse.t = (rb_vec3){pack->friction_impulse.x[i], pack->friction_impulse.y[i],
 	                           pack->friction_impulse.z[i]};
 }

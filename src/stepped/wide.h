@@ -41,7 +41,7 @@ bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena);
 
 /*
  * From the impulses that the rows have, which the bodies feel already. `holds`: what acts across
- * the normals stays as it is, and no push falls below what holds it within the cone.
+ * the normals stays as it is, and no normal impulse falls below what holds it within the cone.
  */
 struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double tolerance, int max,
                                      bool holds);
