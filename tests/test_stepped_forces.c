@@ -318,7 +318,7 @@ static void planes_meet_all_that_they_turn_to(void **state)
 	seal(&lab, &drive, 1);
 	while (rb_world_time(lab.world) < 0.5 - 1e-9) {
 		lab_step(&lab);
-		const size_t pairs = lab.world->stepped->near.pair_count;
+		const size_t pairs = lab.world->stepped->candidates.pair_count;
 		least = pairs < least ? pairs : least;
 		for (int k = 0; k < PLANES * BALLS; k++) {
 			const int plane = k % PLANES, ball = PLANES + k / PLANES;

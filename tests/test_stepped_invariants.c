@@ -41,17 +41,17 @@ static void a_group_that_sleeps_in_part_is_found(void **state)
 
 static void candidates_of_nobody_are_found(void **state)
 {
-	struct rb_candidates *const near = &lab.world->stepped->near;
+	struct rb_candidates *const candidates = &lab.world->stepped->candidates;
 	const struct rb_pair pair = {0, 9};
-	const struct rb_pair *const kept = near->pair;
-	const size_t count = near->pair_count;
+	const struct rb_pair *const kept = candidates->pair;
+	const size_t count = candidates->pair_count;
 
 	(void)state;
-	near->pair = &pair;
-	near->pair_count = 1;
+	candidates->pair = &pair;
+	candidates->pair_count = 1;
 	lab_assert_wrong(&lab, "candidate 0 is of bodies 0 and 9");
-	near->pair = kept;
-	near->pair_count = count;
+	candidates->pair = kept;
+	candidates->pair_count = count;
 }
 
 static void a_body_in_the_wrong_list_is_found(void **state)

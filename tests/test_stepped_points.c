@@ -96,7 +96,7 @@ static void a_heap_of_boxes_that_turn_stays_within_the_tolerance(void **state)
 		        none, (rb_vec3){sin(k), 2 * cos(3.0 * k), sin(5.0 * k)});
 	run_within_tolerance(&lab);
 	for (int i = 0; i < lab.model->body_count; i++)
-		assert_true(lab.world->stepped->near.path[i] > 0.3);
+		assert_true(lab.world->stepped->candidates.path[i] > 0.3);
 	assert_true(rb_world_work(lab.world).rows > 0);
 	lab_close(&lab);
 }
@@ -159,13 +159,13 @@ static void what_turns_in_place_has_gone_its_size_times_its_angle(void **state)
 		add_box(&lab, (rb_vec3){1, 1, 1}, (rb_vec3){1.9, 0, 0}, none, none);
 		lab_seal(&lab, 1);
 		lab_step(&lab);
-		const struct rb_candidates *const near = &lab.world->stepped->near;
-		const double before = near->path[0], since = rb_world_time(lab.world);
+		const struct rb_candidates *const candidates = &lab.world->stepped->candidates;
+		const double before = candidates->path[0], since = rb_world_time(lab.world);
 		for (int n = 0; n < 20; n++)
 			lab_step(&lab);
 		/* 2 sin(t / 2) for an angle t of a step falls short by t^2 / 24, 1e-6 of it */
-		assert_near(near->path[0] - before,
-		            near->size[0] * (rb_world_time(lab.world) - since), 1e-5);
+		assert_near(candidates->path[0] - before,
+		            candidates->size[0] * (rb_world_time(lab.world) - since), 1e-5);
 		lab_close(&lab);
 	}
 }

@@ -76,13 +76,14 @@ static bool take_view(struct rb_world *world, const struct rb_cohort *cohort,
                       const unsigned char *of_group, struct view *view)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
-	const struct rb_candidates *near = cohort->near;
+	const struct rb_candidates *candidates = cohort->candidates;
 	struct rb_arena *arena = &world->arena[0];
 	const size_t n = (size_t)world->model->body_count;
 
 	*view = (struct view){.again = rb_arena_take(arena, n, 1)};
 	view->body = rb_arena_take(arena, n, sizeof *view->body);
-	view->pair = rb_arena_take(arena, rb_candidates_live_count(near) + 1, sizeof *view->pair);
+	view->pair = rb_arena_take(arena, rb_candidates_live_count(candidates) + 1,
+	                           sizeof *view->pair);
 	if (!view->again || !view->body || !view->pair)
 		return false;
 	memset(view->again, 0, n);
@@ -93,9 +94,9 @@ static bool take_view(struct rb_world *world, const struct rb_cohort *cohort,
 		if (view->again[i] || k >= cohort->member_count)
 			view->body[view->count++] = i;
 	}
-	for (size_t k = 0; k < rb_candidates_live_count(near); k++)
-		if (is_seen(world, view, near->pair[rb_candidates_live(near, k)]))
-			view->pair[view->pair_count++] = rb_candidates_live(near, k);
+	for (size_t k = 0; k < rb_candidates_live_count(candidates); k++)
+		if (is_seen(world, view, candidates->pair[rb_candidates_live(candidates, k)]))
+			view->pair[view->pair_count++] = rb_candidates_live(candidates, k);
 	return true;
 }
 
@@ -192,8 +193,8 @@ static enum rb_status merge(struct rb_world *world, struct rb_cohort *cohort,
 	if (old_count > 0)
 		memcpy(old, points->row, old_count * sizeof *old);
 	points->count = 0;
-	for (size_t k = 0; k < cohort->near->pair_count; k++) {
-		const struct rb_pair pair = cohort->near->pair[k];
+	for (size_t k = 0; k < cohort->candidates->pair_count; k++) {
+		const struct rb_pair pair = cohort->candidates->pair[k];
 		const size_t was = length_of(old + at, old_count - at, pair);
 		const size_t is = length_of(fresh->row + new_at, fresh->count - new_at, pair);
 		const bool seen = is_seen(world, view, pair) &&
@@ -217,20 +218,20 @@ static enum rb_status merge(struct rb_world *world, struct rb_cohort *cohort,
 }
 
 /* Points of the groups as they are now. */
-static enum rb_status find_points(struct rb_world *world, struct rb_candidates *near,
+static enum rb_status find_points(struct rb_world *world, struct rb_candidates *candidates,
                                   const struct view *view, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	const size_t *const live = near->live;
-	const size_t live_count = near->live_count;
+	const size_t *const live = candidates->live;
+	const size_t live_count = candidates->live_count;
 
 	s->closing.count = 0;
-	near->live = view->pair;
-	near->live_count = view->pair_count;
-	const enum rb_status status = rb_step_points_add(&s->closing, world, near, s->solver.h_s,
-	                                                 HUGE_VAL, err);
-	near->live = live;
-	near->live_count = live_count;
+	candidates->live = view->pair;
+	candidates->live_count = view->pair_count;
+	const enum rb_status status = rb_step_points_add(&s->closing, world, candidates,
+	                                                 s->solver.h_s, HUGE_VAL, err);
+	candidates->live = live;
+	candidates->live_count = live_count;
 	return status;
 }
 
@@ -262,11 +263,12 @@ static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort
 
 	*deep = false;
 	if (!world->broadphase ||
-	    (cohort->near == &s->near &&
-	     !rb_candidates_holds(&s->near, world, cohort->body, cohort->body_count)))
+	    (cohort->candidates == &s->candidates &&
+	     !rb_candidates_holds(&s->candidates, world, cohort->body, cohort->body_count)))
 		return RB_OK;
-	rb_candidates_place(cohort->near, world, cohort->body, cohort->body_count);
-	const enum rb_status status = rb_depths_find(world, cohort->near, NULL, NULL, &found, err);
+	rb_candidates_place(cohort->candidates, world, cohort->body, cohort->body_count);
+	const enum rb_status status = rb_depths_find(world, cohort->candidates, NULL, NULL, &found,
+	                                             err);
 
 	if (status != RB_OK)
 		return status;
@@ -298,7 +300,7 @@ enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, bool o
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the points of a step");
 	if (deep) {
 		clear_velocities(world, &view);
-		status = find_points(world, cohort->near, &view, err);
+		status = find_points(world, cohort->candidates, &view, err);
 		if (status == RB_OK)
 			status = merge(world, cohort, &view, err);
 	}

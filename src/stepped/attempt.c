@@ -186,9 +186,10 @@ static enum rb_status find_points(struct rb_world *world, struct rb_cohort *coho
 	if (cohort == &s->all) {
 		status = rb_sleep_points(world, start, h, err);
 	} else {
-		rb_candidates_reach(cohort->near, world, h, cohort->body, cohort->body_count);
-		rb_candidates_place(cohort->near, world, cohort->body, cohort->body_count);
-		status = rb_step_points_add(&cohort->points, world, cohort->near, h, HUGE_VAL, err);
+		rb_candidates_reach(cohort->candidates, world, h, cohort->body, cohort->body_count);
+		rb_candidates_place(cohort->candidates, world, cohort->body, cohort->body_count);
+		status = rb_step_points_add(&cohort->points, world, cohort->candidates, h, HUGE_VAL,
+		                            err);
 	}
 	return status;
 }

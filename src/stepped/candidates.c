@@ -33,111 +33,113 @@ static const double turn_margin_min = 1.0 / 64;
  * point at distance r by 2 r sin(t / 2); the difference of the quaternions has length 2 sin(t / 4)
  * >= sin(t / 2), hence 2 r |dq|. 1e-9 and the ulp cover rounding, so that the bound stays a bound.
  */
-static void go_on(struct rb_candidates *near, int i, rb_vec3 to, rb_quat turn)
+static void go_on(struct rb_candidates *candidates, int i, rb_vec3 to, rb_quat turn)
 {
-	const rb_vec3 from = near->at[i], way = rb_vec3_sub(to, from);
-	const rb_quat q = near->turn[i];
+	const rb_vec3 from = candidates->at[i], way = rb_vec3_sub(to, from);
+	const rb_quat q = candidates->turn[i];
 	const double w = turn.w - q.w, x = turn.x - q.x, y = turn.y - q.y, z = turn.z - q.z;
 	const double square = w * w + x * x + y * y + z * z;
 
-	RB_ASSERT_COSTLY(i >= 0 && !(near->path[i] < 0)); /* NaN: of a try that fails */
-	near->turn[i] = turn;
+	RB_ASSERT_COSTLY(i >= 0 && !(candidates->path[i] < 0)); /* NaN: of a try that fails */
+	candidates->turn[i] = turn;
 	if (square > 0)
-		near->path[i] += 2 * near->size[i] * sqrt(square) * (1 + 1e-9);
+		candidates->path[i] += 2 * candidates->size[i] * sqrt(square) * (1 + 1e-9);
 	if (way.x != 0 || way.y != 0 || way.z != 0)
-		near->path[i] += rb_vec3_length(way) * (1 + 1e-9) +
-		                 4 * DBL_EPSILON * (fabs(to.x) + fabs(to.y) + fabs(to.z));
+		candidates->path[i] += rb_vec3_length(way) * (1 + 1e-9) +
+		                       4 * DBL_EPSILON * (fabs(to.x) + fabs(to.y) + fabs(to.z));
 }
 
 /* World pose of every convex part of a body. */
-static void place(struct rb_candidates *near, const struct rb_model *model, int i, rb_vec3 origin,
-                  rb_quat orientation)
+static void place(struct rb_candidates *candidates, const struct rb_model *model, int i,
+                  rb_vec3 origin, rb_quat orientation)
 {
 	const struct rb_body_parts *parts = rb_model_parts(model, i);
-	rb_placed *placed = near->placed + near->first_part[i];
+	rb_placed *placed = candidates->placed + candidates->first_part[i];
 
 	if (i < model->body_count)
-		go_on(near, i, origin, orientation);
-	near->at[i] = origin;
+		go_on(candidates, i, origin, orientation);
+	candidates->at[i] = origin;
 	for (int k = 0; k < parts->count; k++)
 		placed[k] = rb_body_part_place(&parts->part[k], origin, orientation);
 }
 
 /* False: no memory. */
-static bool take_parts(struct rb_candidates *near, const struct rb_model *model)
+static bool take_parts(struct rb_candidates *candidates, const struct rb_model *model)
 {
 	const int count = model->body_count + model->static_count;
 	int parts = 0;
 
 	if (!model->parts)
 		return true;
-	near->first_part = rb_memory_take((size_t)count + 1, sizeof *near->first_part);
-	if (!near->first_part)
+	candidates->first_part = rb_memory_take((size_t)count + 1, sizeof *candidates->first_part);
+	if (!candidates->first_part)
 		return false;
 	for (int i = 0; i < count; i++) {
-		near->first_part[i] = parts;
+		candidates->first_part[i] = parts;
 		parts += rb_model_parts(model, i)->count;
 	}
-	near->first_part[count] = parts;
-	near->placed = rb_memory_take((size_t)parts, sizeof *near->placed);
-	near->ahead = rb_memory_take((size_t)model->body_count, sizeof *near->ahead);
-	near->turn = rb_memory_take((size_t)model->body_count, sizeof *near->turn);
-	near->path = rb_memory_take((size_t)model->body_count, sizeof *near->path);
-	near->at = rb_memory_take((size_t)count, sizeof *near->at);
-	near->size = rb_memory_take((size_t)count, sizeof *near->size);
-	if (!near->placed || !near->ahead || !near->turn || !near->path || !near->at || !near->size)
+	candidates->first_part[count] = parts;
+	candidates->placed = rb_memory_take((size_t)parts, sizeof *candidates->placed);
+	candidates->ahead = rb_memory_take((size_t)model->body_count, sizeof *candidates->ahead);
+	candidates->turn = rb_memory_take((size_t)model->body_count, sizeof *candidates->turn);
+	candidates->path = rb_memory_take((size_t)model->body_count, sizeof *candidates->path);
+	candidates->at = rb_memory_take((size_t)count, sizeof *candidates->at);
+	candidates->size = rb_memory_take((size_t)count, sizeof *candidates->size);
+	if (!candidates->placed || !candidates->ahead || !candidates->turn || !candidates->path ||
+	    !candidates->at || !candidates->size)
 		return false;
 	for (int i = 0; i < count; i++)
-		near->size[i] = model->shape[i].kind == RB_SHAPE_PLANE
-		                        ? (double)INFINITY
-		                        : rb_candidates_size(model, i);
+		candidates->size[i] = model->shape[i].kind == RB_SHAPE_PLANE
+		                              ? (double)INFINITY
+		                              : rb_candidates_size(model, i);
 	for (int i = model->body_count; i < count; i++)
-		place(near, model, i, model->position[i], model->orientation[i]);
+		place(candidates, model, i, model->position[i], model->orientation[i]);
 	return true;
 }
 
-enum rb_status rb_candidates_create(struct rb_candidates *near, const struct rb_model *model,
+enum rb_status rb_candidates_create(struct rb_candidates *candidates, const struct rb_model *model,
                                     struct rb_error *err)
 {
 	const size_t n = (size_t)model->body_count;
 
-	*near = (struct rb_candidates){.share = 1};
-	near->built_at = rb_memory_take(n, sizeof *near->built_at);
-	near->margin = rb_memory_take(n, sizeof *near->margin);
-	near->reach = rb_memory_take(n, sizeof *near->reach);
-	near->box = rb_memory_take(n, sizeof *near->box);
+	*candidates = (struct rb_candidates){.share = 1};
+	candidates->built_at = rb_memory_take(n, sizeof *candidates->built_at);
+	candidates->margin = rb_memory_take(n, sizeof *candidates->margin);
+	candidates->reach = rb_memory_take(n, sizeof *candidates->reach);
+	candidates->box = rb_memory_take(n, sizeof *candidates->box);
 	if (model->driven) {
-		near->built_turn = rb_memory_take(n, sizeof *near->built_turn);
-		near->turn_margin = rb_memory_take(n, sizeof *near->turn_margin);
+		candidates->built_turn = rb_memory_take(n, sizeof *candidates->built_turn);
+		candidates->turn_margin = rb_memory_take(n, sizeof *candidates->turn_margin);
 	}
-	if ((!model->driven || (near->built_turn && near->turn_margin)) && near->built_at &&
-	    near->margin && near->reach && near->box && take_parts(near, model))
+	if ((!model->driven || (candidates->built_turn && candidates->turn_margin)) &&
+	    candidates->built_at && candidates->margin && candidates->reach && candidates->box &&
+	    take_parts(candidates, model))
 		return RB_OK;
-	rb_candidates_release(near);
+	rb_candidates_release(candidates);
 	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the boxes of %zu bodies", n);
 }
 
-void rb_candidates_release(struct rb_candidates *near)
+void rb_candidates_release(struct rb_candidates *candidates)
 {
-	rb_memory_free(near->built_at);
-	rb_memory_free(near->margin);
-	rb_memory_free(near->reach);
-	rb_memory_free(near->box);
-	rb_memory_free(near->built_turn);
-	rb_memory_free(near->turn_margin);
-	rb_memory_free(near->own_depth);
-	rb_memory_free(near->own_clearance);
-	rb_memory_free(near->clue);
-	rb_memory_free(near->own_first_clue);
-	rb_memory_free(near->first_part);
-	rb_memory_free(near->placed);
-	rb_memory_free(near->turn);
-	rb_memory_free(near->path);
-	rb_memory_free(near->at);
-	rb_memory_free(near->size);
-	rb_memory_free(near->ahead);
-	rb_memory_free(near->own);
-	*near = (struct rb_candidates){0};
+	rb_memory_free(candidates->built_at);
+	rb_memory_free(candidates->margin);
+	rb_memory_free(candidates->reach);
+	rb_memory_free(candidates->box);
+	rb_memory_free(candidates->built_turn);
+	rb_memory_free(candidates->turn_margin);
+	rb_memory_free(candidates->own_depth);
+	rb_memory_free(candidates->own_clearance);
+	rb_memory_free(candidates->clue);
+	rb_memory_free(candidates->own_first_clue);
+	rb_memory_free(candidates->first_part);
+	rb_memory_free(candidates->placed);
+	rb_memory_free(candidates->turn);
+	rb_memory_free(candidates->path);
+	rb_memory_free(candidates->at);
+	rb_memory_free(candidates->size);
+	rb_memory_free(candidates->ahead);
+	rb_memory_free(candidates->own);
+	*candidates = (struct rb_candidates){0};
 }
 
 double rb_candidates_way(const struct rb_world *world, const struct rb_state *state, int i,
@@ -154,10 +156,11 @@ double rb_candidates_way(const struct rb_world *world, const struct rb_state *st
 }
 
 /* Distance of the origin from where the box was built, m. */
-static double from_built(const struct rb_candidates *near, const struct rb_world *world, int i)
+static double from_built(const struct rb_candidates *candidates, const struct rb_world *world,
+                         int i)
 {
 	return rb_vec3_length(
-		rb_vec3_sub(rb_world_origin_at(world, &world->state, i), near->built_at[i]));
+		rb_vec3_sub(rb_world_origin_at(world, &world->state, i), candidates->built_at[i]));
 }
 
 double rb_candidates_size(const struct rb_model *model, int i)
@@ -176,19 +179,20 @@ static bool is_plane(const struct rb_model *model, int i)
 }
 
 /* rad: what a driven plane turns by in the step at most. */
-static double turn_ahead(const struct rb_candidates *near, const struct rb_world *world, int i)
+static double turn_ahead(const struct rb_candidates *candidates, const struct rb_world *world,
+                         int i)
 {
 	if (!world->state.spin)
 		return 0;
-	return near->h_s * fmax(rb_vec3_length(rb_world_row3(world->state.spin, i)),
-	                        rb_vec3_length(rb_world_row3(world->mark.spin, i)));
+	return candidates->h_s * fmax(rb_vec3_length(rb_world_row3(world->state.spin, i)),
+	                              rb_vec3_length(rb_world_row3(world->mark.spin, i)));
 }
 
 /* rad: upper bound of the angle that a driven plane has turned by since the boxes were made. */
-static double turned(const struct rb_candidates *near, const struct rb_world *world, int i)
+static double turned(const struct rb_candidates *candidates, const struct rb_world *world, int i)
 {
 	static const double pi = 3.14159265358979323846;
-	const rb_quat q = near->built_turn[i];
+	const rb_quat q = candidates->built_turn[i];
 	const rb_quat now = rb_world_orientation_at(world, &world->state, i);
 	const double w = now.w - q.w, x = now.x - q.x, y = now.y - q.y, z = now.z - q.z;
 
@@ -197,11 +201,12 @@ static double turned(const struct rb_candidates *near, const struct rb_world *wo
 }
 
 /* True unless body i is a driven plane that `ahead` rad more would turn beyond its margin. */
-static bool is_turn_within(const struct rb_candidates *near, const struct rb_world *world, int i,
-                           double ahead)
+static bool is_turn_within(const struct rb_candidates *candidates, const struct rb_world *world,
+                           int i, double ahead)
 {
 	/* written so that NaN asks for new boxes */
-	return !is_plane(world->model, i) || turned(near, world, i) + ahead <= near->turn_margin[i];
+	return !is_plane(world->model, i) ||
+	       turned(candidates, world, i) + ahead <= candidates->turn_margin[i];
 }
 
 /*
@@ -209,18 +214,19 @@ static bool is_turn_within(const struct rb_candidates *near, const struct rb_wor
  * about its origin, by which what is at distance r from there gets nearer by at most r times the
  * angle. NaN counts as within reach.
  */
-static bool is_in_reach(const struct rb_candidates *near, int i, int plane)
+static bool is_in_reach(const struct rb_candidates *candidates, int i, int plane)
 {
-	const rb_vec3 from = rb_vec3_sub(near->built_at[i], near->built_at[plane]);
-	const double half = 0.5 * (near->box[i].high.x - near->box[i].low.x);
-	const double gap = rb_vec3_dot(from, rb_plane_normal(near->built_turn[plane])) - half;
-	const double far = rb_vec3_length(from) + half + near->margin[plane];
+	const rb_vec3 from = rb_vec3_sub(candidates->built_at[i], candidates->built_at[plane]);
+	const double half = 0.5 * (candidates->box[i].high.x - candidates->box[i].low.x);
+	const double gap = rb_vec3_dot(from, rb_plane_normal(candidates->built_turn[plane])) - half;
+	const double far = rb_vec3_length(from) + half + candidates->margin[plane];
 	const double rounding = 16 * DBL_EPSILON *
-	                        fmax(rb_vec3_max_abs(near->built_at[i]),
-	                             rb_vec3_max_abs(near->built_at[plane]));
+	                        fmax(rb_vec3_max_abs(candidates->built_at[i]),
+	                             rb_vec3_max_abs(candidates->built_at[plane]));
 
 	return !(gap >
-	         (near->margin[plane] + near->turn_margin[plane] * far) * (1 + 1e-9) + rounding);
+	         (candidates->margin[plane] + candidates->turn_margin[plane] * far) * (1 + 1e-9) +
+	                 rounding);
 }
 
 static bool may_touch(const struct rb_model *model, int a, int b)
@@ -250,7 +256,7 @@ static bool turn_round(const struct rb_model *model, struct rb_pair *pair)
  * Pairs in order of the first body (counting sort), with those of driven planes and the dynamic
  * bodies added: those that they can reach, or, where boxes are no margins, all.
  */
-static enum rb_status order_pairs(struct rb_candidates *near, const struct rb_world *world,
+static enum rb_status order_pairs(struct rb_candidates *candidates, const struct rb_world *world,
                                   bool all, struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
@@ -265,8 +271,8 @@ static enum rb_status order_pairs(struct rb_candidates *near, const struct rb_wo
 	for (int i = 0; i < n; i++)
 		if (is_plane(model, i))
 			plane[planes++] = i;
-	for (size_t k = 0; k < near->pair_count; k++) {
-		struct rb_pair pair = near->pair[k];
+	for (size_t k = 0; k < candidates->pair_count; k++) {
+		struct rb_pair pair = candidates->pair[k];
 
 		if (turn_round(model, &pair))
 			first[pair.a + 1]++;
@@ -274,81 +280,83 @@ static enum rb_status order_pairs(struct rb_candidates *near, const struct rb_wo
 	for (int i = 0; i < n; i++) {
 		for (int k = 0; k < planes && !model->driven[i]; k++)
 			first[i + 1] += may_touch(model, i, plane[k]) &&
-			                (all || is_in_reach(near, i, plane[k]));
+			                (all || is_in_reach(candidates, i, plane[k]));
 		first[i + 1] += first[i];
 	}
 	count = first[n];
-	if (!rb_memory_reserve(&near->own, &near->own_capacity, count + 1, sizeof *near->own))
+	if (!rb_memory_reserve(&candidates->own, &candidates->own_capacity, count + 1,
+	                       sizeof *candidates->own))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", count);
-	for (size_t k = 0; k < near->pair_count; k++) {
-		struct rb_pair pair = near->pair[k];
+	for (size_t k = 0; k < candidates->pair_count; k++) {
+		struct rb_pair pair = candidates->pair[k];
 
 		if (turn_round(model, &pair))
-			near->own[first[pair.a]++] = pair;
+			candidates->own[first[pair.a]++] = pair;
 	}
 	for (int i = 0; i < n; i++)
 		for (int k = 0; k < planes && !model->driven[i]; k++)
 			if (may_touch(model, i, plane[k]) &&
-			    (all || is_in_reach(near, i, plane[k])))
-				near->own[first[i]++] = (struct rb_pair){i, plane[k]};
-	near->pair = near->own;
-	near->pair_count = count;
+			    (all || is_in_reach(candidates, i, plane[k])))
+				candidates->own[first[i]++] = (struct rb_pair){i, plane[k]};
+	candidates->pair = candidates->own;
+	candidates->pair_count = count;
 	return RB_OK;
 }
 
 /* ---- all ---- */
 
-enum rb_status rb_candidates_forget(struct rb_candidates *near, struct rb_error *err)
+enum rb_status rb_candidates_forget(struct rb_candidates *candidates, struct rb_error *err)
 {
 	size_t count = 0;
 
-	near->live = NULL;
-	near->resting_depth = (double)NAN;
-	if (!rb_memory_reserve(&near->own_depth, &near->depth_capacity, near->pair_count + 1,
-	                       sizeof *near->own_depth))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
-		               near->pair_count);
-	for (size_t k = 0; k < near->pair_count; k++)
-		near->own_depth[k] = (double)NAN;
-	near->depth = near->own_depth;
-	if (!near->placed)
+	candidates->live = NULL;
+	candidates->resting_depth = (double)NAN;
+	if (!rb_memory_reserve(&candidates->own_depth, &candidates->depth_capacity,
+	                       candidates->pair_count + 1, sizeof *candidates->own_depth))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu candidate pairs",
+		               candidates->pair_count);
+	for (size_t k = 0; k < candidates->pair_count; k++)
+		candidates->own_depth[k] = (double)NAN;
+	candidates->depth = candidates->own_depth;
+	if (!candidates->placed)
 		return RB_OK;
-	if (!rb_memory_reserve(&near->own_clearance, &near->bounds_capacity, near->pair_count + 1,
-	                       sizeof *near->own_clearance))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
-		               near->pair_count);
-	for (size_t k = 0; k < near->pair_count; k++)
-		near->own_clearance[k] = -(double)INFINITY;
-	near->clearance = near->own_clearance;
-	if (!rb_memory_reserve(&near->own_first_clue, &near->first_clue_capacity,
-	                       near->pair_count + 1, sizeof *near->own_first_clue))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
-		               near->pair_count);
-	for (size_t k = 0; k < near->pair_count; k++) {
-		near->own_first_clue[k] = count;
-		count += (size_t)rb_candidates_part_count(near, near->pair[k].a) *
-		         (size_t)rb_candidates_part_count(near, near->pair[k].b);
+	if (!rb_memory_reserve(&candidates->own_clearance, &candidates->bounds_capacity,
+	                       candidates->pair_count + 1, sizeof *candidates->own_clearance))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu candidate pairs",
+		               candidates->pair_count);
+	for (size_t k = 0; k < candidates->pair_count; k++)
+		candidates->own_clearance[k] = -(double)INFINITY;
+	candidates->clearance = candidates->own_clearance;
+	if (!rb_memory_reserve(&candidates->own_first_clue, &candidates->first_clue_capacity,
+	                       candidates->pair_count + 1, sizeof *candidates->own_first_clue))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu candidate pairs",
+		               candidates->pair_count);
+	for (size_t k = 0; k < candidates->pair_count; k++) {
+		candidates->own_first_clue[k] = count;
+		count += (size_t)rb_candidates_part_count(candidates, candidates->pair[k].a) *
+		         (size_t)rb_candidates_part_count(candidates, candidates->pair[k].b);
 	}
-	if (!rb_memory_reserve(&near->clue, &near->clue_capacity, count + 1, sizeof *near->clue))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near parts", count);
-	memset(near->clue, 0, count * sizeof *near->clue);
-	near->first_clue = near->own_first_clue;
+	if (!rb_memory_reserve(&candidates->clue, &candidates->clue_capacity, count + 1,
+	                       sizeof *candidates->clue))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu candidate parts", count);
+	memset(candidates->clue, 0, count * sizeof *candidates->clue);
+	candidates->first_clue = candidates->own_first_clue;
 	return RB_OK;
 }
 
 /* Asks the broadphase and forgets all caches by pair. */
-static enum rb_status search(struct rb_candidates *near, struct rb_world *world, bool all,
+static enum rb_status search(struct rb_candidates *candidates, struct rb_world *world, bool all,
                              struct rb_error *err)
 {
-	enum rb_status status = rb_broadphase_find(world->broadphase, near->box, &near->pair,
-	                                           &near->pair_count, err);
+	enum rb_status status = rb_broadphase_find(world->broadphase, candidates->box,
+	                                           &candidates->pair, &candidates->pair_count, err);
 
 	if (status == RB_OK && world->model->driven)
-		status = order_pairs(near, world, all, err);
-	return status == RB_OK ? rb_candidates_forget(near, err) : status;
+		status = order_pairs(candidates, world, all, err);
+	return status == RB_OK ? rb_candidates_forget(candidates, err) : status;
 }
 
-enum rb_status rb_candidates_pairs(struct rb_candidates *near, struct rb_world *world,
+enum rb_status rb_candidates_pairs(struct rb_candidates *candidates, struct rb_world *world,
                                    const rb_aabb *bounds, struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
@@ -361,65 +369,69 @@ enum rb_status rb_candidates_pairs(struct rb_candidates *near, struct rb_world *
 		                    4 * DBL_EPSILON *
 		                            fmax(rb_vec3_max_abs(low), rb_vec3_max_abs(high));
 
-		near->box[i] = (rb_aabb){{low.x - half, low.y - half, low.z - half},
-		                         {high.x + half, high.y + half, high.z + half}};
+		candidates->box[i] = (rb_aabb){{low.x - half, low.y - half, low.z - half},
+		                               {high.x + half, high.y + half, high.z + half}};
 	}
-	return search(near, world, true, err);
+	return search(candidates, world, true, err);
 }
 
 /* New boxes around the present positions. */
-static enum rb_status build(struct rb_candidates *near, struct rb_world *world,
+static enum rb_status build(struct rb_candidates *candidates, struct rb_world *world,
                             struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
-	const double lasting = STEPS_PER_BOX * fmin(BOXES_MAX, 1 / near->share);
+	const double lasting = STEPS_PER_BOX * fmin(BOXES_MAX, 1 / candidates->share);
 	double mean = 0;
 
-	near->valid = false;
+	candidates->valid = false;
 	for (int i = 0; i < model->body_count; i++)
-		mean += near->reach[i] / model->body_count;
+		mean += candidates->reach[i] / model->body_count;
 	for (int i = 0; i < model->body_count; i++) {
 		const rb_vec3 c = rb_world_origin_at(world, &world->state, i);
 		const double size = rb_candidates_size(model, i);
 
-		near->built_at[i] = c;
+		candidates->built_at[i] = c;
 		/*
 		 * a body at rest speeds up by the forces of each step: its margin is at least that
 		 * of an average body
 		 */
-		const double margin = STEPS_PER_BOX * fmax(near->reach[i], mean);
-		near->margin[i] = fmax(margin, fmin(lasting * near->reach[i], size)) + size / 64;
+		const double margin = STEPS_PER_BOX * fmax(candidates->reach[i], mean);
+		candidates->margin[i] = fmax(margin, fmin(lasting * candidates->reach[i], size)) +
+		                        size / 64;
 		if (is_plane(model, i)) {
-			near->built_turn[i] = rb_world_orientation_at(world, &world->state, i);
-			near->turn_margin[i] = STEPS_PER_BOX * turn_ahead(near, world, i) +
-			                       turn_margin_min;
+			candidates->built_turn[i] = rb_world_orientation_at(world, &world->state,
+			                                                    i);
+			candidates->turn_margin[i] = STEPS_PER_BOX *
+			                                     turn_ahead(candidates, world, i) +
+			                             turn_margin_min;
 		}
-		const double half = (size + near->margin[i] + model->tolerance_m) * (1 + 1e-12);
-		near->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half},
-		                         {c.x + half, c.y + half, c.z + half}};
+		const double half = (size + candidates->margin[i] + model->tolerance_m) *
+		                    (1 + 1e-12);
+		candidates->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half},
+		                               {c.x + half, c.y + half, c.z + half}};
 	}
-	const enum rb_status status = search(near, world, false, err);
-	near->valid = status == RB_OK;
+	const enum rb_status status = search(candidates, world, false, err);
+	candidates->valid = status == RB_OK;
 	return status;
 }
 
-bool rb_candidates_keep(struct rb_candidates *near)
+bool rb_candidates_keep(struct rb_candidates *candidates)
 {
-	if (near->pair == near->own || near->pair_count == 0)
+	if (candidates->pair == candidates->own || candidates->pair_count == 0)
 		return true;
-	if (!rb_memory_reserve(&near->own, &near->own_capacity, near->pair_count,
-	                       sizeof *near->own))
+	if (!rb_memory_reserve(&candidates->own, &candidates->own_capacity, candidates->pair_count,
+	                       sizeof *candidates->own))
 		return false;
-	memcpy(near->own, near->pair, near->pair_count * sizeof *near->own);
-	near->pair = near->own;
+	memcpy(candidates->own, candidates->pair, candidates->pair_count * sizeof *candidates->own);
+	candidates->pair = candidates->own;
 	return true;
 }
 
-void rb_candidates_reach(struct rb_candidates *near, const struct rb_world *world, double h,
+void rb_candidates_reach(struct rb_candidates *candidates, const struct rb_world *world, double h,
                          const int *member, int count)
 {
 	RB_ASSERT(h > 0 && count >= 0);
-	near->h_s = h;
+	candidates->h_s = h;
 	for (int k = 0; k < count; k++) {
 		const int i = member[k];
 		const double reach = fmax(rb_candidates_way(world, &world->state, i, h),
@@ -428,30 +440,31 @@ void rb_candidates_reach(struct rb_candidates *near, const struct rb_world *worl
 		/*
 		 * a body that is not finite is lost, and must not take the boxes of others with it
 		 */
-		near->reach[i] = isfinite(reach) ? reach : 0;
+		candidates->reach[i] = isfinite(reach) ? reach : 0;
 	}
 }
 
-enum rb_status rb_candidates_find(struct rb_candidates *near, struct rb_world *world,
+enum rb_status rb_candidates_find(struct rb_candidates *candidates, struct rb_world *world,
                                   const int *body, int count, struct rb_error *err)
 {
-	for (int k = 0; k < count && near->valid; k++) {
+	for (int k = 0; k < count && candidates->valid; k++) {
 		const int i = body[k];
 
 		/* written so that NaN asks for new boxes */
-		if (!(from_built(near, world, i) + near->reach[i] <= near->margin[i]) ||
-		    !is_turn_within(near, world, i, turn_ahead(near, world, i)))
-			near->valid = false;
+		if (!(from_built(candidates, world, i) + candidates->reach[i] <=
+		      candidates->margin[i]) ||
+		    !is_turn_within(candidates, world, i, turn_ahead(candidates, world, i)))
+			candidates->valid = false;
 	}
-	return near->valid ? RB_OK : build(near, world, err);
+	return candidates->valid ? RB_OK : build(candidates, world, err);
 }
 
-bool rb_candidates_holds(const struct rb_candidates *near, const struct rb_world *world,
+bool rb_candidates_holds(const struct rb_candidates *candidates, const struct rb_world *world,
                          const int *body, int count)
 {
 	for (int k = 0; k < count; k++)
-		if (!(from_built(near, world, body[k]) <= near->margin[body[k]]) ||
-		    !is_turn_within(near, world, body[k], 0))
+		if (!(from_built(candidates, world, body[k]) <= candidates->margin[body[k]]) ||
+		    !is_turn_within(candidates, world, body[k], 0))
 			return false;
 	return true;
 }
@@ -459,7 +472,7 @@ bool rb_candidates_holds(const struct rb_candidates *near, const struct rb_world
 /* ---- parts ---- */
 
 struct places {
-	struct rb_candidates *near;
+	struct rb_candidates *candidates;
 	struct rb_world *world;
 	const int *body;
 	int count;
@@ -475,10 +488,10 @@ static double turn_reach(const struct rb_world *world, int i, double h)
 	return fmin(2, h * spin) * rb_model_reach(world->model, i);
 }
 
-void rb_candidates_turn(struct rb_candidates *near, const struct rb_world *world, int i)
+void rb_candidates_turn(struct rb_candidates *candidates, const struct rb_world *world, int i)
 {
-	if (near->ahead)
-		near->ahead[i] = near->reach[i] + turn_reach(world, i, near->h_s);
+	if (candidates->ahead)
+		candidates->ahead[i] = candidates->reach[i] + turn_reach(world, i, candidates->h_s);
 }
 
 static void place_block(void *user, int block, int worker)
@@ -491,21 +504,21 @@ static void place_block(void *user, int block, int worker)
 
 	(void)worker;
 	for (int k = first; k < end; k++) {
-		struct rb_candidates *near = places->near;
+		struct rb_candidates *candidates = places->candidates;
 		const int i = places->body[k];
 
-		place(near, world->model, i, rb_world_origin_at(world, &world->state, i),
+		place(candidates, world->model, i, rb_world_origin_at(world, &world->state, i),
 		      rb_world_orientation_at(world, &world->state, i));
-		rb_candidates_turn(near, world, i);
+		rb_candidates_turn(candidates, world, i);
 	}
 }
 
-void rb_candidates_place(struct rb_candidates *near, struct rb_world *world, const int *body,
+void rb_candidates_place(struct rb_candidates *candidates, struct rb_world *world, const int *body,
                          int count)
 {
-	struct places places = {near, world, body, count};
+	struct places places = {candidates, world, body, count};
 
-	if (near->placed)
+	if (candidates->placed)
 		rb_team_run(world->team, (count + BODIES_PER_BLOCK - 1) / BODIES_PER_BLOCK,
 		            place_block, &places);
 }

@@ -74,66 +74,69 @@ struct rb_candidates {
 	size_t own_capacity;
 };
 
-static inline size_t rb_candidates_live_count(const struct rb_candidates *near)
+static inline size_t rb_candidates_live_count(const struct rb_candidates *candidates)
 {
-	return near->live ? near->live_count : near->pair_count;
+	return candidates->live ? candidates->live_count : candidates->pair_count;
 }
 
 /* The pair that is the k-th of those to be looked at. */
-static inline size_t rb_candidates_live(const struct rb_candidates *near, size_t k)
+static inline size_t rb_candidates_live(const struct rb_candidates *candidates, size_t k)
 {
-	return near->live ? near->live[k] : k;
+	return candidates->live ? candidates->live[k] : k;
 }
 
-RB_CHECKED enum rb_status rb_candidates_create(struct rb_candidates *near,
+RB_CHECKED enum rb_status rb_candidates_create(struct rb_candidates *candidates,
                                                const struct rb_model *model, struct rb_error *err);
-void rb_candidates_release(struct rb_candidates *near);
+void rb_candidates_release(struct rb_candidates *candidates);
 
 /*
  * Reaches of these bodies: the world's velocities have the forces of the step in them, those of the
  * mark do not.
  */
-void rb_candidates_reach(struct rb_candidates *near, const struct rb_world *world, double h_s,
+void rb_candidates_reach(struct rb_candidates *candidates, const struct rb_world *world, double h_s,
                          const int *member, int count);
 
 /*
  * Candidates of the whole world, whose reaches are known, if those of before do not hold for these
  * bodies; all others have not moved since. New ones are all live.
  */
-RB_CHECKED enum rb_status rb_candidates_find(struct rb_candidates *near, struct rb_world *world,
-                                             const int *body, int count, struct rb_error *err);
+RB_CHECKED enum rb_status rb_candidates_find(struct rb_candidates *candidates,
+                                             struct rb_world *world, const int *body, int count,
+                                             struct rb_error *err);
 
 /* Whether each of these is still within its margin; NaN is not. */
-bool rb_candidates_holds(const struct rb_candidates *near, const struct rb_world *world,
+bool rb_candidates_holds(const struct rb_candidates *candidates, const struct rb_world *world,
                          const int *body, int count);
 
 /* Nothing is known of the pairs as they stand, in this order. */
-RB_CHECKED enum rb_status rb_candidates_forget(struct rb_candidates *near, struct rb_error *err);
+RB_CHECKED enum rb_status rb_candidates_forget(struct rb_candidates *candidates,
+                                               struct rb_error *err);
 
-static inline int rb_candidates_part_count(const struct rb_candidates *near, int i)
+static inline int rb_candidates_part_count(const struct rb_candidates *candidates, int i)
 {
-	return near->first_part[i + 1] - near->first_part[i];
+	return candidates->first_part[i + 1] - candidates->first_part[i];
 }
 
 /*
  * Parts of these bodies as they stand now, and what their turning may add: before touch is asked
  * about them.
  */
-void rb_candidates_place(struct rb_candidates *near, struct rb_world *world, const int *body,
+void rb_candidates_place(struct rb_candidates *candidates, struct rb_world *world, const int *body,
                          int count);
 
 /* m: how far the object's origin gets at most in a step of h_s, at the speeds of that state. */
 double rb_candidates_way(const struct rb_world *world, const struct rb_state *state, int i,
                          double h_s);
 /* What `ahead` of a body becomes, if there are parts. */
-void rb_candidates_turn(struct rb_candidates *near, const struct rb_world *world, int i);
+void rb_candidates_turn(struct rb_candidates *candidates, const struct rb_world *world, int i);
 
 /* Pairs that could touch while every body's origin stays within its room. */
-RB_CHECKED enum rb_status rb_candidates_pairs(struct rb_candidates *near, struct rb_world *world,
-                                              const rb_aabb *bounds, struct rb_error *err);
+RB_CHECKED enum rb_status rb_candidates_pairs(struct rb_candidates *candidates,
+                                              struct rb_world *world, const rb_aabb *bounds,
+                                              struct rb_error *err);
 
 /* The candidates stay although the broadphase is asked for others; false: no memory. */
-bool rb_candidates_keep(struct rb_candidates *near);
+bool rb_candidates_keep(struct rb_candidates *candidates);
 
 /* m: no point of a body that moves is farther from its origin; infinite planes: 0. */
 double rb_candidates_size(const struct rb_model *model, int i);

@@ -39,28 +39,29 @@ struct rb_part_pair {
 };
 
 /* m: how far both have got. */
-static inline double rb_clearance_path(const struct rb_candidates *near, struct rb_pair pair, int n)
+static inline double rb_clearance_path(const struct rb_candidates *candidates, struct rb_pair pair,
+                                       int n)
 {
-	return near->path[pair.a] + (pair.b < n ? near->path[pair.b] : 0);
+	return candidates->path[pair.a] + (pair.b < n ? candidates->path[pair.b] : 0);
 }
 
 /*
  * Whether the bodies of a pair are certainly farther apart than `most`, m: they were, by more than
  * they have moved since; or by spheres about them.
  */
-static inline bool rb_clearance_is_more(const struct rb_candidates *near, size_t k, double path,
-                                        double max)
+static inline bool rb_clearance_is_more(const struct rb_candidates *candidates, size_t k,
+                                        double path, double max)
 {
-	if (near->clearance[k] - path > max + 4 * DBL_EPSILON * path)
+	if (candidates->clearance[k] - path > max + 4 * DBL_EPSILON * path)
 		return true;
-	const struct rb_pair pair = near->pair[k];
-	const rb_vec3 d = rb_vec3_sub(near->at[pair.b], near->at[pair.a]);
-	const double sizes = (near->size[pair.a] + near->size[pair.b]) * (1 + 1e-12);
+	const struct rb_pair pair = candidates->pair[k];
+	const rb_vec3 d = rb_vec3_sub(candidates->at[pair.b], candidates->at[pair.a]);
+	const double sizes = (candidates->size[pair.a] + candidates->size[pair.b]) * (1 + 1e-12);
 	const double square = rb_vec3_dot(d, d), whole = (sizes + max) * (1 + 1e-12);
 
 	if (!(whole > 0 && square > whole * whole))
 		return false;
-	near->clearance[k] = path + sqrt(square) * (1 - 1e-12) - sizes;
+	candidates->clearance[k] = path + sqrt(square) * (1 - 1e-12) - sizes;
 	return true;
 }
 

@@ -42,7 +42,7 @@ void rb_step_points_release(struct rb_step_points *points)
 struct inspection {
 	struct rb_world *world;
 	const struct rb_step_points *points;
-	const struct rb_candidates *near;
+	const struct rb_candidates *candidates;
 	double h, max; /* most: m, of what can be closed */
 	size_t pair;   /* the one that is looked at */
 	/* of the block */
@@ -337,18 +337,19 @@ static const double fine_share = 0.125;
 static double inspect_parts(struct inspection *inspection, struct rb_pair pair, double slack,
                             struct rb_clue *clues)
 {
-	const struct rb_candidates *near = inspection->near;
+	const struct rb_candidates *candidates = inspection->candidates;
 	const double fine = fine_share * inspection->world->model->tolerance_m;
 	const double band = band_of(inspection, pair, slack);
-	const int a = near->first_part[pair.a], b = near->first_part[pair.b];
-	const int count_a = rb_candidates_part_count(near, pair.a);
-	const int count_b = rb_candidates_part_count(near, pair.b);
+	const int a = candidates->first_part[pair.a], b = candidates->first_part[pair.b];
+	const int count_a = rb_candidates_part_count(candidates, pair.a);
+	const int count_b = rb_candidates_part_count(candidates, pair.b);
 	rb_manifold manifold;
 	double least_clearance = (double)INFINITY;
 
 	for (int i = 0; i < count_a; i++) {
 		for (int j = 0; j < count_b; j++) {
-			const rb_placed *pa = &near->placed[a + i], *pb = &near->placed[b + j];
+			const rb_placed *pa = &candidates->placed[a + i],
+					*pb = &candidates->placed[b + j];
 			struct rb_clue *clue = &clues[i * count_b + j];
 
 			const struct rb_part_pair parts = rb_part_pair_of(pa, pb);
@@ -395,14 +396,14 @@ static double plane_turn(const struct inspection *inspection, struct rb_pair pai
 	const rb_vec3 between = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.a),
 	                                    rb_world_origin_at(world, &world->state, pair.b));
 
-	return fmin(2, inspection->near->h_s * tilt) * rb_vec3_length(between);
+	return fmin(2, inspection->candidates->h_s * tilt) * rb_vec3_length(between);
 }
 
 /* m: what two bodies can close in the step, by how far either gets. */
 static inline double slack_of(const struct inspection *inspection, struct rb_pair pair)
 {
 	const struct rb_model *model = inspection->world->model;
-	const double *reach = inspection->near->reach;
+	const double *reach = inspection->candidates->reach;
 	const double slack = reach[pair.a] + (pair.b < model->body_count ? reach[pair.b] : 0) +
 	                     model->tolerance_m;
 
@@ -415,15 +416,15 @@ static inline double slack_of(const struct inspection *inspection, struct rb_pai
  */
 static double closing_of(const struct inspection *inspection, struct rb_pair pair)
 {
-	const struct rb_candidates *near = inspection->near;
+	const struct rb_candidates *candidates = inspection->candidates;
 	const struct rb_model *model = inspection->world->model;
 	const rb_vec3 d = rb_vec3_sub(way_of(inspection, pair.b), way_of(inspection, pair.a));
-	const double a = near->reach[pair.a];
-	double b = 0, turning = near->ahead[pair.a] - a;
+	const double a = candidates->reach[pair.a];
+	double b = 0, turning = candidates->ahead[pair.a] - a;
 
 	if (pair.b < model->body_count) {
-		b = near->reach[pair.b];
-		turning += near->ahead[pair.b] - b;
+		b = candidates->reach[pair.b];
+		turning += candidates->ahead[pair.b] - b;
 	}
 	const double way = fmin(fmax(fmax(a, b), rb_vec3_length(d)), a + b);
 	const double closing = way + turning + model->tolerance_m;
@@ -433,17 +434,17 @@ static double closing_of(const struct inspection *inspection, struct rb_pair pai
 /* Whether that could be enough, seen at a glance. */
 static bool may_close(const struct inspection *inspection, struct rb_pair pair, double path)
 {
-	const struct rb_candidates *near = inspection->near;
+	const struct rb_candidates *candidates = inspection->candidates;
 	const struct rb_model *model = inspection->world->model;
-	double closing = near->ahead[pair.a] + model->tolerance_m;
+	double closing = candidates->ahead[pair.a] + model->tolerance_m;
 
 	if (pair.b < model->body_count) {
-		closing += near->ahead[pair.b];
+		closing += candidates->ahead[pair.b];
 		/* a plate may turn */
 		if (model->driven && model->driven[pair.b])
 			return true;
 	}
-	return !rb_clearance_is_more(near, inspection->pair, path,
+	return !rb_clearance_is_more(candidates, inspection->pair, path,
 	                             closing < inspection->max ? closing : inspection->max);
 }
 
@@ -459,9 +460,9 @@ static void inspect_block(void *user, int block, int worker)
 {
 	const struct inspections *inspections = user;
 	struct inspection inspection = inspections->inspection;
-	const struct rb_candidates *near = inspection.near;
+	const struct rb_candidates *candidates = inspection.candidates;
 	const size_t first = (size_t)block * RB_PAIRS_PER_BLOCK,
-		     end = rb_pairs_end(rb_candidates_live_count(near), first);
+		     end = rb_pairs_end(rb_candidates_live_count(candidates), first);
 
 	const double max = inspection.max;
 	const int n = inspection.world->model->body_count;
@@ -473,31 +474,34 @@ static void inspect_block(void *user, int block, int worker)
 		inspection.in_place = true;
 	}
 	for (size_t at = first; at < end && !inspection.failed; at++) {
-		const size_t k = rb_candidates_live(near, at);
-		const struct rb_pair pair = near->pair[k];
+		const size_t k = rb_candidates_live(candidates, at);
+		const struct rb_pair pair = candidates->pair[k];
 
 		inspection.pair = k;
 		if (rb_pair_is_plain(inspection.world->model, pair.a, pair.b)) {
 			inspect_plain(&inspection, pair, fmin(slack_of(&inspection, pair), max));
 			continue;
 		}
-		const double path = rb_clearance_path(near, pair, n);
+		const double path = rb_clearance_path(candidates, pair, n);
 		if (may_close(&inspection, pair, path))
-			near->clearance[k] = path +
-			                     inspect_parts(&inspection, pair,
-			                                   fmin(closing_of(&inspection, pair), max),
-			                                   &near->clue[near->first_clue[k]]);
+			candidates->clearance[k] =
+				path + inspect_parts(&inspection, pair,
+			                             fmin(closing_of(&inspection, pair), max),
+			                             &candidates->clue[candidates->first_clue[k]]);
 	}
 	inspections->block[block] = inspection;
 }
 
 enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world *world,
-                                  struct rb_candidates *near, double h, double max,
+                                  struct rb_candidates *candidates, double h, double max,
                                   struct rb_error *err)
 {
-	const int blocks = rb_pairs_blocks(rb_candidates_live_count(near));
-	struct inspections inspections = {
-		.inspection = {.world = world, .points = points, .near = near, .h = h, .max = max}};
+	const int blocks = rb_pairs_blocks(rb_candidates_live_count(candidates));
+	struct inspections inspections = {.inspection = {.world = world,
+	                                                 .points = points,
+	                                                 .candidates = candidates,
+	                                                 .h = h,
+	                                                 .max = max}};
 	bool good = true;
 
 	inspections.block = rb_arena_take(&world->arena[0], (size_t)blocks + 1,

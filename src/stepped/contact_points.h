@@ -79,8 +79,8 @@ void rb_step_points_release(struct rb_step_points *points);
  * are for a step of h_s. What is farther apart than `most`, m, is left out.
  */
 RB_CHECKED enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world *world,
-                                             struct rb_candidates *near, double h_s, double max,
-                                             struct rb_error *err);
+                                             struct rb_candidates *candidates, double h_s,
+                                             double max, struct rb_error *err);
 
 /* In order of pairs, after several have been added; the points of one were added at once. */
 RB_CHECKED enum rb_status rb_step_points_sort(struct rb_step_points *points, struct rb_arena *arena,

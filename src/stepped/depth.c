@@ -21,7 +21,7 @@
 /* What the workers share, read only, and what a block has come to. */
 struct depths {
 	struct rb_world *world;
-	struct rb_candidates *near; /* `depth` of the pairs of a block is the block's */
+	struct rb_candidates *candidates; /* `depth` of the pairs of a block is the block's */
 	const unsigned char *skip, *moved;
 	bool all; /* not only live pairs */
 	double limit;
@@ -39,13 +39,14 @@ static const double rounding = 1 + 16 * DBL_EPSILON;
  * -least. Updates the clues and the clearance of the pair, which spares the test while both bodies
  * move less than that.
  */
-static double depth_of_parts(const struct rb_candidates *near, size_t k, double path, double least)
+static double depth_of_parts(const struct rb_candidates *candidates, size_t k, double path,
+                             double least)
 {
-	const struct rb_pair pair = near->pair[k];
-	struct rb_clue *clues = &near->clue[near->first_clue[k]];
-	const int a = near->first_part[pair.a], b = near->first_part[pair.b];
-	const int count_a = rb_candidates_part_count(near, pair.a);
-	const int count_b = rb_candidates_part_count(near, pair.b);
+	const struct rb_pair pair = candidates->pair[k];
+	struct rb_clue *clues = &candidates->clue[candidates->first_clue[k]];
+	const int a = candidates->first_part[pair.a], b = candidates->first_part[pair.b];
+	const int count_a = rb_candidates_part_count(candidates, pair.a);
+	const int count_b = rb_candidates_part_count(candidates, pair.b);
 	double depth = 0;
 	double least_clearance = (double)INFINITY;
 	bool bounded = false;
@@ -53,7 +54,8 @@ static double depth_of_parts(const struct rb_candidates *near, size_t k, double 
 	RB_ASSERT_COSTLY(path >= 0 && pair.a != pair.b);
 	for (int i = 0; i < count_a; i++) {
 		for (int j = 0; j < count_b; j++) {
-			const rb_placed *pa = &near->placed[a + i], *pb = &near->placed[b + j];
+			const rb_placed *pa = &candidates->placed[a + i],
+					*pb = &candidates->placed[b + j];
 			struct rb_clue *clue = &clues[i * count_b + j];
 
 			double clearance = rb_clearance_of_spheres(pa, pb, 0);
@@ -72,23 +74,23 @@ static double depth_of_parts(const struct rb_candidates *near, size_t k, double 
 			depth = fmax(depth, parts.radii - s.gap);
 		}
 	}
-	near->clearance[k] = path + least_clearance;
+	candidates->clearance[k] = path + least_clearance;
 	return bounded && depth < least ? -least : depth;
 }
 
 /* Depth of any pair in m; a negative value is a bound, as above. */
-static double depth_of(const struct rb_world *world, const struct rb_candidates *near, size_t k,
-                       double least)
+static double depth_of(const struct rb_world *world, const struct rb_candidates *candidates,
+                       size_t k, double least)
 {
 	const struct rb_model *model = world->model;
-	const struct rb_pair pair = near->pair[k];
+	const struct rb_pair pair = candidates->pair[k];
 
 	if (!rb_pair_is_plain(model, pair.a, pair.b)) {
-		const double path = rb_clearance_path(near, pair, model->body_count);
+		const double path = rb_clearance_path(candidates, pair, model->body_count);
 
-		return rb_clearance_is_more(near, k, path, 0)
+		return rb_clearance_is_more(candidates, k, path, 0)
 		               ? 0
-		               : depth_of_parts(near, k, path, least);
+		               : depth_of_parts(candidates, k, path, least);
 	}
 	if (model->shape[pair.b].kind == RB_SHAPE_SPHERE) {
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
@@ -125,14 +127,14 @@ static void add_deep(struct rb_depths *depths, struct rb_arena *arena, struct rb
 }
 
 /* Index of the first live pair that is not before `pair` (binary search). */
-static size_t first_live(const struct rb_candidates *near, size_t pair)
+static size_t first_live(const struct rb_candidates *candidates, size_t pair)
 {
-	size_t low = 0, high = near->live ? near->live_count : 0;
+	size_t low = 0, high = candidates->live ? candidates->live_count : 0;
 
 	while (low < high) {
 		const size_t middle = low + (high - low) / 2;
 
-		if (near->live[middle] < pair)
+		if (candidates->live[middle] < pair)
 			low = middle + 1;
 		else
 			high = middle;
@@ -150,22 +152,22 @@ static bool is_marked(const struct rb_world *world, const unsigned char *mark, s
 static void depth_block(void *user, int block, int worker)
 {
 	const struct depths *work = user;
-	struct rb_candidates *near = work->near;
+	struct rb_candidates *candidates = work->candidates;
 	const size_t first = (size_t)block * RB_PAIRS_PER_BLOCK;
 	const size_t end = rb_pairs_end(
-		work->all ? near->pair_count : rb_candidates_live_count(near), first);
-	size_t live = work->all ? first_live(near, first) : 0;
+		work->all ? candidates->pair_count : rb_candidates_live_count(candidates), first);
+	size_t live = work->all ? first_live(candidates, first) : 0;
 	struct rb_depths depths = {0};
 
 	for (size_t at = first; at < end; at++) {
-		const size_t k = work->all || !near->live ? at : near->live[at];
-		const struct rb_pair pair = near->pair[k];
-		const bool is_live = !work->all || !near->live ||
-		                     (live < near->live_count && near->live[live] == k);
+		const size_t k = work->all || !candidates->live ? at : candidates->live[at];
+		const struct rb_pair pair = candidates->pair[k];
+		const bool is_live = !work->all || !candidates->live ||
+		                     (live < candidates->live_count && candidates->live[live] == k);
 
 		live += is_live;
 		if (is_marked(work->world, work->skip, pair)) {
-			near->depth[k] = (double)NAN;
+			candidates->depth[k] = (double)NAN;
 			continue;
 		}
 		/* only maxima are reported: below them a bound suffices */
@@ -173,9 +175,9 @@ static void depth_block(void *user, int block, int worker)
 		const bool due = work->moved ? is_marked(work->world, work->moved, pair) : is_live;
 
 		/* written so that NaN is measured */
-		if (due || !(near->depth[k] >= -least))
-			near->depth[k] = depth_of(work->world, near, k, least);
-		const double depth = near->depth[k];
+		if (due || !(candidates->depth[k] >= -least))
+			candidates->depth[k] = depth_of(work->world, candidates, k, least);
+		const double depth = candidates->depth[k];
 
 		if (depth > work->limit)
 			add_deep(&depths, &work->world->arena[worker],
@@ -188,18 +190,18 @@ static void depth_block(void *user, int block, int worker)
 	work->block[block] = depths;
 }
 
-enum rb_status rb_depths_find(struct rb_world *world, struct rb_candidates *near,
+enum rb_status rb_depths_find(struct rb_world *world, struct rb_candidates *candidates,
                               const unsigned char *skip, const unsigned char *moved,
                               struct rb_depths *found, struct rb_error *err)
 {
 	struct depths work = {.world = world,
-	                      .near = near,
+	                      .candidates = candidates,
 	                      .skip = skip,
 	                      .moved = moved,
-	                      .all = moved || isnan(near->resting_depth),
+	                      .all = moved || isnan(candidates->resting_depth),
 	                      .limit = world->model->tolerance_m};
-	const int blocks = rb_pairs_blocks(work.all ? near->pair_count
-	                                            : rb_candidates_live_count(near));
+	const int blocks = rb_pairs_blocks(work.all ? candidates->pair_count
+	                                            : rb_candidates_live_count(candidates));
 
 	*found = (struct rb_depths){0};
 	work.block = rb_arena_take(&world->arena[0], (size_t)blocks + 1, sizeof *work.block);
@@ -214,8 +216,8 @@ enum rb_status rb_depths_find(struct rb_world *world, struct rb_candidates *near
 			add_deep(found, &world->arena[0], work.block[b].deep[k]);
 	}
 	if (work.all)
-		near->resting_depth = found->resting;
-	found->max = fmax(found->max, near->resting_depth);
+		candidates->resting_depth = found->resting;
+	found->max = fmax(found->max, candidates->resting_depth);
 	return found->failed ? RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step")
 	                     : RB_OK;
 }

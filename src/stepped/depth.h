@@ -27,7 +27,7 @@ struct rb_depths {
  * left out. Measured are the live ones; with `moved`, those of bodies with a mark there: all others
  * are as they were measured before.
  */
-RB_CHECKED enum rb_status rb_depths_find(struct rb_world *world, struct rb_candidates *near,
+RB_CHECKED enum rb_status rb_depths_find(struct rb_world *world, struct rb_candidates *candidates,
                                          const unsigned char *skip, const unsigned char *moved,
                                          struct rb_depths *found, struct rb_error *err);
 

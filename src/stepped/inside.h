@@ -44,7 +44,7 @@ struct rb_blow {
 struct rb_cohort {
 	const int *body; /* borrowed: those that yield, ascending, then all driven ones */
 	int member_count, body_count;
-	struct rb_candidates *near; /* borrowed: candidates of theirs, reaches */
+	struct rb_candidates *candidates; /* borrowed: candidates of theirs, reaches */
 	bool divides; /* what fails may be told apart: else one that fails takes all */
 	struct rb_step_points points; /* of the try; `last` of the step before */
 	rb_vec3 *rebound;             /* owned, by point: N s on b */
@@ -105,7 +105,7 @@ struct rb_sleep {
 };
 
 struct rb_stepped {
-	struct rb_candidates near;
+	struct rb_candidates candidates;
 	struct rb_cohort all, part;
 	struct rb_step_points closing; /* of the last projection; its `last` stays empty */
 	struct rb_solver solver;

@@ -51,8 +51,8 @@ static struct rb_pose pose_of(const struct rb_world *world, int i)
 	return i < 0 ? rb_linkage_world() : rb_world_pose(world, &world->state, i);
 }
 
-/* The free coordinate as bodies stand; turns are those nearest to `near`. */
-static double way_of(const struct rb_world *world, const struct rb_joint *joint, double near)
+/* The free coordinate as bodies stand; turns are those nearest to `guess`. */
+static double way_of(const struct rb_world *world, const struct rb_joint *joint, double guess)
 {
 	const struct rb_pose a = pose_of(world, joint->a), b = pose_of(world, joint->b);
 
@@ -60,7 +60,7 @@ static double way_of(const struct rb_world *world, const struct rb_joint *joint,
 		return 0;
 	const double value = rb_linkage_free(&joint->link, &a, &b).value;
 
-	return joint->link.kind == RB_JOINT_HINGE ? rb_linkage_angle_near(value, near) : value;
+	return joint->link.kind == RB_JOINT_HINGE ? rb_linkage_angle_near(value, guess) : value;
 }
 
 void rb_joints_start(struct rb_world *world)

@@ -69,7 +69,8 @@ static void blame_thrown(struct rb_world *world, const struct rb_cohort *cohort)
 		const int i = cohort->body[k];
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, i),
 		                              rb_world_origin_at(world, &world->mark, i));
-		const double max = cohort->near->reach[i] + 0.5 * rb_model_reach(world->model, i);
+		const double max = cohort->candidates->reach[i] +
+		                   0.5 * rb_model_reach(world->model, i);
 
 		if (!(rb_vec3_dot(d, d) <= max * max))
 			rb_stepped_blame(world->stepped, i);
@@ -109,10 +110,11 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 	if (s->bad_count > 0)
 		restore_bad(world, cohort);
 	/* depths measured by rb_again imply that the candidates held for these poses */
-	if (cohort->near == &s->near && !(cohort->is_measured && s->bad_count == 0) &&
-	    !rb_candidates_holds(&s->near, world, cohort->body, cohort->body_count)) {
-		s->near.valid = false;
-		status = rb_candidates_find(&s->near, world, cohort->body, cohort->body_count, err);
+	if (cohort->candidates == &s->candidates && !(cohort->is_measured && s->bad_count == 0) &&
+	    !rb_candidates_holds(&s->candidates, world, cohort->body, cohort->body_count)) {
+		s->candidates.valid = false;
+		status = rb_candidates_find(&s->candidates, world, cohort->body, cohort->body_count,
+		                            err);
 	}
 	if (status == RB_OK && cohort == &s->all)
 		status = rb_sleep_list(world, err);

@@ -185,7 +185,7 @@ static void cohort_of(struct rb_world *world, const struct rb_swept_group *group
 	s->part.body = local->body;
 	s->part.member_count = group->count;
 	s->part.body_count = group->count + s->driven_count;
-	s->part.near = &local->swept.near;
+	s->part.candidates = &local->swept.candidates;
 }
 
 /* Keeps a good substep: counts, events, ledger, contacts, warm-start impulses. */
@@ -586,9 +586,9 @@ static enum rb_status count_steps(struct rb_world *world, double dt,
 	counts->residual_m = fmax(counts->residual_m, outcome->residual);
 	counts->slip_m = fmax(counts->slip_m, outcome->slip);
 	rb_swept_bounds_show(&local->swept, 0, local->swept.pair_count);
-	rb_candidates_place(&local->swept.near, world, s->body, world->model->body_count);
+	rb_candidates_place(&local->swept.candidates, world, s->body, world->model->body_count);
 	if (world->broadphase)
-		status = rb_depths_find(world, &local->swept.near, local->swept.failed, NULL,
+		status = rb_depths_find(world, &local->swept.candidates, local->swept.failed, NULL,
 		                        &found, err);
 	counts->max_penetration_m = fmax(counts->max_penetration_m, found.max);
 	return status;
@@ -631,8 +631,9 @@ enum rb_status rb_local_rollback_step(struct rb_world *world, double start, doub
 	}
 	local->kept.count = local->shown.count = local->impulse_count = local->event_count =
 		local->book_count = 0;
-	if (!rb_candidates_keep(&s->near))
-		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", s->near.pair_count);
+	if (!rb_candidates_keep(&s->candidates))
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs",
+		                 s->candidates.pair_count);
 	if (status == RB_OK)
 		status = run_groups(world, start, dt, err);
 	if (status == RB_OK)

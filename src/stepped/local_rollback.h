@@ -17,8 +17,8 @@
 
 /*
  * From a try over the whole of dt_s that was good for some (rb_stepped's `bad`; reaches of
- * `all.near` are the try's) to the end of the step, with contacts, impulses and counts; impacts are
- * told, not handed on. After RB_ERR_PHYSICS the state is that of the beginning.
+ * `all.candidates` are the try's) to the end of the step, with contacts, impulses and counts;
+ * impacts are told, not handed on. After RB_ERR_PHYSICS the state is that of the beginning.
  */
 RB_CHECKED enum rb_status rb_local_rollback_step(struct rb_world *world, double start_s,
                                                  double dt_s,

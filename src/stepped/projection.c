@@ -76,7 +76,7 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 {
 	struct rb_arena *arena = &search->world->arena[0];
 	const size_t n = (size_t)search->world->model->body_count;
-	const size_t pairs = search->cohort->near->pair_count, count = (size_t)search->count;
+	const size_t pairs = search->cohort->candidates->pair_count, count = (size_t)search->count;
 
 	RB_ASSERT(pairs < UINT32_MAX / 2);
 	search->place = rb_arena_take(arena, n, sizeof *search->place);
@@ -104,24 +104,24 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 
 static void index_pairs(struct search *search)
 {
-	const struct rb_candidates *near = search->cohort->near;
+	const struct rb_candidates *candidates = search->cohort->candidates;
 	const struct rb_world *world = search->world;
 	uint32_t *const first = search->first;
 
 	memset(first, 0, ((size_t)search->count + 2) * sizeof *first);
 	for (int k = 0; k < search->count; k++)
 		search->place[search->body[k]] = k;
-	for (size_t k = 0; k < near->pair_count; k++) {
-		first[search->place[near->pair[k].a] + 2]++;
-		if (rb_stepped_is_dynamic(world, near->pair[k].b))
-			first[search->place[near->pair[k].b] + 2]++;
+	for (size_t k = 0; k < candidates->pair_count; k++) {
+		first[search->place[candidates->pair[k].a] + 2]++;
+		if (rb_stepped_is_dynamic(world, candidates->pair[k].b))
+			first[search->place[candidates->pair[k].b] + 2]++;
 	}
 	for (int k = 0; k < search->count; k++)
 		first[k + 2] += first[k + 1];
-	for (size_t k = 0; k < near->pair_count; k++) {
-		search->of[first[search->place[near->pair[k].a] + 1]++] = (uint32_t)k;
-		if (rb_stepped_is_dynamic(world, near->pair[k].b))
-			search->of[first[search->place[near->pair[k].b] + 1]++] = (uint32_t)k;
+	for (size_t k = 0; k < candidates->pair_count; k++) {
+		search->of[first[search->place[candidates->pair[k].a] + 1]++] = (uint32_t)k;
+		if (rb_stepped_is_dynamic(world, candidates->pair[k].b))
+			search->of[first[search->place[candidates->pair[k].b] + 1]++] = (uint32_t)k;
 	}
 }
 
@@ -149,7 +149,7 @@ static void take_velocity(struct search *search, int i)
 	clear_velocity(world, i);
 	/* whoever has been found before is seen as without its turn since then */
 	if (search->again)
-		rb_candidates_turn(search->cohort->near, world, i);
+		rb_candidates_turn(search->cohort->candidates, world, i);
 }
 
 static void give_velocities(const struct search *search)
@@ -208,7 +208,7 @@ static void begin_round(struct search *search, const struct rb_depths *found)
 		search->parent[i] = i;
 		search->lost[i] = bad[i];
 	}
-	memset(search->looked, 0, search->cohort->near->pair_count);
+	memset(search->looked, 0, search->cohort->candidates->pair_count);
 	search->wave_count = 0;
 	for (size_t k = 0; k < found->deep_count; k++) {
 		const int a = found->deep[k].a, b = found->deep[k].b;
@@ -249,7 +249,7 @@ static void inspect_joined(struct search *search, int i)
  */
 static size_t next_pairs(struct search *search)
 {
-	const struct rb_candidates *near = search->cohort->near;
+	const struct rb_candidates *candidates = search->cohort->candidates;
 	size_t count = 0;
 
 	/* the wave grows on the way */
@@ -267,8 +267,8 @@ static size_t next_pairs(struct search *search)
 				continue;
 			search->looked[pair] = 1;
 			search->pair[count++] = pair;
-			take_velocity(search, near->pair[pair].a);
-			take_velocity(search, near->pair[pair].b);
+			take_velocity(search, candidates->pair[pair].a);
+			take_velocity(search, candidates->pair[pair].b);
 		}
 	}
 	search->wave_count = 0;
@@ -283,24 +283,24 @@ static enum rb_status find_points(struct search *search, const struct rb_depths 
                                   struct rb_error *err)
 {
 	struct rb_world *world = search->world;
-	struct rb_candidates *near = search->cohort->near;
+	struct rb_candidates *candidates = search->cohort->candidates;
 	struct rb_step_points *points = &world->stepped->closing;
-	const size_t *const live = near->live;
-	const size_t live_count = near->live_count;
+	const size_t *const live = candidates->live;
+	const size_t live_count = candidates->live_count;
 	enum rb_status status = RB_OK;
 
 	points->count = 0;
 	begin_round(search, found);
-	near->live = search->pair;
-	while (status == RB_OK && (near->live_count = next_pairs(search)) > 0) {
+	candidates->live = search->pair;
+	while (status == RB_OK && (candidates->live_count = next_pairs(search)) > 0) {
 		size_t at = points->count;
 
-		status = rb_step_points_add(points, world, near, 1, max, err);
+		status = rb_step_points_add(points, world, candidates, 1, max, err);
 		for (; at < points->count; at++)
 			join(search, &points->row[at]);
 	}
-	near->live = live;
-	near->live_count = live_count;
+	candidates->live = live;
+	candidates->live_count = live_count;
 	search->active_count = 0;
 	for (int k = 0; k < search->count; k++)
 		if (search->seen[search->body[k]])
@@ -442,8 +442,9 @@ static enum rb_status find_depths_again(struct search *search, struct rb_depths 
 	struct rb_world *world = search->world;
 	const struct rb_stepped *s = world->stepped;
 
-	rb_candidates_place(search->cohort->near, world, search->at_rest, search->resting_count);
-	const enum rb_status status = rb_depths_find(world, search->cohort->near,
+	rb_candidates_place(search->cohort->candidates, world, search->at_rest,
+	                    search->resting_count);
+	const enum rb_status status = rb_depths_find(world, search->cohort->candidates,
 	                                             s->bad_count > 0 ? s->bad : NULL,
 	                                             search->moved, found, err);
 	for (int k = 0; k < search->active_count; k++)
@@ -466,7 +467,7 @@ static void blame_unclosable(struct rb_world *world, const struct rb_cohort *coh
 		const struct rb_deep *deep = &found->deep[k];
 
 		if (!(deep->depth <=
-		      lost_ratio * rb_projection_max(world, deep, cohort->near->h_s)))
+		      lost_ratio * rb_projection_max(world, deep, cohort->candidates->h_s)))
 			blame(world, deep);
 	}
 }
@@ -481,9 +482,9 @@ static enum rb_status find_depths(struct rb_world *world, struct rb_cohort *coho
 {
 	const struct rb_stepped *s = world->stepped;
 
-	rb_candidates_place(cohort->near, world, cohort->body, cohort->body_count);
-	return rb_depths_find(world, cohort->near, s->bad_count > 0 ? s->bad : NULL, NULL, found,
-	                      err);
+	rb_candidates_place(cohort->candidates, world, cohort->body, cohort->body_count);
+	return rb_depths_find(world, cohort->candidates, s->bad_count > 0 ? s->bad : NULL, NULL,
+	                      found, err);
 }
 
 enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *cohort,
@@ -511,7 +512,7 @@ enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *coh
 	if (status != RB_OK)
 		return status;
 	index_pairs(&search);
-	status = rb_lift_begin(&search.lift, world, &cohort->points, cohort->near->h_s, err);
+	status = rb_lift_begin(&search.lift, world, &cohort->points, cohort->candidates->h_s, err);
 	for (int round = 0; round < CLOSINGS_MAX && status == RB_OK && last.deep_count > 0;
 	     round++) {
 		status = close_once(&search, &last, err);
@@ -526,7 +527,7 @@ enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *coh
 	give_velocities(&search);
 	if (status == RB_OK)
 		rb_lift_pay(&search.lift, world,
-		            paying_parts * cohort->near->h_s <= s->solver.whole_s);
+		            paying_parts * cohort->candidates->h_s <= s->solver.whole_s);
 	for (size_t k = 0; k < last.deep_count; k++)
 		blame(world, &last.deep[k]);
 	if (last.deep_count > 0 || s->bad_count == 0)

@@ -169,11 +169,11 @@ static void check_block(void *user, int block, int worker)
 		s->sleep.mark[i] = s->sleep.sleeps[i] && !remains_asleep(world, i, pass->h_s);
 		if (!s->sleep.sleeps[i])
 			continue;
-		s->near.reach[i] = rb_candidates_way(world, &world->state, i, pass->h_s);
-		if (s->near.ahead && is_none(world->state.spin, i))
-			s->near.ahead[i] = s->near.reach[i];
-		else if (s->near.ahead)
-			rb_candidates_turn(&s->near, world, i);
+		s->candidates.reach[i] = rb_candidates_way(world, &world->state, i, pass->h_s);
+		if (s->candidates.ahead && is_none(world->state.spin, i))
+			s->candidates.ahead[i] = s->candidates.reach[i];
+		else if (s->candidates.ahead)
+			rb_candidates_turn(&s->candidates, world, i);
 	}
 }
 
@@ -200,7 +200,7 @@ static void check(struct rb_world *world, double start, double h)
 		rb_sleep_forget(s);
 	if (sleep->count == 0)
 		return;
-	s->near.h_s = h;
+	s->candidates.h_s = h;
 	rb_team_run(world->team, (n + RB_BODIES_PER_BLOCK - 1) / RB_BODIES_PER_BLOCK, check_block,
 	            &pass);
 	if (!memchr(sleep->mark, 1, (size_t)n))
@@ -255,28 +255,29 @@ static enum rb_status list_pairs(struct rb_world *world, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_sleep *sleep = &s->sleep;
-	struct rb_candidates *near = &s->near;
+	struct rb_candidates *candidates = &s->candidates;
 	const int n = world->model->body_count;
 	size_t count = 0;
 
-	near->live = NULL;
+	candidates->live = NULL;
 	if (sleep->changed)
 		sleep->resting_depth = (double)NAN;
-	near->resting_depth = sleep->resting_depth;
+	candidates->resting_depth = sleep->resting_depth;
 	sleep->changed = false;
 	if (sleep->count == 0)
 		return RB_OK;
-	if (!rb_memory_reserve(&sleep->live, &sleep->live_capacity, near->pair_count + 1,
+	if (!rb_memory_reserve(&sleep->live, &sleep->live_capacity, candidates->pair_count + 1,
 	                       sizeof *sleep->live))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", near->pair_count);
-	for (size_t k = 0; k < near->pair_count; k++) {
-		const struct rb_pair pair = near->pair[k];
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs",
+		               candidates->pair_count);
+	for (size_t k = 0; k < candidates->pair_count; k++) {
+		const struct rb_pair pair = candidates->pair[k];
 
 		sleep->live[count] = k;
 		count += !(sleep->sleeps[pair.a] && sleeps_or_is_static(sleep, n, pair.b));
 	}
-	near->live = sleep->live;
-	near->live_count = count;
+	candidates->live = sleep->live;
+	candidates->live_count = count;
 	return RB_OK;
 }
 
@@ -284,7 +285,7 @@ enum rb_status rb_sleep_list(struct rb_world *world, struct rb_error *err)
 {
 	const struct rb_stepped *s = world->stepped;
 
-	return !s->near.live && s->sleep.count > 0 ? list_pairs(world, err) : RB_OK;
+	return !s->candidates.live && s->sleep.count > 0 ? list_pairs(world, err) : RB_OK;
 }
 
 /*
@@ -320,29 +321,30 @@ static enum rb_status inspect_woken(struct rb_world *world, double h, struct rb_
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_sleep *sleep = &s->sleep;
-	struct rb_candidates *near = &s->near;
+	struct rb_candidates *candidates = &s->candidates;
 	const int n = world->model->body_count;
-	const size_t all_count = near->live_count;
-	const size_t *all = near->live;
-	size_t *fresh = rb_arena_take(&world->arena[0], near->pair_count + 1, sizeof *fresh);
+	const size_t all_count = candidates->live_count;
+	const size_t *all = candidates->live;
+	size_t *fresh = rb_arena_take(&world->arena[0], candidates->pair_count + 1, sizeof *fresh);
 	size_t count = 0;
 
 	if (!fresh)
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", near->pair_count);
-	for (size_t k = 0; k < near->pair_count; k++) {
-		const int a = near->pair[k].a, b = near->pair[k].b;
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs",
+		               candidates->pair_count);
+	for (size_t k = 0; k < candidates->pair_count; k++) {
+		const int a = candidates->pair[k].a, b = candidates->pair[k].b;
 		const bool of_a = sleep->mark[a], of_b = b < n && sleep->mark[b];
 
 		fresh[count] = k;
 		count += (of_a || of_b) && (of_a || sleep->sleeps[a]) &&
 		         (of_b || sleeps_or_is_static(sleep, n, b));
 	}
-	near->live = fresh;
-	near->live_count = count;
-	const enum rb_status status = rb_step_points_add(&s->all.points, world, near, h, HUGE_VAL,
-	                                                 err);
-	near->live = all;
-	near->live_count = all_count;
+	candidates->live = fresh;
+	candidates->live_count = count;
+	const enum rb_status status = rb_step_points_add(&s->all.points, world, candidates, h,
+	                                                 HUGE_VAL, err);
+	candidates->live = all;
+	candidates->live_count = all_count;
 	return status;
 }
 
@@ -363,8 +365,8 @@ static void stop(struct rb_world *world)
 		memset(state->velocity + 3 * (size_t)i, 0, 3 * sizeof(double));
 		if (state->spin)
 			memset(state->spin + 3 * (size_t)i, 0, 3 * sizeof(double));
-		if (s->near.ahead)
-			s->near.ahead[i] = s->near.reach[i];
+		if (s->candidates.ahead)
+			s->candidates.ahead[i] = s->candidates.reach[i];
 	}
 }
 
@@ -372,7 +374,7 @@ enum rb_status rb_sleep_points(struct rb_world *world, double start, double h, s
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_sleep *sleep = &s->sleep;
-	struct rb_candidates *near = &s->near;
+	struct rb_candidates *candidates = &s->candidates;
 	struct rb_step_points *points = &s->all.points;
 	size_t first = 0;
 
@@ -381,18 +383,18 @@ enum rb_status rb_sleep_points(struct rb_world *world, double start, double h, s
 	if (sleep->changed)
 		shrink(s);
 	show(s);
-	rb_candidates_reach(near, world, h, s->all.body, s->all.body_count);
-	near->share = (double)s->all.body_count / world->model->body_count;
-	enum rb_status status = rb_candidates_find(near, world, s->all.body, s->all.body_count,
-	                                           err);
+	rb_candidates_reach(candidates, world, h, s->all.body, s->all.body_count);
+	candidates->share = (double)s->all.body_count / world->model->body_count;
+	enum rb_status status = rb_candidates_find(candidates, world, s->all.body,
+	                                           s->all.body_count, err);
 	if (status == RB_OK && sleep->changed)
 		status = list_pairs(world, err);
 	if (status == RB_OK)
 		status = rb_sleep_list(world, err);
-	rb_candidates_place(near, world, s->all.body, s->all.body_count);
+	rb_candidates_place(candidates, world, s->all.body, s->all.body_count);
 	points->count = 0;
 	if (status == RB_OK)
-		status = rb_step_points_add(points, world, near, h, HUGE_VAL, err);
+		status = rb_step_points_add(points, world, candidates, h, HUGE_VAL, err);
 	while (status == RB_OK && sleep->count > 0 && wake_touched(world, first)) {
 		first = points->count;
 		shrink(s);
@@ -436,7 +438,7 @@ static bool may_sleep(const struct rb_world *world, int i, const unsigned char *
 	const struct rb_stepped *s = world->stepped;
 
 	return !(failed && failed[i]) && !s->bad[i] && is_unmoved(world, i) &&
-	       s->near.reach[i] <= small_share * world->model->size_min_m;
+	       s->candidates.reach[i] <= small_share * world->model->size_min_m;
 }
 
 static void fall_asleep(struct rb_world *world, int i)
@@ -479,7 +481,7 @@ void rb_sleep_end(struct rb_world *world, double end, const unsigned char *faile
 	sleep->settled = all->points.count == 0;
 	sleep->end_s = end;
 	sleep->contact_count = world->contacts.count;
-	sleep->resting_depth = s->near.resting_depth;
+	sleep->resting_depth = s->candidates.resting_depth;
 	if (sleep->off)
 		return;
 	end_driven(world);

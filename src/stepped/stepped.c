@@ -48,7 +48,7 @@ static enum rb_status take_bodies(struct rb_stepped *s, const struct rb_model *m
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %d driven bodies",
 		               s->driven_count);
 	rb_sleep_gather(s);
-	s->all.near = &s->near;
+	s->all.candidates = &s->candidates;
 	s->all.divides = model->rollback == RB_ROLLBACK_SELECTIVE;
 	return RB_OK;
 }
@@ -111,7 +111,7 @@ static enum rb_status prepare(struct rb_world *world, struct rb_error *err)
 	if (status == RB_OK && (model->features & RB_FEATURE_CONTACT) && !world->broadphase)
 		status = rb_broadphase_create(&world->broadphase, model, err);
 	if (status == RB_OK)
-		status = rb_candidates_create(&made->near, model, err);
+		status = rb_candidates_create(&made->candidates, model, err);
 	if (status == RB_OK)
 		status = rb_sleep_create(&made->sleep, model, err);
 	if (status == RB_OK)
@@ -135,7 +135,7 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 {
 	if (!stepped)
 		return;
-	rb_candidates_release(&stepped->near);
+	rb_candidates_release(&stepped->candidates);
 	rb_sleep_release(&stepped->sleep);
 	rb_step_points_release(&stepped->all.points);
 	rb_step_points_release(&stepped->part.points);
@@ -264,7 +264,7 @@ static enum rb_status try_all(struct rb_world *world, double start, double h,
 	if (status != RB_OK) {
 		rb_state_copy(&world->state, &world->mark);
 		rb_sleep_forget(s);
-		s->near.valid = false;
+		s->candidates.valid = false;
 	}
 	return status;
 }
@@ -334,7 +334,7 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 		}
 		rb_state_copy(&world->state, &world->mark);
 		rb_sleep_forget(s);
-		s->near.valid = false;
+		s->candidates.valid = false;
 		world->frame_counts.rollbacks++;
 		world->frame_counts.discarded_body_steps += (uint64_t)s->member_count;
 		if (++halvings > RB_HALVINGS_MAX)
@@ -374,7 +374,7 @@ static enum rb_status step(struct rb_world *world, double start, double dt, stru
 {
 	attract(world);
 	if (world->moved_by_hand || world->joints_changed) {
-		world->stepped->near.valid = false;
+		world->stepped->candidates.valid = false;
 		rb_sleep_forget(world->stepped);
 		memset(world->stepped->solver.rests, 0, (size_t)world->model->body_count);
 	}

@@ -38,12 +38,13 @@ static enum rb_status validate_sleep(const struct rb_stepped *s, int bodies, str
 
 /* Indices in range, the first body of each pair dynamic, live pairs strictly ascending. */
 static enum rb_status validate_candidates(const struct rb_world *world,
-                                          const struct rb_candidates *near, struct rb_error *err)
+                                          const struct rb_candidates *candidates,
+                                          struct rb_error *err)
 {
 	const int all = world->model->body_count + world->model->static_count;
 
-	for (size_t k = 0; near->valid && k < near->pair_count; k++) {
-		const struct rb_pair pair = near->pair[k];
+	for (size_t k = 0; candidates->valid && k < candidates->pair_count; k++) {
+		const struct rb_pair pair = candidates->pair[k];
 
 		if (pair.a < 0 || pair.a >= all || pair.b < 0 || pair.b >= all || pair.a == pair.b)
 			return RB_FAIL(err, RB_ERR_BUG, "candidate %zu is of bodies %d and %d", k,
@@ -53,8 +54,9 @@ static enum rb_status validate_candidates(const struct rb_world *world,
 			               "candidate %zu is of bodies %d and %d, neither dynamic", k,
 			               pair.a, pair.b);
 	}
-	for (size_t k = 1; near->valid && near->live && k < near->live_count; k++)
-		if (near->live[k] <= near->live[k - 1] || near->live[k] >= near->pair_count)
+	for (size_t k = 1; candidates->valid && candidates->live && k < candidates->live_count; k++)
+		if (candidates->live[k] <= candidates->live[k - 1] ||
+		    candidates->live[k] >= candidates->pair_count)
 			return RB_FAIL(err, RB_ERR_BUG, "live candidate %zu is out of order", k);
 	return RB_OK;
 }
@@ -88,6 +90,6 @@ enum rb_status rb_validate_stepped(const struct rb_world *world, struct rb_error
 	if (status == RB_OK)
 		status = validate_sleep(s, world->model->body_count, err);
 	if (status == RB_OK)
-		status = validate_candidates(world, &s->near, err);
+		status = validate_candidates(world, &s->candidates, err);
 	return status;
 }

@@ -36,12 +36,12 @@ enum rb_status rb_swept_bounds_create(struct rb_swept_bounds *swept, const struc
 	    !swept->member || !swept->failed || !swept->settled)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the territories of %zu bodies",
 		               n);
-	return rb_candidates_create(&swept->near, model, err);
+	return rb_candidates_create(&swept->candidates, model, err);
 }
 
 void rb_swept_bounds_release(struct rb_swept_bounds *swept)
 {
-	rb_candidates_release(&swept->near);
+	rb_candidates_release(&swept->candidates);
 	rb_memory_free(swept->bounds);
 	rb_memory_free(swept->group_of);
 	rb_memory_free(swept->was_group);
@@ -101,10 +101,10 @@ void rb_swept_bounds_set(struct rb_swept_bounds *swept, const struct rb_world *w
 	for (int i = 0; i < world->model->body_count; i++) {
 		const rb_vec3 from = rb_world_origin_at(world, begin, i);
 		const rb_vec3 way = rb_vec3_scale(dt, rb_world_row3(begin->velocity, i));
-		const double reach = world->broadphase ? s->near.reach[i] : 0;
+		const double reach = world->broadphase ? s->candidates.reach[i] : 0;
 		const double slack = clearance_share * rb_candidates_size(world->model, i);
 
-		swept->near.built_at[i] = from;
+		swept->candidates.built_at[i] = from;
 		/* what forces add within the step is in the reach */
 		swept->bounds[i] =
 			s->bad[i] ? box_of_way(from, rb_vec3_add(from, way),
@@ -177,40 +177,42 @@ static enum rb_status number_groups(struct rb_swept_bounds *swept, const struct 
  */
 static enum rb_status sort_pairs(struct rb_swept_bounds *swept, struct rb_error *err)
 {
-	struct rb_candidates *near = &swept->near;
+	struct rb_candidates *candidates = &swept->candidates;
 	size_t at = 0;
 
-	if (!rb_memory_reserve(&swept->pair, &swept->pair_capacity, near->pair_count + 1,
+	if (!rb_memory_reserve(&swept->pair, &swept->pair_capacity, candidates->pair_count + 1,
 	                       sizeof *swept->pair))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", near->pair_count);
-	for (size_t k = 0; k < near->pair_count; k++)
-		swept->group[swept->group_of[near->pair[k].a]].pair_count++;
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs",
+		               candidates->pair_count);
+	for (size_t k = 0; k < candidates->pair_count; k++)
+		swept->group[swept->group_of[candidates->pair[k].a]].pair_count++;
 	for (size_t g = 0; g < swept->group_count; g++) {
 		swept->group[g].pair = at;
 		at += swept->group[g].pair_count;
 		swept->group[g].pair_count = 0;
 	}
-	swept->pair_count = near->pair_count;
-	for (size_t k = 0; k < near->pair_count; k++) {
-		struct rb_swept_group *group = &swept->group[swept->group_of[near->pair[k].a]];
+	swept->pair_count = candidates->pair_count;
+	for (size_t k = 0; k < candidates->pair_count; k++) {
+		struct rb_swept_group *group =
+			&swept->group[swept->group_of[candidates->pair[k].a]];
 
-		swept->pair[group->pair + group->pair_count++] = near->pair[k];
+		swept->pair[group->pair + group->pair_count++] = candidates->pair[k];
 	}
-	near->pair = swept->pair;
-	return rb_candidates_forget(near, err);
+	candidates->pair = swept->pair;
+	return rb_candidates_forget(candidates, err);
 }
 
 void rb_swept_bounds_show(struct rb_swept_bounds *swept, size_t first, size_t count)
 {
-	struct rb_candidates *near = &swept->near;
+	struct rb_candidates *candidates = &swept->candidates;
 
-	near->pair = swept->pair + first;
-	near->pair_count = count;
-	near->depth = near->own_depth + first;
-	if (near->own_clearance)
-		near->clearance = near->own_clearance + first;
-	if (near->own_first_clue)
-		near->first_clue = near->own_first_clue + first;
+	candidates->pair = swept->pair + first;
+	candidates->pair_count = count;
+	candidates->depth = candidates->own_depth + first;
+	if (candidates->own_clearance)
+		candidates->clearance = candidates->own_clearance + first;
+	if (candidates->own_first_clue)
+		candidates->first_clue = candidates->own_first_clue + first;
 }
 
 enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept, struct rb_world *world,
@@ -220,15 +222,16 @@ enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept, struct rb_wor
 	const struct rb_step_points *points = &world->stepped->all.points;
 	enum rb_status status = RB_OK;
 
-	swept->near.pair_count = 0;
+	swept->candidates.pair_count = 0;
 	if (world->broadphase)
-		status = rb_candidates_pairs(&swept->near, world, swept->bounds, err);
+		status = rb_candidates_pairs(&swept->candidates, world, swept->bounds, err);
 	if (status != RB_OK)
 		return status;
 	for (int i = 0; i < model->body_count; i++)
 		swept->parent[i] = i;
-	for (size_t k = 0; k < swept->near.pair_count; k++)
-		join(world, swept->parent, swept->near.pair[k].a, swept->near.pair[k].b);
+	for (size_t k = 0; k < swept->candidates.pair_count; k++)
+		join(world, swept->parent, swept->candidates.pair[k].a,
+		     swept->candidates.pair[k].b);
 	/* bodies that exchanged an impulse go back together, or momentum would be lost */
 	for (size_t k = 0; k < points->count; k++)
 		if (points->row[k].normal_impulse > 0)
@@ -259,7 +262,7 @@ bool rb_swept_bounds_left(struct rb_swept_bounds *swept, const struct rb_world *
 			continue;
 		const rb_vec3 way = rb_vec3_scale(fmax(0, rest_s),
 		                                  rb_world_row3(world->state.velocity, i));
-		const rb_vec3 from = swept->near.built_at[i];
+		const rb_vec3 from = swept->candidates.built_at[i];
 		const rb_aabb more = box_of_way(at, rb_vec3_add(at, way),
 		                                clearance_share *
 		                                        (rb_candidates_size(world->model, i) +

@@ -18,15 +18,15 @@ struct rb_swept_group {
 };
 
 struct rb_swept_bounds {
-	struct rb_candidates
-		near;    /* its pairs could meet; built_at: origins at the beginning of the step */
-	rb_aabb *bounds; /* owned, by body: where its origin may be */
+	/* of pairs that could touch; built_at: origins at the beginning of the step */
+	struct rb_candidates candidates;
+	rb_aabb *bounds;                    /* owned, by body: where its origin may be */
 	int *group_of, *was_group, *parent; /* owned, by body; was_group: set by the owner */
 	unsigned char *failed, *settled;    /* owned, by body: set by the owner */
 	int *member;                        /* owned: by group, ascending */
 	struct rb_swept_group *group;       /* owned, in order of their smallest bodies */
 	size_t group_count, group_capacity;
-	struct rb_pair *pair; /* owned: those of `near` by group, in their order */
+	struct rb_pair *pair; /* owned: those of `candidates` by group, in their order */
 	size_t pair_count, pair_capacity;
 };
 
@@ -45,7 +45,7 @@ void rb_swept_bounds_set(struct rb_swept_bounds *swept, const struct rb_world *w
 /* Groups by territories, springs and impulses of the try; bodies that do not yield join nobody. */
 RB_CHECKED enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept,
                                                struct rb_world *world, struct rb_error *err);
-/* Lends `near` so many of the pairs by group, from that one on. */
+/* Lends `candidates` so many of the pairs by group, from that one on. */
 void rb_swept_bounds_show(struct rb_swept_bounds *swept, size_t first, size_t count);
 /*
  * Whether some of these bodies, driven ones too, have left theirs in the present state. They get
