@@ -141,7 +141,7 @@ enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_stage_list 
 {
 	struct rb_world *world = pass->world;
 	struct search search = {.fail_s = HUGE_VAL};
-	double h = pass->dt_s, looked_s = -HUGE_VAL;
+	double h = pass->dt_s, inspected_s = -HUGE_VAL;
 	bool stuck = false;
 
 	pass->counts = rb_counts_none;
@@ -163,8 +163,8 @@ enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_stage_list 
 
 		const enum rb_verdict verdict = rb_verdict_of(pass, &body);
 		if (attempt % TRIES_PER_INSPECTION == 0) {
-			stuck = pass->done_s - looked_s < least_progress * pass->dt_s;
-			looked_s = pass->done_s;
+			stuck = pass->done_s - inspected_s < least_progress * pass->dt_s;
+			inspected_s = pass->done_s;
 		}
 		if (verdict != RB_VERDICT_GOOD) {
 			rb_state_copy_rows(&world->state, &world->mark, pass->member,

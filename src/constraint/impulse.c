@@ -261,10 +261,10 @@ static rb_vec3 eccentric_impulse(const struct rb_link *link, rb_vec3 free, doubl
 			link, rb_vec3_add_scaled(free, short_of / inverse_effective_mass, kd));
 		const rb_vec3 next = rb_vec3_unit(rb_vec3_add(along, rb_vec3_unit(slip, along)),
 		                                  along);
-		const bool settled = rb_vec3_length(rb_vec3_sub(next, along)) <= 1e-13;
+		const bool converged = rb_vec3_length(rb_vec3_sub(next, along)) <= 1e-13;
 
 		along = next;
-		if (settled || round == 63)
+		if (converged || round == 63)
 			return rb_vec3_scale(short_of / inverse_effective_mass, d);
 	}
 	const double normal = fmax(stick_normal, short_of / link->normal_inverse_mass);

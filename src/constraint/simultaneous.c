@@ -405,7 +405,7 @@ bool rb_simultaneous_impact(struct rb_simultaneous *joint, int *rounds)
 {
 	const rb_arena_mark here = rb_arena_here(joint->arena);
 	struct rounds all = {.joint = joint};
-	bool settled = take_rounds(&all), only_tail = false;
+	bool converged = take_rounds(&all), only_tail = false;
 	int round = 0;
 
 	for (int k = 0; k < joint->contact_count; k++) {
@@ -415,16 +415,16 @@ bool rb_simultaneous_impact(struct rb_simultaneous *joint, int *rounds)
 	for (int k = 0; k < joint->joint_count; k++)
 		rb_constraint_clear(&joint->joint_row[k].base);
 	const int max = ROUNDS + ROUNDS_PER_CONTACT * joint->contact_count;
-	while (settled && find_active(&all, &only_tail) > 0) {
+	while (converged && find_active(&all, &only_tail) > 0) {
 		const bool last = only_tail || round == max;
 
 		if (last)
 			memset(all.active, 1, (size_t)joint->contact_count * sizeof *all.active);
 		if (!run_round(&all, !last) || rb_cone_is_over(&all.cone))
-			settled = false;
+			converged = false;
 		round++;
 		if (last) {
-			settled = settled && only_tail;
+			converged = converged && only_tail;
 			break;
 		}
 	}
@@ -432,7 +432,7 @@ bool rb_simultaneous_impact(struct rb_simultaneous *joint, int *rounds)
 	if (rounds)
 		*rounds = round;
 	rb_arena_back(joint->arena, here);
-	return settled;
+	return converged;
 }
 
 /* --- forces --- */

@@ -248,9 +248,9 @@ static void of_cylinder(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 	patch->count = 1;
 	patch->id[0] = rb_part_of(RB_PART_RIM, end);
 	/* the rim's highest point is 2 r sin(tilt) above its lowest */
-	const bool stands = across <= fabs(along) && 2 * core->round * across <= depth;
+	const bool upright = across <= fabs(along) && 2 * core->round * across <= depth;
 	const bool leans = tilt > 0 && across < 0.5 && eighth_rise * core->round * across <= depth;
-	if (stands || leans) {
+	if (upright || leans) {
 		patch->kind = RB_PATCH_DISC;
 		if (tilt > 0 && core->round * across > tilt)
 			patch->low = out;

@@ -133,7 +133,7 @@ typedef enum { NOTHING_SHARED, SHARED, BEST } proof;
  * is at most -d while d tan(t / 2) <= r; for the rest, within 2 d / r of -n, the other point proves
  * no more than -(D - d) cos(2 d / r) + S 2 d / r.
  */
-static proof settled(const rb_axis *axis)
+static proof proof_of(const rb_axis *axis)
 {
 	const double depth = 4 * axis->noise, d = -axis->gap;
 	const rb_vec3 n = axis->normal, m = rb_vec3_neg(n);
@@ -160,14 +160,14 @@ static proof settled(const rb_axis *axis)
  * much to rounding are examined too, because only along one of them the bodies may lie over each
  * other: of two that are nearly flush, a corner of one may be past the face of the other.
  */
-static bool best_face_settles(rb_axis *axis)
+static bool best_face_decides(rb_axis *axis)
 {
 	rb_vec3 tie[TIES_MAX];
 
 	rb_facets_faces(axis, NULL);
 	if (!axis->found)
 		return false;
-	proof max = settled(axis);
+	proof max = proof_of(axis);
 	if (max == BEST || axis->second < axis->gap - 4 * axis->noise)
 		return max == BEST;
 	rb_axis best = *axis;
@@ -175,7 +175,7 @@ static bool best_face_settles(rb_axis *axis)
 	for (int k = 0; k < ties && ties > 1; k++) {
 		axis->normal = tie[k];
 		axis->gap = rb_axis_gap(axis, tie[k]);
-		const proof this = settled(axis);
+		const proof this = proof_of(axis);
 		if (this == BEST)
 			return true;
 		if (this > max) {
@@ -267,13 +267,13 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 	const double none = -(double)INFINITY;
 	rb_axis axis = {.a = a, .b = b, .noise = 0.25 * noise, .gap = none, .second = none};
 	const bool few = face_count(a) + face_count(b) <= FEW_FACES;
-	if (few && best_face_settles(&axis))
+	if (few && best_face_decides(&axis))
 		return (rb_separation){axis.normal, axis.gap, noise};
 	const rb_gjk gjk = rb_gjk_run(a, b, scale);
 	const bool far = gjk.is_separate && gjk.upper > far_share * scale;
 	if (!few && far)
 		rb_facets_faces(&axis, &gjk.normal);
-	else if (!few && best_face_settles(&axis))
+	else if (!few && best_face_decides(&axis))
 		return (rb_separation){axis.normal, axis.gap, noise};
 	if (far)
 		search_far(&axis, &gjk, round);

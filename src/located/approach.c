@@ -641,7 +641,7 @@ static double crossing(const struct course *c, double low, double high)
 }
 
 /* Moves a touch found within the band to where the gap is zero, to the resolution of time. */
-static double settled(const struct course *c, double from, double until)
+static double refined(const struct course *c, double from, double until)
 {
 	struct rb_contact_point all[RB_CONTACT_POINTS_MAX];
 	const int count = rb_touch_all(c->l, &c->pair, 0, all);
@@ -717,7 +717,7 @@ static void search(struct course *c, double from, double until, struct rb_approa
 				rests = rests || (t == from && now == RESTING);
 				if (now == CLOSING || (now == STAYING && t > from) ||
 				    (now == RESTING && !rests)) {
-					found->touch_s = t > from ? settled(c, from, until) : t;
+					found->touch_s = t > from ? refined(c, from, until) : t;
 					return;
 				}
 			}

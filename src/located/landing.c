@@ -39,7 +39,7 @@ bool rb_landing_begin(struct rb_modes *w)
 	for (int k = 0; k < c->held_count && which < 0; k++) {
 		const struct rb_contact_point m = rb_set_contact_point(l, &c->held[k], w->origin_s);
 
-		if (rb_set_lands(l, &m) > 0)
+		if (rb_set_landing_gap(l, &m) > 0)
 			which = k;
 	}
 	if (which < 0)

@@ -131,7 +131,7 @@ static bool is_hit(const struct rb_modes *w, int k)
 static int broken(struct rb_modes *w, double t)
 {
 	const struct rb_cluster *c = w->c;
-	bool looked = false;
+	bool inspected = false;
 
 	for (int k = 0; k < c->held_count; k++) {
 		const struct rb_held *held = &c->held[k];
@@ -144,10 +144,10 @@ static int broken(struct rb_modes *w, double t)
 			return k;
 		if (m->on_rim != held->on_rim || rb_set_has_left(w->l, m) || w->hits)
 			return k;
-		if (!looked && !is_lawful(w, k)) {
+		if (!inspected && !is_lawful(w, k)) {
 			if (!w->dense.open || !rb_check_holds_otherwise(w, t))
 				return k;
-			looked = true;
+			inspected = true;
 		}
 		w->slip_ends = held->slipping && (held->straight || held->creeps) &&
 		               rb_vec3_dot(m->velocity, w->contact[k].slip) < 0;

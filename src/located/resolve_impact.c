@@ -701,7 +701,7 @@ static void collide(struct impact *s)
 	if (l->status != RB_OK)
 		return;
 	s->joint.products_max = rb_located_products(l, s->contact_point_count);
-	const bool settled = rb_simultaneous_impact(&s->joint, &rounds);
+	const bool converged = rb_simultaneous_impact(&s->joint, &rounds);
 	rb_located_count(l, s->joint.products, s->contact_point_count);
 	if (rb_simultaneous_is_over(&s->joint)) {
 		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
@@ -709,7 +709,7 @@ static void collide(struct impact *s)
 		                    s->contact_point_count);
 		return;
 	}
-	if (!settled)
+	if (!converged)
 		l->world->frame_counts.plastic_ends++;
 	if (s->contact_point_count > 0)
 		record_impacts(s);

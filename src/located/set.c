@@ -128,7 +128,7 @@ bool rb_set_has_left(const struct rb_located *l, const struct rb_contact_point *
 	return m->inside < 0 && m->inside < -beyond_end * rb_contact_point_size(l, m);
 }
 
-double rb_set_lands(const struct rb_located *l, const struct rb_contact_point *m)
+double rb_set_landing_gap(const struct rb_located *l, const struct rb_contact_point *m)
 {
 	struct rb_contact_name other = rb_contact_name_of(m);
 
@@ -404,7 +404,7 @@ static void inspect_points(struct rb_located *l, struct pairs *pairs, int a, int
 	for (const struct rb_held *h = first; h < end && come; h++) {
 		const struct rb_contact_point m = rb_set_contact_point(l, h, pairs->t);
 
-		drift = fmax(drift, rb_set_lands(l, &m));
+		drift = fmax(drift, rb_set_landing_gap(l, &m));
 	}
 	int count = rb_pair_contact_points(l, a, b, pairs->t, drift, all);
 

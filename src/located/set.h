@@ -77,7 +77,7 @@ bool rb_set_is_slow(const struct rb_located *l, const struct rb_contact_point *m
  * and that is no more than what integration leaves of where things are; 0: it is none, or not so
  * near.
  */
-double rb_set_lands(const struct rb_located *l, const struct rb_contact_point *m);
+double rb_set_landing_gap(const struct rb_located *l, const struct rb_contact_point *m);
 /* Are these the same point of the pair, though by other features? */
 bool rb_set_is_same_place(const struct rb_located *l, const struct rb_contact_point *x,
                           const struct rb_contact_point *y);

@@ -89,8 +89,8 @@ static size_t pair_length(const struct rb_step_points *points, size_t first)
  * Merges in the contacts of sleeping bodies from the last step's list that come before `before`;
  * returns where the list goes on.
  */
-static size_t add_standing(const struct rb_world *world, size_t from, const unsigned char *skip,
-                           const struct rb_contact *before, struct rb_contacts *to)
+static size_t add_resting(const struct rb_world *world, size_t from, const unsigned char *skip,
+                          const struct rb_contact *before, struct rb_contacts *to)
 {
 	const struct rb_contacts *last = &world->contacts;
 	const unsigned char *sleeps = world->stepped->sleep.sleeps;
@@ -126,11 +126,11 @@ enum rb_status rb_record_contacts(struct rb_world *world, const struct rb_cohort
 			continue;
 		const struct rb_contact contact = contact_of(world, cohort, k, h);
 		if (all)
-			old = add_standing(world, old, skip, &contact, to);
+			old = add_resting(world, old, skip, &contact, to);
 		to->row[to->count++] = contact;
 	}
 	if (all)
-		(void)add_standing(world, old, skip, NULL, to);
+		(void)add_resting(world, old, skip, NULL, to);
 	return RB_OK;
 }
 

@@ -205,8 +205,8 @@ static double spheres_touch(const struct rb_flight *flight, const struct rb_step
  * Time at which a fixed plane is met: root of gap + t u + t^2 a = 0 from `now` on; at once if it
  * overlaps.
  */
-static double face_meets(const struct rb_flight *flight, const struct rb_step_point *point,
-                         const struct rb_flight_motion *motion, double now)
+static double face_touches(const struct rb_flight *flight, const struct rb_step_point *point,
+                           const struct rb_flight_motion *motion, double now)
 {
 	rb_vec3 normal;
 	const double c = gap_of(flight, point, motion, 0, &normal);
@@ -226,13 +226,13 @@ static double face_meets(const struct rb_flight *flight, const struct rb_step_po
 	return t >= now && t <= flight->h_s ? t : (double)INFINITY;
 }
 
-double rb_flight_meets(const struct rb_flight *flight, const struct rb_step_point *point,
-                       double now)
+double rb_flight_touches(const struct rb_flight *flight, const struct rb_step_point *point,
+                         double now)
 {
 	const struct rb_flight_motion motion = relative(flight, point);
 	const bool plain = rb_flight_is_plain(flight, point);
 	const double t = plain ? spheres_touch(flight, point, &motion, now)
-	                       : face_meets(flight, point, &motion, now);
+	                       : face_touches(flight, point, &motion, now);
 	rb_vec3 normal;
 
 	RB_ASSERT_COSTLY(now >= 0 && flight->h_s > 0);

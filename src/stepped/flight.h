@@ -62,8 +62,8 @@ static inline double rb_flight_rebound(const struct rb_flight *flight,
 }
 
 /* When they next touch with an impact, from `now` on, s; INFINITY: not within the step. */
-double rb_flight_meets(const struct rb_flight *flight, const struct rb_step_point *point,
-                       double now);
+double rb_flight_touches(const struct rb_flight *flight, const struct rb_step_point *point,
+                         double now);
 
 /*
  * Gap and normal become those under which nothing that flies past is in the way; `touched`: the

@@ -83,7 +83,7 @@ void rb_impacts_release(struct rb_stepped *s)
 static enum rb_status predict(struct impacts *all, size_t point, double now, struct rb_error *err)
 {
 	RB_ASSERT_COSTLY(point < all->points->count && now >= 0 && now <= all->flight.h_s);
-	all->due_s[point] = rb_flight_meets(&all->flight, &all->points->row[point], now);
+	all->due_s[point] = rb_flight_touches(&all->flight, &all->points->row[point], now);
 	const struct rb_due due = {all->due_s[point], point};
 	return due.t_s <= all->flight.h_s ? rb_due_queue_add(&all->s->due, due, err) : RB_OK;
 }
@@ -512,7 +512,7 @@ static bool pass(struct impacts *all, const struct rb_step_point *point,
 	return true;
 }
 
-static bool report(struct impacts *all, const struct rb_simultaneous *joint, bool settled)
+static bool report(struct impacts *all, const struct rb_simultaneous *joint, bool converged)
 {
 	bool first = true;
 
@@ -535,7 +535,7 @@ static bool report(struct impacts *all, const struct rb_simultaneous *joint, boo
 			hit->normal = c->normal;
 		}
 		add_impulse(all, hit, point, c);
-		hit->plastic = hit->plastic || (first && !settled);
+		hit->plastic = hit->plastic || (first && !converged);
 		first = false;
 	}
 	return true;
@@ -630,10 +630,10 @@ static bool collide(struct impacts *all, size_t due, bool *done)
 
 	*done = false;
 	if (fine) {
-		const bool settled = rb_simultaneous_impact(&joint, NULL);
+		const bool converged = rb_simultaneous_impact(&joint, NULL);
 
 		*done = !rb_simultaneous_is_over(&joint);
-		fine = *done ? report(all, &joint, settled) : target_velocity(all, due);
+		fine = *done ? report(all, &joint, converged) : target_velocity(all, due);
 	}
 	if (fine && *done && all->s->tally)
 		fine = note_blows(all, &joint);

@@ -100,7 +100,7 @@ struct rb_sleep {
 	size_t contact_count; /* of the world's when the step before ended */
 	double end_s;         /* of the step before */
 	bool changed;         /* since the lists were made */
-	bool settled;         /* in the step before nobody else had points, and nobody changed */
+	bool unchanged;       /* in the step before nobody else had points, and nobody changed */
 	bool off;             /* for tests: nothing stands */
 };
 

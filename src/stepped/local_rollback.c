@@ -6,7 +6,7 @@
  * boxes; if one leaves, its box grows, groups are formed again, and only groups that have changed
  * start over. A box at least doubles each time, so this ends.
  *
- * Results of settled groups are collected in lists with the body that they belong to, and joined
+ * Results of finished groups are collected in lists with the body that they belong to, and joined
  * once at the end, sorted by body: the outcome is the same whatever the order in which groups were
  * run. Compare the time-warp scheme of Mirtich (2000).
  */
@@ -32,15 +32,15 @@ struct rb_local_rollback {
 	struct rb_state begin;
 	int *steps; /* owned, by body: that were taken and not taken back */
 	int *body;  /* owned: a group's, with driven ones */
-	struct rb_contacts last, before, kept; /* of a group's last step; of settled groups */
-	struct rb_contacts shown; /* for the frames: of settled groups, over the whole step */
+	struct rb_contacts last, before, kept; /* of a group's last step; of finished groups */
+	struct rb_contacts shown; /* for the frames: of finished groups, over the whole step */
 	struct rb_means means;    /* of the group under way */
-	struct rb_named_impulse *impulse; /* owned: of settled groups */
+	struct rb_named_impulse *impulse; /* owned: of finished groups */
 	size_t impulse_count, impulse_capacity;
-	struct rb_event_of *event; /* owned: impacts of settled groups */
+	struct rb_event_of *event; /* owned: impacts of finished groups */
 	size_t event_count, event_capacity;
 	struct rb_entries entries;  /* for the ledger: of the group under way */
-	struct rb_entries_of *book; /* owned: of settled groups */
+	struct rb_entries_of *book; /* owned: of finished groups */
 	size_t book_count, book_capacity;
 	bool fresh; /* the group under way has not taken a step yet */
 };
@@ -106,19 +106,19 @@ void rb_local_rollback_destroy(struct rb_local_rollback *local)
 
 static void forget_contacts(const struct rb_world *world, struct rb_contacts *contacts)
 {
-	const unsigned char *settled = world->stepped->local->swept.settled;
+	const unsigned char *finished = world->stepped->local->swept.finished;
 	size_t kept = 0;
 
 	for (size_t k = 0; k < contacts->count; k++) {
 		const struct rb_contact *contact = &contacts->row[k];
 
-		if (settled[rb_stepped_is_dynamic(world, contact->a) ? contact->a : contact->b])
+		if (finished[rb_stepped_is_dynamic(world, contact->a) ? contact->a : contact->b])
 			contacts->row[kept++] = *contact;
 	}
 	contacts->count = kept;
 }
 
-/* Removes results of groups that have changed since they were settled. */
+/* Removes results of groups that have changed since they were finished. */
 static void forget_unsettled(struct rb_world *world)
 {
 	struct rb_local_rollback *local = world->stepped->local;
@@ -127,13 +127,13 @@ static void forget_unsettled(struct rb_world *world)
 	forget_contacts(world, &local->kept);
 	forget_contacts(world, &local->shown);
 	for (size_t k = 0; k < local->impulse_count; k++)
-		if (local->swept.settled[local->impulse[k].a])
+		if (local->swept.finished[local->impulse[k].a])
 			local->impulse[impulses++] = local->impulse[k];
 	for (size_t k = 0; k < local->event_count; k++)
-		if (local->swept.settled[local->event[k].body])
+		if (local->swept.finished[local->event[k].body])
 			local->event[events++] = local->event[k];
 	for (size_t k = 0; k < local->book_count; k++)
-		if (local->swept.settled[local->book[k].body])
+		if (local->swept.finished[local->book[k].body])
 			local->book[books++] = local->book[k];
 	local->book_count = books;
 	local->impulse_count = impulses;
@@ -141,8 +141,8 @@ static void forget_unsettled(struct rb_world *world)
 }
 
 /*
- * Carries `failed` and `settled` from groups to bodies; groups that start over add to the counts of
- * discarded work.
+ * Carries `failed` and `finished` from groups to bodies; groups that start over add to the counts
+ * of discarded work.
  */
 static void mark_bodies(struct rb_world *world)
 {
@@ -152,8 +152,8 @@ static void mark_bodies(struct rb_world *world)
 	for (size_t g = 0; g < local->swept.group_count; g++) {
 		struct rb_swept_group *group = &local->swept.group[g];
 
-		group->settled = group->settled && group->failed;
-		if (!group->failed || group->settled)
+		group->finished = group->finished && group->failed;
+		if (!group->failed || group->finished)
 			continue;
 		counts->rollbacks++;
 		for (int k = 0; k < group->count; k++) {
@@ -161,7 +161,7 @@ static void mark_bodies(struct rb_world *world)
 
 			counts->discarded_body_steps += (uint64_t)local->steps[i];
 			local->swept.failed[i] = 1;
-			local->swept.settled[i] = 0;
+			local->swept.finished[i] = 0;
 			local->steps[i] = 0;
 		}
 	}
@@ -262,7 +262,7 @@ static enum rb_status begin_group(struct rb_world *world, struct rb_error *err)
 	return RB_OK;
 }
 
-/* The group has reached the end of the step: its results join those of settled groups. */
+/* The group has reached the end of the step: its results join those of finished groups. */
 static enum rb_status resolve(struct rb_world *world, struct rb_swept_group *group, double dt,
                               struct rb_error *err)
 {
@@ -290,9 +290,9 @@ static enum rb_status resolve(struct rb_world *world, struct rb_swept_group *gro
 		local->book[local->book_count++] = (struct rb_entries_of){
 			local->entries, local->swept.member[group->first]};
 	}
-	group->settled = true;
+	group->finished = true;
 	for (int k = 0; k < group->count; k++)
-		local->swept.settled[local->swept.member[group->first + k]] = 1;
+		local->swept.finished[local->swept.member[group->first + k]] = 1;
 	return RB_OK;
 }
 
@@ -437,7 +437,7 @@ static enum rb_status run_groups(struct rb_world *world, double start, double dt
 			const size_t events = local->event_count;
 			bool left = false;
 
-			if (!local->swept.group[g].failed || local->swept.group[g].settled)
+			if (!local->swept.group[g].failed || local->swept.group[g].finished)
 				continue;
 			status = run_group(world, &local->swept.group[g], start, dt, &left, err);
 			if (left)
@@ -465,7 +465,7 @@ static enum rb_status show_contacts(struct rb_world *world, double dt,
 	return status;
 }
 
-/* Contacts of bodies that keep the whole step, and of settled groups. */
+/* Contacts of bodies that keep the whole step, and of finished groups. */
 static enum rb_status join_contacts(struct rb_world *world, double dt, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
@@ -625,7 +625,7 @@ enum rb_status rb_local_rollback_step(struct rb_world *world, double start, doub
 	rb_swept_bounds_set(&local->swept, world, &local->begin, dt);
 	for (int i = 0; i < world->model->body_count; i++) {
 		local->swept.failed[i] = s->bad[i];
-		local->swept.settled[i] = 0;
+		local->swept.finished[i] = 0;
 		local->swept.was_group[i] = -1;
 		local->steps[i] = 1;
 	}

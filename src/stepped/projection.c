@@ -60,7 +60,7 @@ struct search {
 	unsigned char *moved; /* by body: in the round before */
 	int *parent;          /* by body: groups as far as they are known */
 	unsigned char *lost;  /* by group: somebody in it is bad */
-	unsigned char *looked; /* by pair */
+	unsigned char *inspected; /* by pair */
 	int *wave, *active,
 		*at_rest;       /* bodies: to look from; seen ones; without their velocities */
 	unsigned char *stopped; /* by body: it is without its velocity */
@@ -87,14 +87,14 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->stopped = rb_arena_take(arena, n, 1);
 	search->parent = rb_arena_take(arena, n, sizeof *search->parent);
 	search->lost = rb_arena_take(arena, n, 1);
-	search->looked = rb_arena_take(arena, pairs + 1, 1);
+	search->inspected = rb_arena_take(arena, pairs + 1, 1);
 	search->wave = rb_arena_take(arena, n, sizeof *search->wave);
 	search->active = rb_arena_take(arena, n, sizeof *search->active);
 	search->at_rest = rb_arena_take(arena, n, sizeof *search->at_rest);
 	search->pair = rb_arena_take(arena, pairs + 1, sizeof *search->pair);
 	if (search->place && search->first && search->of && search->seen && search->moved &&
-	    search->stopped && search->parent && search->lost && search->looked && search->wave &&
-	    search->active && search->at_rest && search->pair) {
+	    search->stopped && search->parent && search->lost && search->inspected &&
+	    search->wave && search->active && search->at_rest && search->pair) {
 		memset(search->moved, 0, n);
 		memset(search->stopped, 0, n);
 		return RB_OK;
@@ -208,7 +208,7 @@ static void begin_round(struct search *search, const struct rb_depths *found)
 		search->parent[i] = i;
 		search->lost[i] = bad[i];
 	}
-	memset(search->looked, 0, search->cohort->candidates->pair_count);
+	memset(search->inspected, 0, search->cohort->candidates->pair_count);
 	search->wave_count = 0;
 	for (size_t k = 0; k < found->deep_count; k++) {
 		const int a = found->deep[k].a, b = found->deep[k].b;
@@ -263,9 +263,9 @@ static size_t next_pairs(struct search *search)
 		for (uint32_t at = search->first[place]; at < search->first[place + 1]; at++) {
 			const uint32_t pair = search->of[at];
 
-			if (search->looked[pair])
+			if (search->inspected[pair])
 				continue;
-			search->looked[pair] = 1;
+			search->inspected[pair] = 1;
 			search->pair[count++] = pair;
 			take_velocity(search, candidates->pair[pair].a);
 			take_velocity(search, candidates->pair[pair].b);

@@ -123,7 +123,7 @@ static void wake(struct rb_sleep *sleep, int i)
 		k = sleep->next[k];
 	} while (k != i);
 	sleep->changed = true;
-	sleep->settled = false;
+	sleep->unchanged = false;
 }
 
 /*
@@ -478,7 +478,7 @@ void rb_sleep_end(struct rb_world *world, double end, const unsigned char *faile
 	struct rb_sleep *sleep = &s->sleep;
 	const struct rb_cohort *all = &s->all;
 
-	sleep->settled = all->points.count == 0;
+	sleep->unchanged = all->points.count == 0;
 	sleep->end_s = end;
 	sleep->contact_count = world->contacts.count;
 	sleep->resting_depth = s->candidates.resting_depth;
@@ -499,14 +499,14 @@ void rb_sleep_end(struct rb_world *world, double end, const unsigned char *faile
 	}
 	for (int k = 0; k < all->member_count; k++)
 		sleep->mark[all->body[k]] = 0;
-	sleep->settled = sleep->settled && !sleep->changed;
+	sleep->unchanged = sleep->unchanged && !sleep->changed;
 }
 
 void rb_sleep_forget(struct rb_stepped *s)
 {
 	struct rb_sleep *sleep = &s->sleep;
 
-	sleep->settled = false;
+	sleep->unchanged = false;
 	if (sleep->count == 0)
 		return;
 	memset(sleep->sleeps, 0, (size_t)(s->member_count + s->driven_count));

@@ -218,7 +218,7 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 	s->reported.count = 0;
 	enum rb_status status = rb_record_impacts(world, &s->all, end, &world->contacts, NULL, err);
 	/* if everything sleeps and nothing touches, the lists stay as they are */
-	if (status == RB_OK && !(s->sleep.settled && s->all.points.count == 0))
+	if (status == RB_OK && !(s->sleep.unchanged && s->all.points.count == 0))
 		status = keep_contacts(world, h, err);
 	if (status == RB_OK && !rb_record_reserve(world, s->reported.count))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");

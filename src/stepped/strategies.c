@@ -12,7 +12,7 @@
 #include "stepped/sweeper.h"
 
 /* Sweeps before factors are tried, and at most. */
-enum { SWEEPS_FIRST = 200, SWEEPS_MAX = 1000, SWEEPS_SETTLED = 64 };
+enum { SWEEPS_FIRST = 200, SWEEPS_MAX = 1000, SWEEPS_CLOSE = 64 };
 /*
  * The same where rows are in packs, and may be held; of spheres, most that stall are held sooner.
  */
@@ -22,8 +22,8 @@ enum { TURNS_MAX = 6, TURN_SWEEPS = 100 };
 /* Times that open normal impulses are made even, with sweeps after each. */
 enum { EVEN_MAX = 4 };
 /* Why factors are tried, and how many at most. */
-enum purpose { STIFF, AT_REST, STALLED, SETTLED };
-enum { FACTORS_STIFF = 400, FACTORS_AT_REST = 120, FACTORS_STALLED = 30, FACTORS_SETTLED = 12 };
+enum purpose { STIFF, AT_REST, STALLED, CLOSE };
+enum { FACTORS_STIFF = 400, FACTORS_AT_REST = 120, FACTORS_STALLED = 30, FACTORS_CLOSE = 12 };
 
 /*
  * Multiplications that one factorization may take, for each row and at most: some twenty sweeps.
@@ -74,23 +74,22 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 	static const int steps_max[] = {[STIFF] = FACTORS_STIFF,
 	                                [AT_REST] = FACTORS_AT_REST,
 	                                [STALLED] = FACTORS_STALLED,
-	                                [SETTLED] = FACTORS_SETTLED};
+	                                [CLOSE] = FACTORS_CLOSE};
 	const double share = purpose == STALLED && dense->row_count >= RB_WIDE_ROWS ? stalled_share
 	                                                                            : factor_share;
-	const struct rb_direct direct = {.dense = dense,
-	                                 .free = solver->free,
-	                                 .member = solver->member + island->first_member,
-	                                 .member_count = island->member_count,
-	                                 .local = solver->local,
-	                                 .tolerance = (purpose == SETTLED || purpose == AT_REST
-	                                                       ? close_share
-	                                                       : direct_share) *
-	                                              solver->tolerance,
-	                                 .holds = purpose == AT_REST,
-	                                 .steps_max = steps_max[purpose],
-	                                 .slip_tolerance = solver->tolerance,
-	                                 .max = fmin(share * (double)dense->row_count, factors_max),
-	                                 .arena = arena};
+	const struct rb_direct direct = {
+		.dense = dense,
+		.free = solver->free,
+		.member = solver->member + island->first_member,
+		.member_count = island->member_count,
+		.local = solver->local,
+		.tolerance = (purpose == CLOSE || purpose == AT_REST ? close_share : direct_share) *
+	                     solver->tolerance,
+		.holds = purpose == AT_REST,
+		.steps_max = steps_max[purpose],
+		.slip_tolerance = solver->tolerance,
+		.max = fmin(share * (double)dense->row_count, factors_max),
+		.arena = arena};
 	struct rb_constraint *kept = rb_arena_take(arena, (size_t)dense->row_count, sizeof *kept);
 
 	if (!kept)
@@ -226,9 +225,10 @@ double rb_strategies_external(const struct rb_solver *solver, const int *member,
 
 /*
  * Whether nothing moves much faster than the tolerance in a step, nor than its forces make it in
- * one: it is quiet.
+ * one.
  */
-static bool is_settled(const struct rb_solver *solver, const struct rb_island *island, bool before)
+static bool hardly_moves(const struct rb_solver *solver, const struct rb_island *island,
+                         bool before)
 {
 	const double few = 4 * solver->tolerance / sweep_share;
 	const double max = fmin(few * few, solver->external);
@@ -274,13 +274,13 @@ static double aim_of(const struct rb_solver *solver, const struct rb_island *isl
 	                    : solver->tolerance;
 }
 
-/* Whether the group was quiet when the step began, and nothing moves under it. */
+/* Whether the group hardly moved when the step began, and nothing moves under it. */
 static bool was_at_rest(const struct rb_solver *solver, const struct rb_island *island)
 {
-	return solver->before && !island->carried && is_settled(solver, island, true);
+	return solver->before && !island->carried && hardly_moves(solver, island, true);
 }
 
-/* What holds both ways, or rubs, and has drifted by no more. */
+/* What holds both ways, or has friction, and has drifted by no more. */
 static bool is_closed(const struct rb_constraint *row, double max)
 {
 	return row->softness == 0 && rb_vec3_length(rb_constraint_joined(row, row->target)) <= max;
@@ -405,8 +405,7 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 		island->residual = (double)INFINITY; /* no memory: taken back */
 		return none;
 	}
-	if (!sweep_more(solver, &sweeper, island, aim_of(solver, island, &sweeper),
-	                SWEEPS_SETTLED) &&
+	if (!sweep_more(solver, &sweeper, island, aim_of(solver, island, &sweeper), SWEEPS_CLOSE) &&
 	    !(island->residual <= solver->tolerance))
 		(void)try_factors(solver, island, dense, STALLED, arena);
 	const struct rb_energy least = rb_energy_of(solver, island);
@@ -460,7 +459,7 @@ static bool even_out(const struct rb_solver *solver, struct rb_sweeper *sweeper,
 		rb_arena_back(arena, here);
 		if (!changed)
 			break;
-		good = sweep_more(solver, sweeper, island, aim, SWEEPS_SETTLED) ||
+		good = sweep_more(solver, sweeper, island, aim, SWEEPS_CLOSE) ||
 		       sweep_more(solver, sweeper, island, solver->tolerance / sweep_share,
 		                  SWEEPS_MAX);
 	}
@@ -699,10 +698,10 @@ static void solve_closely(const struct trial *trial)
 	const double close = close_share * solver->tolerance;
 
 	if (island->residual > close &&
-	    (is_settled(solver, island, false) ||
+	    (hardly_moves(solver, island, false) ||
 	     (!trial->sweeper->wide && goes_along(solver, island, trial->rows))) &&
-	    (trial->stiff || !sweep_more(solver, trial->sweeper, island, close, SWEEPS_SETTLED)))
-		(void)try_factors(solver, island, trial->rows, SETTLED, trial->arena);
+	    (trial->stiff || !sweep_more(solver, trial->sweeper, island, close, SWEEPS_CLOSE)))
+		(void)try_factors(solver, island, trial->rows, CLOSE, trial->arena);
 }
 
 void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *island,

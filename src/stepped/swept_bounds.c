@@ -31,9 +31,9 @@ enum rb_status rb_swept_bounds_create(struct rb_swept_bounds *swept, const struc
 	swept->parent = rb_memory_take(n, sizeof *swept->parent);
 	swept->member = rb_memory_take(n, sizeof *swept->member);
 	swept->failed = rb_memory_take(n, 1);
-	swept->settled = rb_memory_take(n, 1);
+	swept->finished = rb_memory_take(n, 1);
 	if (!swept->bounds || !swept->group_of || !swept->was_group || !swept->parent ||
-	    !swept->member || !swept->failed || !swept->settled)
+	    !swept->member || !swept->failed || !swept->finished)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the territories of %zu bodies",
 		               n);
 	return rb_candidates_create(&swept->candidates, model, err);
@@ -48,7 +48,7 @@ void rb_swept_bounds_release(struct rb_swept_bounds *swept)
 	rb_memory_free(swept->parent);
 	rb_memory_free(swept->member);
 	rb_memory_free(swept->failed);
-	rb_memory_free(swept->settled);
+	rb_memory_free(swept->finished);
 	rb_memory_free(swept->group);
 	rb_memory_free(swept->pair);
 	*swept = (struct rb_swept_bounds){0};
@@ -129,8 +129,8 @@ static void join(const struct rb_world *world, int *parent, int a, int b)
 }
 
 /*
- * Groups in order of their smallest body, members ascending (counting sort). A group stays settled
- * only if all of its members were settled as one group.
+ * Groups in order of their smallest body, members ascending (counting sort). A group stays finished
+ * only if all of its members were finished as one group.
  */
 static enum rb_status number_groups(struct rb_swept_bounds *swept, const struct rb_world *world,
                                     struct rb_error *err)
@@ -148,7 +148,7 @@ static enum rb_status number_groups(struct rb_swept_bounds *swept, const struct 
 				return RB_FAIL(err, RB_ERR_MEMORY, "no memory for groups");
 			swept->group_of[i] = (int)swept->group_count;
 			swept->group[swept->group_count++] = (struct rb_swept_group){
-				.settled = true};
+				.finished = true};
 		}
 		swept->group_of[i] = swept->group_of[root];
 		swept->group[swept->group_of[i]].count++;
@@ -164,9 +164,9 @@ static enum rb_status number_groups(struct rb_swept_bounds *swept, const struct 
 
 		swept->member[group->first + group->count++] = i;
 		group->failed = group->failed || swept->failed[i];
-		group->settled = group->settled && swept->settled[i] &&
-		                 swept->was_group[i] ==
-		                         swept->was_group[swept->member[group->first]];
+		group->finished = group->finished && swept->finished[i] &&
+		                  swept->was_group[i] ==
+		                          swept->was_group[swept->member[group->first]];
 	}
 	return RB_OK;
 }

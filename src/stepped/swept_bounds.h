@@ -14,7 +14,7 @@ struct rb_swept_group {
 	int first, count;        /* in `member` */
 	size_t pair, pair_count; /* in `pair` */
 	bool failed;             /* one of its bodies has */
-	bool settled;            /* all of its bodies are, and were one group when they became it */
+	bool finished;           /* all of its bodies are, and were one group when they became it */
 };
 
 struct rb_swept_bounds {
@@ -22,7 +22,7 @@ struct rb_swept_bounds {
 	struct rb_candidates candidates;
 	rb_aabb *bounds;                    /* owned, by body: where its origin may be */
 	int *group_of, *was_group, *parent; /* owned, by body; was_group: set by the owner */
-	unsigned char *failed, *settled;    /* owned, by body: set by the owner */
+	unsigned char *failed, *finished;   /* owned, by body: set by the owner */
 	int *member;                        /* owned: by group, ascending */
 	struct rb_swept_group *group;       /* owned, in order of their smallest bodies */
 	size_t group_count, group_capacity;

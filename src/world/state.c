@@ -128,7 +128,7 @@ void rb_state_load_rows(struct rb_state *state, const int *member, int count, co
  * last, if these are zero. A scene whose callbacks apply nothing then has the hash of one without
  * callbacks.
  */
-static size_t telling_bytes(const struct rb_state *state)
+static size_t hashed_bytes(const struct rb_state *state)
 {
 	const size_t pushes = state->push ? (size_t)(state->push - state->block) : 0;
 	const size_t all = state->size_bytes / sizeof(double);
@@ -146,5 +146,5 @@ uint64_t rb_state_hash(const struct rb_state *state)
 	uint64_t hash = rb_hash_bytes(&state->frame, sizeof state->frame, 0);
 
 	hash = rb_hash_bytes(&state->time_s, sizeof state->time_s, hash);
-	return rb_hash_bytes(state->block, telling_bytes(state), hash);
+	return rb_hash_bytes(state->block, hashed_bytes(state), hash);
 }
