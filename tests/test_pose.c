@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* src/model/pose.h: all of a body at one moment */
+/* src/math/pose.h: all of a body at one moment */
 #include "worlds.h"
 
-#include "model/pose.h"
+#include "math/pose.h"
 
 static void near_the_origin_it_is_the_difference(void **state)
 {

@@ -26,7 +26,7 @@
 
 #include <rbsim/scene.h>
 
-#include "model/pose.h"
+#include "math/pose.h"
 
 enum { RB_LINKAGE_ROWS_MAX = 6 };
 

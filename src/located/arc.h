@@ -4,7 +4,7 @@
 #define RB_LOCATED_ARC_H
 
 #include "located/located.h"
-#include "model/pose.h"
+#include "math/pose.h"
 
 /* Moves it; what rounding leaves out of that goes to its rest. */
 static inline void rb_arc_move(struct rb_pose *pose, rb_vec3 way)

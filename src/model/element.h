@@ -15,8 +15,8 @@
 
 #include <rbsim/model.h>
 
+#include "math/pose.h"
 #include "model/scene_keys.h"
-#include "model/pose.h"
 
 /* The moment at which an element is asked for its force, and where bodies are then. */
 struct rb_element_query {

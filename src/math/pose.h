@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* All of a body at one moment. */
-#ifndef RB_MODEL_POSE_H
-#define RB_MODEL_POSE_H
+#ifndef RB_MATH_POSE_H
+#define RB_MATH_POSE_H
 
 #include <rbsim/math.h>
 
