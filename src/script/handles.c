@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A handle is a userdata that holds an id and nothing else; it is made once and kept in the
- * registry, so that handles can be compared and be keys. Fields and methods are tables by name;
- * reading asks script/moment, and changing is allowed only in callbacks that may change bodies.
+ * Reading asks script/moment; changing is allowed only in callbacks that may change bodies.
  */
 #include "script/handles.h"
 
@@ -15,35 +13,15 @@
 #include "math/quat.h"
 #include "model/validate.h"
 #include "script/call.h"
+#include "script/handle_kind.h"
 #include "script/moment.h"
-#include "script/nearest.h"
 #include "script/vector.h"
 
-static const char handles_key[] = "rbsim.handles";
+static const struct rb_handle_kind kind;
 
 void rb_handle_push(lua_State *L, int id)
 {
-	RB_ASSERT(id >= 0);
-	luaL_getsubtable(L, LUA_REGISTRYINDEX, handles_key);
-	if (lua_rawgeti(L, -1, id + 1) == LUA_TNIL) {
-		lua_pop(L, 1);
-		int *handle = lua_newuserdatauv(L, sizeof *handle, 0);
-		*handle = id;
-		luaL_setmetatable(L, RB_HANDLE_TYPE);
-		lua_pushvalue(L, -1);
-		lua_rawseti(L, -3, id + 1);
-	}
-	lua_remove(L, -2);
-}
-
-/* Id of the body that a method is called on, or an error that says how to call it. */
-static int self_id(lua_State *L, const char *method)
-{
-	const int id = rb_handle_id(L, 1);
-
-	if (id < 0)
-		luaL_error(L, "%s: called without its body (write body:%s(...))", method, method);
-	return id;
+	rb_handle_kind_push(L, &kind, id);
 }
 
 /* The body's definition. */
@@ -183,11 +161,7 @@ static int get_point(lua_State *L, int id)
 	return 1;
 }
 
-static const struct field {
-	const char *name;
-	int (*get)(lua_State *L, int id);
-	const char *instead; /* how to change it */
-} fields[] = {
+static const struct rb_handle_field fields[] = {
 	{"name", get_name, NULL},
 	{"position", get_position, "set_position(p)"},
 	{"orientation", get_orientation, NULL},
@@ -214,11 +188,8 @@ enum { FIELD_COUNT = sizeof fields / sizeof *fields };
 static int body_to_change(lua_State *L, const char *method)
 {
 	const struct rb_script *script = rb_script_of(L);
-	const int id = self_id(L, method);
+	const int id = rb_handle_kind_change(L, &kind, method);
 
-	if (script->phase != RB_PHASE_CHANGE || !script->world)
-		luaL_error(L, "%s: only in on_step, on_frame, on_collision and on_transition",
-		           method);
 	if (rb_world_is_static(script->world, id)) {
 		char label[64];
 		luaL_error(L, "%s: body %s is static", method,
@@ -270,7 +241,7 @@ static int l_apply_torque(lua_State *L)
 /* m/s, of a point in object coordinates. */
 static int l_point_velocity(lua_State *L)
 {
-	const int id = self_id(L, "point_velocity");
+	const int id = rb_handle_kind_self(L, &kind, "point_velocity");
 	const rb_vec3 point = rb_vector_check(L, 2, "point_velocity");
 	const rb_vec3 arm = rb_quat_rotate(rb_moment_orientation(L, id),
 	                                   rb_vec3_sub(point, definition(L, id)->center_of_mass));
@@ -283,7 +254,7 @@ static int l_point_velocity(lua_State *L)
 /* m/s^2, of a point in object coordinates, as it moves with the body. */
 static int l_point_acceleration(lua_State *L)
 {
-	const int id = self_id(L, "point_acceleration");
+	const int id = rb_handle_kind_self(L, &kind, "point_acceleration");
 	const rb_vec3 point = rb_vector_check(L, 2, "point_acceleration");
 	const rb_vec3 arm = rb_quat_rotate(rb_moment_orientation(L, id),
 	                                   rb_vec3_sub(point, definition(L, id)->center_of_mass));
@@ -331,57 +302,19 @@ static const luaL_Reg methods[] = {{"apply_impulse", l_apply_impulse},
                                    {"set_position", l_set_position},
                                    {NULL, NULL}};
 
-/* ---- the metatable ---- */
-
-static int l_index(lua_State *L)
+static const char *label_of(const struct rb_scene *scene, int id, char out[96])
 {
-	const int id = self_id(L, "a field");
-	char label[64], hint[96];
-
-	if (lua_type(L, 2) != LUA_TSTRING)
-		return luaL_error(L, "a body has no field %s", luaL_typename(L, 2));
-	const char *key = lua_tostring(L, 2);
-	lua_pushvalue(L, 2);
-	const int type = lua_rawget(L, lua_upvalueindex(1));
-	if (type == LUA_TNUMBER) /* the place of a field */
-		return fields[lua_tointeger(L, -1)].get(L, id);
-	if (type != LUA_TNIL)
-		return 1;
-	struct rb_nearest nearest = rb_nearest_to(key);
-	for (int i = 0; i < FIELD_COUNT; i++)
-		rb_nearest_offer(&nearest, fields[i].name, strlen(fields[i].name));
-	for (const luaL_Reg *method = methods; method->name; method++)
-		rb_nearest_offer(&nearest, method->name, strlen(method->name));
-	return luaL_error(L, "body %s has no field '%s'%s",
-	                  rb_scene_body_label(rb_script_of(L)->scene, id, label), key,
-	                  rb_nearest_hint(&nearest, hint));
+	return rb_scene_body_label(scene, id, out);
 }
 
-static int l_newindex(lua_State *L)
-{
-	const char *key = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : "?";
-
-	for (int i = 0; i < FIELD_COUNT; i++) {
-		if (strcmp(fields[i].name, key) != 0)
-			continue;
-		if (fields[i].instead)
-			return luaL_error(
-				L, "a body's '%s' can't be assigned: call body:%s in a callback",
-				key, fields[i].instead);
-		return luaL_error(L, "a body's '%s' can't be changed", key);
-	}
-	return luaL_error(L, "a body has no field '%s' to assign (keep your own values in a table)",
-	                  key);
-}
-
-static int l_tostring(lua_State *L)
-{
-	char label[64];
-
-	lua_pushfstring(L, "body %s",
-	                rb_scene_body_label(rb_script_of(L)->scene, self_id(L, "tostring"), label));
-	return 1;
-}
+static const struct rb_handle_kind kind = {.word = "body",
+                                           .type = RB_HANDLE_TYPE,
+                                           .key = "rbsim.handles",
+                                           .field = fields,
+                                           .field_count = FIELD_COUNT,
+                                           .method = methods,
+                                           .order = 1,
+                                           .label = label_of};
 
 /* ---- the world ---- */
 
@@ -433,23 +366,7 @@ void rb_handles_open(lua_State *L)
 	                                 {"max_penetration", l_max_penetration},
 	                                 {NULL, NULL}};
 
-	luaL_newmetatable(L, RB_HANDLE_TYPE);
-	luaL_newlib(L, methods);
-	for (int i = 0; i < FIELD_COUNT; i++) {
-		lua_pushinteger(L, i);
-		lua_setfield(L, -2, fields[i].name);
-	}
-	lua_pushcclosure(L, l_index, 1);
-	lua_setfield(L, -2, "__index");
-	lua_pushcfunction(L, l_newindex);
-	lua_setfield(L, -2, "__newindex");
-	lua_pushcfunction(L, l_tostring);
-	lua_setfield(L, -2, "__tostring");
-	lua_pushinteger(L, 1);
-	lua_setfield(L, -2, "__order");
-	lua_pushliteral(L, "body");
-	lua_setfield(L, -2, "__metatable");
-	lua_pop(L, 1);
+	rb_handle_kind_open(L, &kind);
 	lua_pushglobaltable(L);
 	luaL_setfuncs(L, world, 0);
 	lua_pop(L, 1);

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Handles are made like those of bodies (script/handles): a userdata with the joint's number, kept
- * in the registry. What a kind does not have is an error that says which name it has instead.
- */
+/* What a kind of joint does not have is an error that says which name it has instead. */
 #include "script/joint_handles.h"
 
 #include <math.h>
@@ -14,12 +11,13 @@
 #include "base/error.h"
 #include "model/joints.h"
 #include "script/call.h"
+#include "script/handle_kind.h"
 #include "script/handles.h"
 #include "script/moment.h"
 #include "script/nearest.h"
 #include "script/vector.h"
 
-static const char handles_key[] = "rbsim.joints";
+static const struct rb_handle_kind handle;
 
 const char *rb_joint_way_name(int kind)
 {
@@ -37,27 +35,7 @@ const char *rb_joint_max_name(int kind)
 
 void rb_joint_handle_push(lua_State *L, int joint)
 {
-	RB_ASSERT(joint >= 0);
-	luaL_getsubtable(L, LUA_REGISTRYINDEX, handles_key);
-	if (lua_rawgeti(L, -1, joint + 1) == LUA_TNIL) {
-		lua_pop(L, 1);
-		int *handle = lua_newuserdatauv(L, sizeof *handle, 0);
-		*handle = joint;
-		luaL_setmetatable(L, RB_JOINT_TYPE);
-		lua_pushvalue(L, -1);
-		lua_rawseti(L, -3, joint + 1);
-	}
-	lua_remove(L, -2);
-}
-
-/* Number of the joint that a method is called on, or an error that says how to call it. */
-static int self_joint(lua_State *L, const char *method)
-{
-	const int *handle = luaL_testudata(L, 1, RB_JOINT_TYPE);
-
-	if (!handle)
-		luaL_error(L, "%s: called without its joint (write joint:%s(...))", method, method);
-	return *handle;
+	rb_handle_kind_push(L, &handle, joint);
 }
 
 static const struct rb_joint_def *definition(lua_State *L, int joint)
@@ -165,30 +143,15 @@ static int get_released(lua_State *L, int joint)
 	return 1;
 }
 
-static const struct field {
-	const char *name;
-	int (*get)(lua_State *L, int joint);
-} fields[] = {
-	{"name", get_name},     {"kind", get_kind},         {"a", get_a},
-	{"b", get_b},           {"angle", get_angle},       {"way", get_way},
-	{"length", get_length}, {"speed", get_speed},       {"force", get_force},
-	{"torque", get_torque}, {"released", get_released},
+static const struct rb_handle_field fields[] = {
+	{"name", get_name, NULL},     {"kind", get_kind, NULL},         {"a", get_a, NULL},
+	{"b", get_b, NULL},           {"angle", get_angle, NULL},       {"way", get_way, NULL},
+	{"length", get_length, NULL}, {"speed", get_speed, NULL},       {"force", get_force, NULL},
+	{"torque", get_torque, NULL}, {"released", get_released, NULL},
 };
 enum { FIELD_COUNT = sizeof fields / sizeof *fields };
 
 /* ---- changes ---- */
-
-/* Raises an error outside of callbacks that may change bodies. */
-static int joint_to_change(lua_State *L, const char *method)
-{
-	const struct rb_script *script = rb_script_of(L);
-	const int joint = self_joint(L, method);
-
-	if (script->phase != RB_PHASE_CHANGE || !script->world)
-		luaL_error(L, "%s: only in on_step, on_frame, on_collision and on_transition",
-		           method);
-	return joint;
-}
 
 /* The value on top of the stack as a number for that key, or an error. */
 static double number_of(lua_State *L, const char *key)
@@ -237,7 +200,7 @@ static bool read_motor(lua_State *L, const struct rb_joint_def *def, double *spe
 
 static int l_set_motor(lua_State *L)
 {
-	const int joint = joint_to_change(L, "set_motor");
+	const int joint = rb_handle_kind_change(L, &handle, "set_motor");
 	const struct rb_joint_def *def = definition(L, joint);
 	double speed = (double)NAN, max = (double)NAN;
 	char found[80];
@@ -260,7 +223,7 @@ static int l_set_motor(lua_State *L)
 
 static int l_release(lua_State *L)
 {
-	const int joint = joint_to_change(L, "release");
+	const int joint = rb_handle_kind_change(L, &handle, "release");
 
 	rb_world_joint_release(rb_script_of(L)->world, joint);
 	return 0;
@@ -269,72 +232,18 @@ static int l_release(lua_State *L)
 static const luaL_Reg methods[] = {
 	{"set_motor", l_set_motor}, {"release", l_release}, {NULL, NULL}};
 
-/* ---- the metatable ---- */
-
-static int l_index(lua_State *L)
-{
-	const int joint = self_joint(L, "a field");
-	char label[96], hint[96];
-
-	if (lua_type(L, 2) != LUA_TSTRING)
-		return luaL_error(L, "a joint has no field %s", luaL_typename(L, 2));
-	const char *key = lua_tostring(L, 2);
-	lua_pushvalue(L, 2);
-	const int type = lua_rawget(L, lua_upvalueindex(1));
-	if (type == LUA_TNUMBER) /* the place of a field */
-		return fields[lua_tointeger(L, -1)].get(L, joint);
-	if (type != LUA_TNIL)
-		return 1;
-	struct rb_nearest nearest = rb_nearest_to(key);
-	for (int i = 0; i < FIELD_COUNT; i++)
-		rb_nearest_offer(&nearest, fields[i].name, strlen(fields[i].name));
-	for (const luaL_Reg *method = methods; method->name; method++)
-		rb_nearest_offer(&nearest, method->name, strlen(method->name));
-	return luaL_error(L, "%s has no field '%s'%s",
-	                  rb_joint_label(rb_script_of(L)->scene, joint, label), key,
-	                  rb_nearest_hint(&nearest, hint));
-}
-
-static int l_newindex(lua_State *L)
-{
-	const char *key = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : "?";
-
-	for (int i = 0; i < FIELD_COUNT; i++)
-		if (strcmp(fields[i].name, key) == 0)
-			return luaL_error(L,
-			                  "a joint's '%s' can't be assigned (joint:set_motor{...} "
-			                  "and joint:release() change a joint, in callbacks)",
-			                  key);
-	return luaL_error(
-		L, "a joint has no field '%s' to assign (keep your own values in a table)", key);
-}
-
-static int l_tostring(lua_State *L)
-{
-	char label[96];
-
-	lua_pushfstring(L, "joint %s",
-	                rb_joint_label(rb_script_of(L)->scene, self_joint(L, "tostring"), label));
-	return 1;
-}
+static const struct rb_handle_kind handle = {
+	.word = "joint",
+	.type = RB_JOINT_TYPE,
+	.key = "rbsim.joints",
+	.changed_by = "joint:set_motor{...} and joint:release() change a joint, in callbacks",
+	.field = fields,
+	.field_count = FIELD_COUNT,
+	.method = methods,
+	.order = 3,
+	.label = rb_joint_label};
 
 void rb_joint_handles_open(lua_State *L)
 {
-	luaL_newmetatable(L, RB_JOINT_TYPE);
-	luaL_newlib(L, methods);
-	for (int i = 0; i < FIELD_COUNT; i++) {
-		lua_pushinteger(L, i);
-		lua_setfield(L, -2, fields[i].name);
-	}
-	lua_pushcclosure(L, l_index, 1);
-	lua_setfield(L, -2, "__index");
-	lua_pushcfunction(L, l_newindex);
-	lua_setfield(L, -2, "__newindex");
-	lua_pushcfunction(L, l_tostring);
-	lua_setfield(L, -2, "__tostring");
-	lua_pushinteger(L, 3);
-	lua_setfield(L, -2, "__order");
-	lua_pushliteral(L, "joint");
-	lua_setfield(L, -2, "__metatable");
-	lua_pop(L, 1);
+	rb_handle_kind_open(L, &handle);
 }

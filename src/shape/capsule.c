@@ -2,7 +2,6 @@
 /* A cylinder about local z with a half ball at each end: all points no farther than `radius` from a
  * segment of `length`. */
 #include <math.h>
-#include <stdio.h>
 
 #include "shape/shape_types.h"
 
@@ -14,16 +13,6 @@ static const struct rb_row keys[] = {
 	{"length", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(size[2]), NULL, NULL, "required", "m",
          "of the straight part, without the round ends"},
 };
-
-static bool fault(const struct rb_shape *shape, char text[RB_SHAPE_FAULT_SIZE])
-{
-	if (rb_is_positive(shape->radius) && rb_is_positive(shape->size[2]))
-		return false;
-	snprintf(text, RB_SHAPE_FAULT_SIZE,
-	         "'radius' and 'length' must be positive and finite (got %g and %g m)",
-	         shape->radius, shape->size[2]);
-	return true;
-}
 
 static double volume(const struct rb_shape *shape)
 {
@@ -84,7 +73,7 @@ const struct rb_shape_type rb_shape_capsule = {
 	.key = keys,
 	.key_count = sizeof keys / sizeof keys[0],
 	.is_part = true,
-	.fault = fault,
+	.fault = rb_shape_fault_of_round,
 	.volume = volume,
 	.inertia = inertia,
 	.reach = reach,

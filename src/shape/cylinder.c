@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A cylinder about local z, with flat ends. */
 #include <math.h>
-#include <stdio.h>
 
 #include "shape/shape_types.h"
 
@@ -13,16 +12,6 @@ static const struct rb_row keys[] = {
 	{"length", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(size[2]), NULL, NULL, "required", "m",
          "from one flat end to the other"},
 };
-
-static bool fault(const struct rb_shape *shape, char text[RB_SHAPE_FAULT_SIZE])
-{
-	if (rb_is_positive(shape->radius) && rb_is_positive(shape->size[2]))
-		return false;
-	snprintf(text, RB_SHAPE_FAULT_SIZE,
-	         "'radius' and 'length' must be positive and finite (got %g and %g m)",
-	         shape->radius, shape->size[2]);
-	return true;
-}
 
 static double volume(const struct rb_shape *shape)
 {
@@ -74,7 +63,7 @@ const struct rb_shape_type rb_shape_cylinder = {
 	.key = keys,
 	.key_count = sizeof keys / sizeof keys[0],
 	.is_part = true,
-	.fault = fault,
+	.fault = rb_shape_fault_of_round,
 	.volume = volume,
 	.inertia = inertia,
 	.reach = reach,

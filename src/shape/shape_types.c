@@ -5,10 +5,22 @@
  */
 #include "shape/shape_types.h"
 
+#include <stdio.h>
+
 #include "base/error.h"
 
 #define ROW(kind, name) [RB_SHAPE_##kind] = &rb_shape_##name,
 const struct rb_shape_type *const rb_shape_types[RB_SHAPE_KIND_COUNT] = {RB_SHAPE_TYPES(ROW)};
+
+bool rb_shape_fault_of_round(const struct rb_shape *shape, char text[RB_SHAPE_FAULT_SIZE])
+{
+	if (rb_is_positive(shape->radius) && rb_is_positive(shape->size[2]))
+		return false;
+	snprintf(text, RB_SHAPE_FAULT_SIZE,
+	         "'radius' and 'length' must be positive and finite (got %g and %g m)",
+	         shape->radius, shape->size[2]);
+	return true;
+}
 
 enum rb_status rb_shape_core_of_segment(rb_core *core, double half_length, double radius,
                                         struct rb_error *err)

@@ -30,6 +30,9 @@ static inline bool rb_is_positive(double x)
 	return x > 0 && isfinite(x);
 }
 
+/* What is wrong with a shape that has a radius and a length along z; false: nothing. */
+bool rb_shape_fault_of_round(const struct rb_shape *shape, char text[RB_SHAPE_FAULT_SIZE]);
+
 /* A segment along local z, a point where half_length is zero, with a radius. */
 RB_CHECKED enum rb_status rb_shape_core_of_segment(rb_core *core, double half_length, double radius,
                                                    struct rb_error *err);

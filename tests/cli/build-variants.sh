@@ -3,12 +3,7 @@
 # Builds without films and without the console, and through the other way to OpenGL: from this build's objects, of which only those
 # that differ are made anew.
 . tests/cli/functions
-case ${RBSIM_MODE:-release} in
-release | debug) ;;
-*) echo "what a build leaves out is the same under sanitizers"; exit 77 ;;
-esac
-from=$(dirname "$(realpath "$RBSIM")")
-[ -d "$from/src" ] || { echo "the program does not stand beside its objects"; exit 77; }
+built_beside "what a build leaves out"
 
 # variant FOLDER TARGET... ARGUMENT...: makes these in a folder with what is made already
 variant()
