@@ -17,6 +17,7 @@
 #include "film/glsl.h"
 #include "film/joint_shapes.h"
 #include "math/quat.h"
+#include "model/center.h"
 #include "model/shape.h"
 
 /* One ribbon, as the vertex shader reads it. */
@@ -231,11 +232,8 @@ static void add_trails(struct rb_lines *lines, struct pen *pen, const struct rb_
 			if (last) {
 				const rb_pose pose = rb_view_pose(model, frame,
 				                                  model->id_of[index]);
-				here = pose.position;
-				if (model->center_of_mass)
-					here = rb_vec3_add(
-						here, rb_quat_rotate(pose.orientation,
-					                             model->center_of_mass[index]));
+				here = rb_model_center(model, index, pose.position,
+				                       pose.orientation);
 			} else {
 				here = rb_vec3_from(point[k]);
 			}
@@ -261,12 +259,9 @@ static void add_velocities(struct rb_lines *lines, struct pen *pen, const struct
 	for (int i = 0; i < model->body_count; i++) {
 		const rb_pose pose = rb_view_pose(model, frame, model->id_of[i]);
 		const rb_vec3 velocity = rb_vec3_from(frame->velocity + 3 * i);
-		rb_vec3 from = pose.position;
+		const rb_vec3 from = rb_model_center(model, i, pose.position, pose.orientation);
 		if (!lines->setup.looks->of[i].visible)
 			continue;
-		if (model->center_of_mass)
-			from = rb_vec3_add(
-				from, rb_quat_rotate(pose.orientation, model->center_of_mass[i]));
 		stroke(pen, rb_view_point(view, from),
 		       rb_view_point(view, rb_vec3_add_scaled(from, lines->per_speed, velocity)), 1,
 		       1);

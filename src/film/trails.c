@@ -12,6 +12,7 @@
 #include "base/memory.h"
 #include "math/quat.h"
 #include "math/vec3.h"
+#include "model/center.h"
 
 enum rb_status rb_trails_init(struct rb_trails *trails, const struct rb_model *model,
                               const struct rb_camera_def *camera, struct rb_error *err)
@@ -62,12 +63,10 @@ static rb_vec3 center_of(const struct rb_model *model, const struct rb_frame *fr
 {
 	const rb_vec3 origin = rb_vec3_from(frame->position + 3 * index);
 
-	if (!model->center_of_mass)
-		return origin;
 	const rb_quat orientation = frame->orientation
 	                                    ? rb_quat_from(frame->orientation + 4 * index)
 	                                    : model->orientation[index];
-	return rb_vec3_add(origin, rb_quat_rotate(orientation, model->center_of_mass[index]));
+	return rb_model_center(model, index, origin, orientation);
 }
 
 void rb_trails_add(struct rb_trails *trails, const struct rb_frame *frame)

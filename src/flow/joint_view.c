@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "math/quat.h"
+#include "model/center.h"
 #include "model/joints.h"
 #include "model/shape.h"
 
@@ -36,11 +37,9 @@ static struct rb_pose pose_of(const struct rb_model *model, const struct rb_fram
 		if (frame->orientation)
 			pose.orientation = rb_quat_from(frame->orientation + 4 * (size_t)index);
 	}
-	pose.position = pose.origin;
-	if (index < model->body_count && model->center_of_mass)
-		pose.position = rb_vec3_add(
-			pose.origin,
-			rb_quat_rotate(pose.orientation, model->center_of_mass[index]));
+	pose.position = index < model->body_count
+	                        ? rb_model_center(model, index, pose.origin, pose.orientation)
+	                        : pose.origin;
 	return pose;
 }
 

@@ -11,6 +11,7 @@
 #include "located/account.h"
 #include "located/past.h"
 #include "math/turn.h"
+#include "model/center.h"
 
 #include <stddef.h>
 
@@ -97,10 +98,8 @@ struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t)
 	else
 		pose.orientation = l->model->orientation[i];
 	pose.origin = pose.position;
-	if (i < l->n && l->model->center_of_mass)
-		pose.origin = rb_vec3_sub(
-			pose.position,
-			rb_quat_rotate(pose.orientation, l->model->center_of_mass[i]));
+	if (i < l->n)
+		pose.origin = rb_model_origin(l->model, i, pose.position, pose.orientation);
 	return pose;
 }
 

@@ -13,6 +13,7 @@
 #include "located/arc.h"
 #include "located/external_force.h"
 #include "located/mechanics.h"
+#include "model/center.h"
 
 /* Of corrections of positions: each squares what is left. */
 enum { POSITION_ROUNDS = 2 };
@@ -445,12 +446,8 @@ static void move(const struct rb_joint_rows *rows, struct rb_pose *pose, const r
 			/* by so little that the series ends here */
 			pose[p].orientation = rb_quat_unit(rb_quat_multiply(
 				(rb_quat){1, turn.x, turn.y, turn.z}, pose[p].orientation));
-		pose[p].origin = pose[p].position;
-		if (l->model->center_of_mass)
-			pose[p].origin = rb_vec3_sub(
-				pose[p].position,
-				rb_quat_rotate(pose[p].orientation,
-			                       l->model->center_of_mass[rows->body[p]]));
+		pose[p].origin = rb_model_origin(l->model, rows->body[p], pose[p].position,
+		                                 pose[p].orientation);
 	}
 }
 

@@ -23,7 +23,6 @@
 #include "located/seize.h"
 #include "located/slips.h"
 #include "located/event_records.h"
-#include "located/drift.h"
 #include "located/transition.h"
 #include "located/work.h"
 
@@ -189,13 +188,7 @@ static void let_slip(const struct rb_resolution *s, int k)
 static void keep_what_lasts(struct rb_resolution *s)
 {
 	bool *const kept = rb_slips_take(s, s->contact_point_count, sizeof *kept);
-	struct rb_drift drift = {.l = s->l,
-	                         .t = s->t,
-	                         .contact_point = s->contact_point,
-	                         .before = s->before,
-	                         .kept = kept,
-	                         .count = s->contact_point_count,
-	                         .pose = s->pose};
+	struct rb_drift drift = rb_slips_drift(s, kept);
 	int count = 0;
 
 	if (!kept)

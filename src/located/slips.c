@@ -12,12 +12,22 @@
 #include <string.h>
 
 #include "located/mechanics.h"
-#include "located/drift.h"
 
 /* Length of a slip that has ended, ulp of the size; rounding of accelerations aside, ulp. */
 enum { SLIP_ULP = 1, STRAIGHT_ULP = 64 };
 /* Cosine above which two normals are one, to rounding. */
 static const double same_way = 1 - 1e-12;
+
+struct rb_drift rb_slips_drift(const struct rb_resolution *s, bool *kept)
+{
+	return (struct rb_drift){.l = s->l,
+	                         .t = s->t,
+	                         .contact_point = s->contact_point,
+	                         .before = s->before,
+	                         .kept = kept,
+	                         .count = s->contact_point_count,
+	                         .pose = s->pose};
+}
 
 void *rb_slips_take(struct rb_resolution *s, int count, size_t size)
 {
@@ -269,13 +279,7 @@ bool rb_slips_creep(const struct rb_resolution *s, int k, const struct rb_held *
 static bool stop_slow_slips(struct rb_resolution *s)
 {
 	bool *const kept = rb_slips_take(s, s->contact_point_count, sizeof *kept);
-	struct rb_drift drift = {.l = s->l,
-	                         .t = s->t,
-	                         .contact_point = s->contact_point,
-	                         .before = s->before,
-	                         .kept = kept,
-	                         .count = s->contact_point_count,
-	                         .pose = s->pose};
+	struct rb_drift drift = rb_slips_drift(s, kept);
 	bool any = false;
 
 	for (int k = 0; kept && k < s->contact_point_count; k++) {

@@ -9,6 +9,7 @@
 #ifndef RB_LOCATED_SLIPS_H
 #define RB_LOCATED_SLIPS_H
 
+#include "located/drift.h"
 #include "located/joint_rows.h"
 #include "located/set.h"
 #include "constraint/simultaneous.h"
@@ -54,6 +55,8 @@ static inline bool rb_slips_is_after_impact(const struct rb_resolution *s,
 
 /* Room in the arena; NULL, and l->status says so: there is none. */
 void *rb_slips_take(struct rb_resolution *s, int count, size_t size);
+/* The drift of its contact points: `kept` [contact_point_count], see struct rb_drift. */
+struct rb_drift rb_slips_drift(const struct rb_resolution *s, bool *kept);
 
 /*
  * Fills `joint` and `load`. Slips that end within rounding are ended, which changes poses'

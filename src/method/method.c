@@ -15,6 +15,7 @@
 #include "located/located_invariants.h"
 #include "method/loads.h"
 #include "method/numbers.h"
+#include "model/center.h"
 #include "model/descriptor.h"
 #include "classic/stage_list.h"
 #include "world/invariants.h"
@@ -36,11 +37,9 @@ static void start_state(struct rb_world *world)
 
 	for (int i = 0; i < model->body_count; i++) {
 		const struct rb_body_def *body = &model->scene->bodies[model->id_of[i]];
-		rb_vec3 center = model->position[i];
+		const rb_vec3 center = rb_model_center(model, i, model->position[i],
+		                                       model->orientation[i]);
 
-		if (model->center_of_mass)
-			center = rb_vec3_add(center, rb_quat_rotate(model->orientation[i],
-			                                            model->center_of_mass[i]));
 		rb_vec3_to(state->position + 3 * (size_t)i, center);
 		rb_vec3_to(state->velocity + 3 * (size_t)i, body->velocity);
 		if (state->orientation) {

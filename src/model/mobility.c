@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "math/quat.h"
+#include "model/center.h"
 #include "model/joints.h"
 
 /* A dense matrix of more rows takes seconds. */
@@ -23,11 +24,9 @@ static struct rb_pose pose_of(const struct rb_model *model, int index)
 	struct rb_pose pose = {.origin = model->position[index],
 	                       .orientation = model->orientation[index]};
 
-	pose.position = pose.origin;
-	if (index < model->body_count && model->center_of_mass)
-		pose.position = rb_vec3_add(
-			pose.origin,
-			rb_quat_rotate(pose.orientation, model->center_of_mass[index]));
+	pose.position = index < model->body_count
+	                        ? rb_model_center(model, index, pose.origin, pose.orientation)
+	                        : pose.origin;
 	return pose;
 }
 

@@ -258,8 +258,21 @@ static bool check_shape(hid_t space, bool grows, rb_h5_shape *row, hsize_t *rows
 	return true;
 }
 
-hid_t rb_input_dataset(const struct rb_input *input, const char *path, bool grows, rb_h5_shape *row,
-                       hsize_t *rows)
+static bool is_number(hid_t type)
+{
+	const H5T_class_t class = H5Tget_class(type);
+
+	return (class == H5T_FLOAT || class == H5T_INTEGER) && H5Tget_size(type) <= 8;
+}
+
+static bool is_text(hid_t type)
+{
+	return H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0;
+}
+
+/* Opens a dataset of a good type and shape that can be read into memory; -1: it is none. */
+static hid_t open_dataset(const struct rb_input *input, const char *path,
+                          bool (*is_good)(hid_t type), bool grows, rb_h5_shape *row, hsize_t *rows)
 {
 	uint64_t count, bytes;
 	bool filtered;
@@ -270,10 +283,8 @@ hid_t rb_input_dataset(const struct rb_input *input, const char *path, bool grow
 	if (dataset < 0)
 		return -1;
 	const hid_t type = H5Dget_type(dataset), space = H5Dget_space(dataset);
-	const H5T_class_t class = H5Tget_class(type);
 	const size_t size = H5Tget_size(type);
-	const bool good = (class == H5T_FLOAT || class == H5T_INTEGER) && size >= 1 && size <= 8 &&
-	                  plain_storage(dataset, &filtered) &&
+	const bool good = size > 0 && is_good(type) && plain_storage(dataset, &filtered) &&
 	                  check_shape(space, grows, row, rows, &count) &&
 	                  !__builtin_mul_overflow(count, size, &bytes) &&
 	                  !too_long(input, bytes, filtered) &&
@@ -285,6 +296,12 @@ hid_t rb_input_dataset(const struct rb_input *input, const char *path, bool grow
 		return dataset;
 	rb_h5_done(dataset);
 	return -1;
+}
+
+hid_t rb_input_dataset(const struct rb_input *input, const char *path, bool grows, rb_h5_shape *row,
+                       hsize_t *rows)
+{
+	return open_dataset(input, path, is_number, grows, row, rows);
 }
 
 bool rb_input_rows(hid_t dataset, enum rb_h5_kind kind, rb_h5_shape row, const hsize_t range[2],
@@ -327,29 +344,15 @@ static hid_t text_dataset(const struct rb_input *input, const char *path, size_t
                           size_t *room)
 {
 	rb_h5_shape shape = {count > 0, {count}};
-	uint64_t elements, bytes;
 	hsize_t rows;
-	bool filtered;
+	const hid_t dataset = open_dataset(input, path, is_text, false, &shape, &rows);
 
-	if (!rb_input_has(input, path))
-		return -1;
-	const hid_t dataset = H5Dopen2(input->file, path, H5P_DEFAULT);
 	if (dataset < 0)
 		return -1;
-	const hid_t type = H5Dget_type(dataset), space = H5Dget_space(dataset);
+	const hid_t type = H5Dget_type(dataset);
 	*room = H5Tget_size(type);
-	const bool good = H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 &&
-	                  *room > 0 && plain_storage(dataset, &filtered) &&
-	                  check_shape(space, false, &shape, &rows, &elements) &&
-	                  !__builtin_mul_overflow(elements, *room, &bytes) &&
-	                  !too_long(input, bytes, filtered) &&
-	                  (!filtered || chunk_fits(input, dataset, *room));
-	rb_h5_done(space);
 	rb_h5_done(type);
-	if (good)
-		return dataset;
-	rb_h5_done(dataset);
-	return -1;
+	return dataset;
 }
 
 /* Reads texts as they are on disk: the type in the file is the type in memory. */

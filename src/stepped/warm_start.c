@@ -21,17 +21,19 @@ void rb_step_points_index(struct rb_step_points *points, const struct rb_model *
 		points->first_last[a] = points->last_count;
 }
 
+static struct rb_contact_name name_of(const struct rb_named_impulse *impulse)
+{
+	return (struct rb_contact_name){
+		.a = impulse->a, .b = impulse->b, .parts = impulse->parts, .key = impulse->key};
+}
+
 static int by_name(const void *left, const void *right)
 {
 	const struct rb_named_impulse *x = left, *y = right;
 
-	if (x->a != y->a)
-		return x->a < y->a ? -1 : 1;
-	if (x->b != y->b)
-		return x->b < y->b ? -1 : 1;
-	if (x->parts != y->parts)
-		return x->parts < y->parts ? -1 : 1;
-	return (x->key > y->key) - (x->key < y->key);
+	const struct rb_contact_name of_x = name_of(x), of_y = name_of(y);
+
+	return rb_contact_name_compare(&of_x, &of_y);
 }
 
 static struct rb_named_impulse taken_over(const struct rb_world *world,
