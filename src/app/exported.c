@@ -61,15 +61,12 @@ enum rb_status rb_exported_open(struct rb_exported *exported, const struct rb_op
                                 const struct rb_export_form *form, struct rb_error *err)
 {
 	*exported = (struct rb_exported){.options = options, .file = options->operand[0]};
-	enum rb_status status = rb_module_hdf5(&exported->module, err);
+	enum rb_status status = rb_recorded_open(&exported->module, &exported->reader,
+	                                         exported->file, err);
 
-	if (!status)
-		status = exported->module->reader_open(&exported->reader, exported->file, err);
 	if (status)
 		return status;
 	exported->reading = exported->module->reader_reading(exported->reader);
-	if (exported->reading->frame_count == 0)
-		return RB_FAIL(err, RB_ERR_INPUT, "'%s' holds no frame", exported->file);
 	if (form->moves && exported->reading->body_count > 0 &&
 	    !(exported->reading->fields & RB_FIELD_POSITION))
 		return RB_FAIL(err, RB_ERR_INPUT,

@@ -59,6 +59,20 @@ static bool gather(struct stored *stored, const struct rb_reading *reading)
 	return true;
 }
 
+enum rb_status rb_recorded_open(const struct rb_hdf5_module **module, struct rb_reader **reader,
+                                const char *path, struct rb_error *err)
+{
+	enum rb_status status = rb_module_hdf5(module, err);
+
+	if (!status)
+		status = (*module)->reader_open(reader, path, err);
+	if (status)
+		return status;
+	if ((*module)->reader_reading(*reader)->frame_count == 0)
+		return RB_FAIL(err, RB_ERR_INPUT, "'%s' holds no frame", path);
+	return RB_OK;
+}
+
 /* Fails unless the bodies are those of the recording. */
 static enum rb_status compare(const struct rb_model *model, const struct rb_reading *reading,
                               const char *path, struct rb_error *err)

@@ -10,6 +10,14 @@
 #include "sink/module.h"
 
 /*
+ * Opens a recording that holds a frame; the caller closes `*reader` unless it is NULL.
+ * RB_ERR_INPUT: it is none, or holds no frame.
+ */
+RB_CHECKED enum rb_status rb_recorded_open(const struct rb_hdf5_module **module,
+                                           struct rb_reader **reader, const char *path,
+                                           struct rb_error *err);
+
+/*
  * `loaded` is released with rb_loaded_release in any case. RB_ERR_INPUT when the stored scene does
  * not load or gives other bodies than those that were recorded.
  */

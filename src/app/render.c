@@ -138,15 +138,11 @@ static enum rb_status open_recording(struct render *render, struct rb_error *err
 {
 	const char *const path = render->path;
 	struct rb_frame frame;
-	enum rb_status status = rb_module_hdf5(&render->module, err);
+	enum rb_status status = rb_recorded_open(&render->module, &render->reader, path, err);
 
-	if (!status)
-		status = render->module->reader_open(&render->reader, path, err);
 	if (status)
 		return status;
 	render->reading = render->module->reader_reading(render->reader);
-	if (render->reading->frame_count == 0)
-		return RB_FAIL(err, RB_ERR_INPUT, "'%s' holds no frame", path);
 	if (render->reading->body_count > 0 && !(render->reading->fields & RB_FIELD_POSITION))
 		return RB_FAIL(err, RB_ERR_INPUT,
 		               "'%s' holds no positions ('fields' of record is without "

@@ -213,15 +213,12 @@ static enum rb_status prepare(struct replay *replay, const struct rb_options *op
                               struct rb_error *err)
 {
 	const struct rb_world_options world = {.threads = rb_simulate_threads(options)};
-	enum rb_status status = rb_module_hdf5(&replay->module, err);
+	enum rb_status status = rb_recorded_open(&replay->module, &replay->reader, replay->path,
+	                                         err);
 
-	if (!status)
-		status = replay->module->reader_open(&replay->reader, replay->path, err);
 	if (status)
 		return status;
 	replay->reading = replay->module->reader_reading(replay->reader);
-	if (replay->reading->frame_count == 0)
-		return RB_FAIL(err, RB_ERR_INPUT, "'%s' holds no frame", replay->path);
 	status = rb_recorded_load(&replay->loaded, replay->reading, replay->path, options->trust,
 	                          err);
 	if (status)
