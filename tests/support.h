@@ -6,6 +6,7 @@
 #ifndef RB_TESTS_SUPPORT_H
 #define RB_TESTS_SUPPORT_H
 
+#include <dirent.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -72,6 +73,19 @@ static inline char *support_folder(char path[256])
 	if (!mkdtemp(path))
 		fail_msg("cannot make a folder '%s'", path);
 	return path;
+}
+
+/* How many names are in a folder, those that begin with a dot aside. */
+static inline int support_count_files(const char *folder)
+{
+	DIR *const opened = opendir(folder);
+	int count = 0;
+
+	assert_non_null(opened);
+	for (const struct dirent *entry; (entry = readdir(opened)) != NULL;)
+		count += entry->d_name[0] != '.';
+	closedir(opened);
+	return count;
 }
 
 #endif

@@ -94,23 +94,6 @@ static int add_prism(struct lab *lab)
 	return solid;
 }
 
-static int add_table(struct lab *lab)
-{
-	struct rb_solid_part part[3];
-	int solid = -1;
-
-	for (int k = 0; k < 3; k++) {
-		part[k] = (struct rb_solid_part){.orientation = rb_quat_identity, .share = 1};
-		part[k].shape.kind = RB_SHAPE_BOX;
-		part[k].position = k == 0 ? (rb_vec3){0, 0, 0.25}
-		                          : (rb_vec3){k == 1 ? -0.4 : 0.4, 0, -0.05};
-		rb_vec3_to(part[k].shape.size,
-		           k == 0 ? (rb_vec3){1, 0.5, 0.1} : (rb_vec3){0.1, 0.5, 0.5});
-	}
-	assert_int_equal(rb_scene_add_union(&lab->scene, part, 3, &solid, &lab->error), RB_OK);
-	return solid;
-}
-
 enum { BOX, BOXES, CYLINDER, LYING, CAPSULE, HULLS, UNION, ACROSS, CASES };
 
 static void put_up(struct lab *lab, int which)
@@ -141,7 +124,7 @@ static void put_up(struct lab *lab, int which)
 		add_solid(lab, RB_SHAPE_HULL, solid, (rb_vec3){0.1, 0.07, 0.6}, skew);
 		break;
 	case UNION:
-		solid = add_table(lab);
+		solid = lab_table_solid(lab);
 		add_solid(lab, RB_SHAPE_UNION, solid, (rb_vec3){0, 0, 0.3}, skew);
 		break;
 	case ACROSS:

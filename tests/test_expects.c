@@ -9,7 +9,7 @@
 #include "script/expects.h"
 #include "script/load.h"
 
-static void assert_mistake(const char *text, const char *part)
+static void assert_refused(const char *text, const char *part)
 {
 	struct loaded it;
 
@@ -54,18 +54,18 @@ static void expectations_arrive_in_their_order_with_their_lines(void **state)
 static void what_is_no_expectation_is_a_mistake(void **state)
 {
 	(void)state;
-	assert_mistake("expect(5, function() end)",
+	assert_refused("expect(5, function() end)",
 	               "t.lua:1: expect: expected a text and a function "
 	               "(got 5 for the text)");
-	assert_mistake("expect('x', true)", "(got true for the function)");
-	assert_mistake("expect_always()",
+	assert_refused("expect('x', true)", "(got true for the function)");
+	assert_refused("expect_always()",
 	               "expect_always: expected a text and a function (got nothing");
-	assert_mistake("expect_refused(66.5)", "expected an exit status of rbsim(1) first");
-	assert_mistake("expect_refused('65')", "(got the text '65')");
-	assert_mistake("expect_refused(0)", "(got 0)");
-	assert_mistake("expect_refused(70)", "(got 70)"); /* a bug is never expected */
-	assert_mistake("expect_refused(65, 5)", "expected a pattern as a text (got 5)");
-	assert_mistake("reference(5)", "reference: expected a function of t (got 5)");
+	assert_refused("expect_refused(66.5)", "expected an exit status of rbsim(1) first");
+	assert_refused("expect_refused('65')", "(got the text '65')");
+	assert_refused("expect_refused(0)", "(got 0)");
+	assert_refused("expect_refused(70)", "(got 70)"); /* a bug is never expected */
+	assert_refused("expect_refused(65, 5)", "expected a pattern as a text (got 5)");
+	assert_refused("reference(5)", "reference: expected a function of t (got 5)");
 }
 
 static void a_refusal_is_kept_with_its_pattern(void **state)

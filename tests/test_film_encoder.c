@@ -94,18 +94,6 @@ static double value(const char *path, const char *entry)
 	return *rest == '/' ? number / strtod(rest + 1, NULL) : number;
 }
 
-static int count_files(const char *folder)
-{
-	DIR *opened = opendir(folder);
-	int count = 0;
-
-	assert_non_null(opened);
-	for (struct dirent *entry; (entry = readdir(opened)) != NULL;)
-		count += entry->d_name[0] != '.';
-	closedir(opened);
-	return count;
-}
-
 /* Every decoded picture against the one that went in: mean difference of the channels, and of each corner. */
 static void compare(const char *path, int width, int height, int frames, double tolerance)
 {
@@ -164,7 +152,7 @@ static void a_film_decodes_to_the_pictures_that_went_in(void **state)
 		assert_int_equal(rename(path, quoted), 0);
 		compare(quoted, cases[k].width, cases[k].height, FRAMES, cases[k].tolerance);
 	}
-	assert_int_equal(count_files("."), 6);
+	assert_int_equal(support_count_files("."), 6);
 	assert_int_equal(chdir("/"), 0);
 }
 
@@ -216,7 +204,7 @@ static void a_fast_gif_keeps_its_duration(void **state)
 	assert_near(value(path, "stream=nb_read_frames"), FRAMES / 2, 0);
 	assert_near(value(path, "format=duration"), FRAMES / 60.0, 0.021);
 	compare(path, 96, 64, FRAMES / 2, 6);
-	assert_int_equal(count_files(folder), 1);
+	assert_int_equal(support_count_files(folder), 1);
 }
 
 static void without_a_picture_or_where_it_is_given_up_nothing_is_left(void **state)
@@ -242,7 +230,7 @@ static void without_a_picture_or_where_it_is_given_up_nothing_is_left(void **sta
 		if (way / 2 < 2)
 			assert_ok(rb_encoder_finish(encoder, way / 2 == 1, NULL, &err));
 		rb_encoder_destroy(encoder);
-		assert_int_equal(count_files(folder), 0);
+		assert_int_equal(support_count_files(folder), 0);
 	}
 	assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);
 	rb_pixmap_release(&pixmap);
@@ -324,7 +312,7 @@ static void an_ffmpeg_that_fails_is_told_with_what_it_said_last(void **state)
 		                 RB_ERR_MISSING);
 		if (!strstr(err.text, cases[k].says[0]) || !strstr(err.text, cases[k].says[1]))
 			fail_msg("'%s' lacks '%s'", err.text, cases[k].says[0]);
-		assert_int_equal(count_files(folder), 1);
+		assert_int_equal(support_count_files(folder), 1);
 	}
 	unsetenv("RBSIM_FFMPEG");
 }
@@ -399,7 +387,7 @@ static void an_ffmpeg_that_hangs_is_ended_and_told(void **state)
 			fail_msg("'%s': %g s", cases[k].script, took_s);
 		if (!strstr(err.text, "made no progress for 0.4 s"))
 			fail_msg("'%s': '%s'", cases[k].script, err.text);
-		assert_int_equal(count_files(folder), 1);
+		assert_int_equal(support_count_files(folder), 1);
 		assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);
 	}
 	unsetenv("RBSIM_FFMPEG");
@@ -425,7 +413,7 @@ static void an_ffmpeg_that_is_slow_is_waited_for(void **state)
 		be_ffmpeg(folder, script);
 		/* four of its pauses: a busy machine stretches them */
 		assert_ok(film_with(path, 20, 1.5, NULL, &err));
-		assert_int_equal(count_files(folder), 2);
+		assert_int_equal(support_count_files(folder), 2);
 		assert_int_equal(unlink(path), 0);
 	}
 	unsetenv("RBSIM_FFMPEG");
@@ -441,13 +429,13 @@ static void a_film_that_is_empty_or_whose_end_nobody_knows_is_a_failure(void **s
 	be_ffmpeg(folder, "cat >/dev/null; echo bored >&2; exit 0");
 	assert_int_equal(film_until_it_fails(path, 3, &err), RB_ERR_MISSING);
 	assert_non_null(strstr(err.text, "has written nothing: bored"));
-	assert_int_equal(count_files(folder), 1);
+	assert_int_equal(support_count_files(folder), 1);
 	be_ffmpeg(folder, "cat >/dev/null; for last; do :; done; echo x >${last#file:}; exit 4");
 	signal(SIGCHLD, SIG_IGN);
 	const enum rb_status status = film_until_it_fails(path, 3, &err);
 	signal(SIGCHLD, SIG_DFL);
 	assert_int_equal(status, RB_ERR_MISSING);
-	assert_int_equal(count_files(folder), 1);
+	assert_int_equal(support_count_files(folder), 1);
 	unsetenv("RBSIM_FFMPEG");
 }
 
@@ -471,7 +459,7 @@ static void a_full_disk_is_told_as_such(void **state)
 		assert_int_equal(film_until_it_fails(path, 20, &err), RB_ERR_IO);
 		if (!strstr(err.text, k < 3 ? "No space left" : "File too large"))
 			fail_msg("'%s'", err.text);
-		assert_int_equal(count_files(folder), 1);
+		assert_int_equal(support_count_files(folder), 1);
 	}
 	unsetenv("RBSIM_FFMPEG");
 	if (!has_ffmpeg())
@@ -487,7 +475,7 @@ static void a_full_disk_is_told_as_such(void **state)
 		assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
 		if (status != RB_ERR_IO)
 			fail_msg("'%s': %d, '%s'", path, (int)status, err.text);
-		assert_int_equal(count_files(folder), 1);
+		assert_int_equal(support_count_files(folder), 1);
 	}
 }
 
@@ -557,7 +545,7 @@ static void what_cannot_be_filmed_is_known_before(void **state)
 	const uint64_t begin = rb_clock_now_ns();
 	assert_int_equal(rb_encoder_check(&fine, NULL), RB_OK);
 	assert_true(rb_clock_now_ns() - begin < 2000000000);
-	assert_int_equal(count_files(folder), 1);
+	assert_int_equal(support_count_files(folder), 1);
 	snprintf(path, sizeof path, "%s/a.webm", folder);
 	assert_check_fails(path, RB_ERR_MISSING, "no encoder 'libvpx-vp9'");
 	snprintf(path, sizeof path, "%s/a.avi", folder);

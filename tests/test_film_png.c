@@ -261,18 +261,6 @@ static bool holds(const struct file *file, const char *text, size_t size)
 	return false;
 }
 
-static int count_files(const char *folder)
-{
-	DIR *opened = opendir(folder);
-	int count = 0;
-
-	assert_non_null(opened);
-	for (struct dirent *entry; (entry = readdir(opened)) != NULL;)
-		count += entry->d_name[0] != '.';
-	closedir(opened);
-	return count;
-}
-
 static void a_picture_comes_back_as_it_was_opaque_and_with_its_texts(void **state)
 {
 	static struct file file, again;
@@ -308,7 +296,7 @@ static void a_picture_comes_back_as_it_was_opaque_and_with_its_texts(void **stat
 	load(&again, path);
 	assert_int_equal(file.size, again.size);
 	assert_memory_equal(file.bytes, again.bytes, file.size);
-	assert_int_equal(count_files(folder), 1);
+	assert_int_equal(support_count_files(folder), 1);
 	rb_pixmap_release(&pixmap);
 }
 
@@ -332,7 +320,7 @@ static void what_is_there_is_replaced_only_when_asked_for(void **state)
 	assert_ok(rb_png_write(path, true, &pixmap, NULL, NULL, &err));
 	load(&file, path);
 	assert_true(file.size > 4);
-	assert_int_equal(count_files(folder), 1);
+	assert_int_equal(support_count_files(folder), 1);
 	rb_pixmap_release(&pixmap);
 }
 
@@ -358,7 +346,7 @@ static void what_cannot_be_written_leaves_nothing(void **state)
 		if (!status)
 			break;
 		assert_int_equal(status, RB_ERR_MEMORY);
-		assert_int_equal(count_files(folder), 0);
+		assert_int_equal(support_count_files(folder), 0);
 	}
 	assert_true(failures >= 3);
 	rb_pixmap_release(&pixmap);
@@ -384,7 +372,7 @@ static void a_full_disk_is_told_and_leaves_nothing_under_the_name(void **state)
 	fputs("text", out.file);
 	assert_int_equal(rb_outfile_publish(&out, &err), RB_ERR_IO);
 	assert_non_null(strstr(err.text, "No space left"));
-	assert_int_equal(count_files(folder), 0);
+	assert_int_equal(support_count_files(folder), 0);
 	(void)file;
 }
 
@@ -397,7 +385,7 @@ static void folders_that_are_missing_are_made_and_a_probe_leaves_none(void **sta
 	(void)state;
 	snprintf(path, sizeof path, "%s/a/b//c/d.png", support_folder(folder));
 	assert_ok(rb_outfile_probe(path, false, &err));
-	assert_int_equal(count_files(folder), 0);
+	assert_int_equal(support_count_files(folder), 0);
 	assert_ok(rb_outfile_folders(path, 0, &err));
 	assert_ok(rb_outfile_folders(path, 0, &err));
 	snprintf(path, sizeof path, "%s/a/b/c", folder);

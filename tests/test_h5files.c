@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Files of a scene in its recording, to the last byte, and the scene that they give again. */
-#include "support.h"
+#include "own_folder.h"
 
 #include "h5support.h"
 
@@ -14,14 +14,6 @@
 #include "script/load.h"
 #include "sink/h5mark.h"
 #include "sink/h5output.h"
-
-static char folder[256];
-
-static char *in_folder(char path[512], const char *name)
-{
-	snprintf(path, 512, "%s/%s", folder, name);
-	return path;
-}
 
 static void put_file(const char *name, const void *bytes, size_t size)
 {
@@ -343,22 +335,6 @@ static void a_recording_gives_its_scene_again(void **state)
 	rb_reader_close(reader);
 	unload(&first);
 	unload(&again);
-}
-
-static int make_folder(void **state)
-{
-	(void)state;
-	support_folder(folder);
-	return 0;
-}
-
-static int remove_folder(void **state)
-{
-	char command[300];
-
-	(void)state;
-	snprintf(command, sizeof command, "rm -r '%s'", folder);
-	return system(command) != 0;
 }
 
 static herr_t innermost(unsigned depth, const H5E_error2_t *entry, void *user)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/sink/h5input.c: what is read from a file that nobody vouches for, and what is not */
-#include "support.h"
+#include "h5place.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -8,24 +8,6 @@
 
 #include "math/random.h"
 #include "sink/h5input.h"
-
-/* A file in a folder of its own. */
-struct file {
-	char folder[256], path[300];
-	struct rb_h5 h5;
-};
-
-static void open_file(struct file *file)
-{
-	*file = (struct file){.h5 = {.name = "f.h5"}};
-	rb_h5_quiet();
-	support_folder(file->folder);
-	snprintf(file->path, sizeof file->path, "%s/f.h5", file->folder);
-	const hid_t access = rb_h5_access(1);
-	file->h5.file = H5Fcreate(file->path, H5F_ACC_EXCL, H5P_DEFAULT, access);
-	assert_true(file->h5.file >= 0);
-	rb_h5_done(access);
-}
 
 /* The file closed, and open for reading. */
 static void open_input(struct file *file, struct rb_input *input)

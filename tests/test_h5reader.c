@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/sink/reader.c and src/sink/h5input.c: what a recording says, and files that are none. */
-#include "support.h"
+#include "own_folder.h"
 
 #include "force/drag.h"
 #include "force/spring.h"
@@ -11,14 +11,6 @@
 #include <hdf5.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-
-static char folder[256];
-
-static const char *in_folder(char out[512], const char *name)
-{
-	snprintf(out, 512, "%s/%s", folder, name);
-	return out;
-}
 
 static void add_texts(struct fake *fake)
 {
@@ -637,22 +629,6 @@ static void no_memory_is_an_error(void **slot)
 		rb_reader_close(reader);
 	}
 	assert_int_equal(successes, 1);
-}
-
-static int make_folder(void **slot)
-{
-	(void)slot;
-	support_folder(folder);
-	return 0;
-}
-
-static int remove_folder(void **slot)
-{
-	char command[300];
-
-	(void)slot;
-	snprintf(command, sizeof command, "rm -rf '%s'", folder);
-	return system(command);
 }
 
 int main(void)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/sink/recorder.c with all it stands on: what is written can be read, whatever happens meanwhile. */
-#include "support.h"
+#include "own_folder.h"
 
 #include "h5support.h"
 
@@ -16,14 +16,6 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
-
-static char folder[256];
-
-static const char *in_folder(char out[512], const char *name)
-{
-	snprintf(out, 512, "%s/%s", folder, name);
-	return out;
-}
 
 static bool exists(const char *path)
 {
@@ -706,22 +698,6 @@ static void no_memory_is_an_error_and_leaves_nothing_behind(void **slot)
 		fake_release(&fake);
 	}
 	assert_int_equal(successes, 1);
-}
-
-static int make_folder(void **slot)
-{
-	(void)slot;
-	support_folder(folder);
-	return 0;
-}
-
-static int remove_folder(void **slot)
-{
-	char command[300];
-
-	(void)slot;
-	snprintf(command, sizeof command, "rm -rf '%s'", folder);
-	return system(command);
 }
 
 int main(void)

@@ -4,23 +4,9 @@
 
 #include "worlds.h"
 
-static struct rb_body_def box_def(rb_vec3 size, double mass, rb_vec3 position)
-{
-	struct rb_body_def def = rb_body_def_default();
-
-	def.call = "box";
-	def.shape.kind = RB_SHAPE_BOX;
-	def.shape.size[0] = size.x;
-	def.shape.size[1] = size.y;
-	def.shape.size[2] = size.z;
-	def.mass = mass;
-	def.position = position;
-	return def;
-}
-
 static int box(struct lab *lab, rb_vec3 size, double mass, rb_vec3 position)
 {
-	const struct rb_body_def def = box_def(size, mass, position);
+	const struct rb_body_def def = lab_box_def(size, mass, position);
 
 	return lab_add(lab, &def);
 }
@@ -74,8 +60,8 @@ static void a_box_on_a_plane_does_not_move_a_bit(void **state)
 
 		bench_open(&bench, 100, 1);
 		lab_surface(&bench.lab, 0.5, 0.5);
-		struct rb_body_def def = box_def((rb_vec3){1, 0.5, 0.25}, 2,
-		                                 (rb_vec3){0.3, 0.1, 0.125});
+		struct rb_body_def def = lab_box_def((rb_vec3){1, 0.5, 0.25}, 2,
+		                                     (rb_vec3){0.3, 0.1, 0.125});
 		if (tilted) {
 			const rb_quat q = about((rb_vec3){0, 1, 0}, 0.3);
 			def.orientation = q;
@@ -107,7 +93,8 @@ static void a_box_slides_as_far_in_every_direction(void **state)
 		bench_open(&bench, 2, 10);
 		lab_surface(&bench.lab, mu, 0);
 		lab_plane(&bench.lab, (rb_vec3){0, 0, 0}, up);
-		struct rb_body_def def = box_def((rb_vec3){1, 1, 0.5}, 2, (rb_vec3){0, 0, 0.25});
+		struct rb_body_def def = lab_box_def((rb_vec3){1, 1, 0.5}, 2,
+		                                     (rb_vec3){0, 0, 0.25});
 		def.velocity = rb_vec3_scale(v, way);
 		lab_add(&bench.lab, &def);
 		bench_seal(&bench);
@@ -164,7 +151,7 @@ static double rocking_ratio(double width, double height)
 	lab_surface(&bench.lab, 1, 0);
 	lab_plane(&bench.lab, (rb_vec3){0, 0, 0}, up);
 	/* about the edge at +x */
-	struct rb_body_def def = box_def((rb_vec3){width, 0.7, height}, 2, (rb_vec3){0, 0, 0});
+	struct rb_body_def def = lab_box_def((rb_vec3){width, 0.7, height}, 2, (rb_vec3){0, 0, 0});
 	def.orientation = about((rb_vec3){0, 1, 0}, lean);
 	const rb_vec3 edge = rb_quat_rotate(def.orientation, (rb_vec3){width / 2, 0, -height / 2});
 	def.position = rb_vec3_neg(edge);
@@ -201,7 +188,7 @@ static void a_box_on_its_edge_falls_at_the_right_rate(void **state)
 	bench_open(&bench, 3, 100);
 	lab_surface(&bench.lab, 1, 0);
 	lab_plane(&bench.lab, (rb_vec3){0, 0, 0}, up);
-	struct rb_body_def def = box_def((rb_vec3){1, 1, 1}, 2, (rb_vec3){0, 0, 0});
+	struct rb_body_def def = lab_box_def((rb_vec3){1, 1, 1}, 2, (rb_vec3){0, 0, 0});
 	def.orientation = about((rb_vec3){0, 1, 0}, quarter + lean);
 	const rb_vec3 edge = rb_quat_rotate(def.orientation, (rb_vec3){0.5, 0, -0.5});
 	def.position = rb_vec3_neg(edge);
@@ -230,7 +217,8 @@ static void friction_above_the_slope_holds_and_below_it_does_not(void **state)
 		bench_open(&bench, 10, 1);
 		lab_surface(&bench.lab, mu, 0);
 		lab_plane(&bench.lab, (rb_vec3){0, 0, 0}, rb_quat_rotate(q, up));
-		struct rb_body_def def = box_def((rb_vec3){1, 1, 0.1}, 2, (rb_vec3){0, 0, 0.05});
+		struct rb_body_def def = lab_box_def((rb_vec3){1, 1, 0.1}, 2,
+		                                     (rb_vec3){0, 0, 0.05});
 		def.orientation = q;
 		def.position = rb_quat_rotate(q, def.position);
 		lab_add(&bench.lab, &def);
@@ -262,7 +250,7 @@ static void a_box_with_sideways_speed_on_a_slope_curves_as_it_should(void **stat
 	bench_open(&bench, 1, 10);
 	lab_surface(&bench.lab, mu, 0);
 	lab_plane(&bench.lab, (rb_vec3){0, 0, 0}, rb_quat_rotate(q, up));
-	struct rb_body_def def = box_def((rb_vec3){1, 1, 0.2}, 2, (rb_vec3){0, 0, 0.1});
+	struct rb_body_def def = lab_box_def((rb_vec3){1, 1, 0.2}, 2, (rb_vec3){0, 0, 0.1});
 	def.orientation = q;
 	def.position = rb_quat_rotate(q, def.position);
 	def.velocity = (rb_vec3){0, v0, 0};
@@ -285,7 +273,7 @@ static void a_box_that_is_pushed_over_its_edge_falls_on_its_side(void **state)
 	bench_open(&bench, 4, 100);
 	lab_surface(&bench.lab, 1, 0);
 	lab_plane(&bench.lab, (rb_vec3){0, 0, 0}, up);
-	struct rb_body_def def = box_def((rb_vec3){1, 1, 2}, 2, (rb_vec3){0, 0, 1});
+	struct rb_body_def def = lab_box_def((rb_vec3){1, 1, 2}, 2, (rb_vec3){0, 0, 1});
 	/* about its lower edge at +x, fast enough to go over it */
 	def.angular_velocity = (rb_vec3){0, 2, 0};
 	def.velocity = (rb_vec3){2, 0, 1};
@@ -396,7 +384,7 @@ static void thrown_boxes_lose_energy_until_they_lie(void **state)
 		bench_open(&bench, 8, 50);
 		lab_surface(&bench.lab, 0.5, k % 2 ? 0.3 : 0);
 		lab_plane(&bench.lab, (rb_vec3){0, 0, 0}, up);
-		struct rb_body_def def = box_def(size, 2, (rb_vec3){0, 0, 2});
+		struct rb_body_def def = lab_box_def(size, 2, (rb_vec3){0, 0, 2});
 		def.orientation = about((rb_vec3){1, sin(k + 0.5), 0.3}, 1 + k);
 		def.velocity = (rb_vec3){2 * sin(4.0 * k), 1, 0};
 		def.angular_velocity = (rb_vec3){5 * sin(7.0 * k), 3, 5 * cos(3.0 * k)};
@@ -429,11 +417,11 @@ static void a_box_slides_off_a_table_and_falls(void **state)
 	(void)state;
 	bench_open(&bench, 3, 100);
 	lab_surface(&bench.lab, mu, 0);
-	struct rb_body_def table = box_def((rb_vec3){2, 2, 1}, 1, (rb_vec3){0, 0, -0.5});
+	struct rb_body_def table = lab_box_def((rb_vec3){2, 2, 1}, 1, (rb_vec3){0, 0, -0.5});
 	table.is_static = true;
 	lab_add(&bench.lab, &table);
 	lab_plane(&bench.lab, (rb_vec3){0, 0, -2}, up);
-	struct rb_body_def def = box_def((rb_vec3){0.6, 0.4, 0.2}, 1, (rb_vec3){0, 0, 0.1});
+	struct rb_body_def def = lab_box_def((rb_vec3){0.6, 0.4, 0.2}, 1, (rb_vec3){0, 0, 0.1});
 	def.velocity = (rb_vec3){v, 0, 0};
 	lab_add(&bench.lab, &def);
 	bench_seal(&bench);

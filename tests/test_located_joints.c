@@ -213,16 +213,7 @@ static void every_kind_keeps_energy_and_momentum(void **state)
 
 static struct rb_body_def bar(rb_vec3 position, rb_vec3 size, double mass)
 {
-	struct rb_body_def def = rb_body_def_default();
-
-	def.call = "box";
-	def.shape.kind = RB_SHAPE_BOX;
-	def.shape.size[0] = size.x;
-	def.shape.size[1] = size.y;
-	def.shape.size[2] = size.z;
-	def.mass = mass;
-	def.position = position;
-	return def;
+	return lab_box_def(size, mass, position);
 }
 
 static double energy(const struct lab *lab)

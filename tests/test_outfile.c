@@ -8,9 +8,9 @@
 #include "base/outfile.h"
 
 /* How many names the folder has. */
-static int names_in(const char *folder)
+static int names_in(const char *at)
 {
-	DIR *const open = opendir(folder);
+	DIR *const open = opendir(at);
 	int count = -2; /* . and .. */
 
 	assert_non_null(open);
@@ -20,40 +20,47 @@ static int names_in(const char *folder)
 	return count;
 }
 
-static const char *text_of(const char *path, char text[64])
+static const char *text_of(const char *name, char to[64])
 {
-	FILE *const file = fopen(path, "r");
+	FILE *const file = fopen(name, "r");
 
 	if (!file)
 		return NULL;
-	text[fread(text, 1, 63, file)] = '\0';
+	to[fread(to, 1, 63, file)] = '\0';
 	fclose(file);
-	return text;
+	return to;
 }
 
-static void write_text(const char *path, const char *text)
+static void write_text(const char *name, const char *wanted)
 {
-	FILE *const file = fopen(path, "w");
+	FILE *const file = fopen(name, "w");
 
 	assert_non_null(file);
-	fputs(text, file);
+	fputs(wanted, file);
 	fclose(file);
 }
 
-static const char *in(const char *folder, const char *name, char path[320])
+static const char *in(const char *at, const char *name, char to[320])
 {
-	snprintf(path, 320, "%s/%s", folder, name);
-	return path;
+	snprintf(to, 320, "%s/%s", at, name);
+	return to;
+}
+
+/* A folder for each test, and the name of a file in it. */
+static char folder[256], path[320], text[64];
+static struct rb_outfile out;
+static struct rb_error err;
+
+static void place(void **state, const char *name)
+{
+	(void)state;
+	out = (struct rb_outfile){.file = NULL};
+	in(support_folder(folder), name, path);
 }
 
 static void a_file_has_its_name_when_it_is_published_and_not_before(void **state)
 {
-	char folder[256], path[320], text[64];
-	struct rb_outfile out;
-	struct rb_error err;
-
-	(void)state;
-	in(support_folder(folder), "a.txt", path);
+	place(state, "a.txt");
 	assert_ok(rb_outfile_open(&out, path, 0, &err));
 	fputs("whole", out.file);
 	assert_null(text_of(path, text));
@@ -67,12 +74,7 @@ static void a_file_has_its_name_when_it_is_published_and_not_before(void **state
 
 static void nothing_stays_of_a_file_that_was_given_up(void **state)
 {
-	char folder[256], path[320];
-	struct rb_outfile out;
-	struct rb_error err;
-
-	(void)state;
-	in(support_folder(folder), "a.txt", path);
+	place(state, "a.txt");
 	assert_ok(rb_outfile_open(&out, path, 0, &err));
 	fputs("part", out.file);
 	rb_outfile_release(&out);
@@ -83,12 +85,7 @@ static void nothing_stays_of_a_file_that_was_given_up(void **state)
 
 static void a_name_that_is_taken_is_replaced_only_where_that_is_wanted(void **state)
 {
-	char folder[256], path[320], text[64];
-	struct rb_outfile out;
-	struct rb_error err;
-
-	(void)state;
-	in(support_folder(folder), "a.txt", path);
+	place(state, "a.txt");
 	write_text(path, "old");
 	assert_int_equal(rb_outfile_check(path, 0, &err), RB_ERR_CREATE);
 	assert_non_null(strstr(err.text, path));
@@ -107,12 +104,7 @@ static void a_name_that_is_taken_is_replaced_only_where_that_is_wanted(void **st
 /* Somebody else was quicker: that file stays. */
 static void a_name_that_is_taken_meanwhile_is_not_replaced(void **state)
 {
-	char folder[256], path[320], text[64];
-	struct rb_outfile out;
-	struct rb_error err;
-
-	(void)state;
-	in(support_folder(folder), "a.txt", path);
+	place(state, "a.txt");
 	assert_ok(rb_outfile_open(&out, path, 0, &err));
 	write_text(path, "other");
 	assert_int_equal(rb_outfile_publish(&out, &err), RB_ERR_CREATE);
@@ -122,22 +114,14 @@ static void a_name_that_is_taken_meanwhile_is_not_replaced(void **state)
 
 static void what_is_no_regular_file_is_never_replaced(void **state)
 {
-	char folder[256], path[320];
-	struct rb_error err;
-
-	(void)state;
-	in(support_folder(folder), "sub", path);
+	place(state, "sub");
 	assert_int_equal(mkdir(path, 0700), 0);
 	assert_int_equal(rb_outfile_check(path, RB_PLACE_REPLACE, &err), RB_ERR_CREATE);
 }
 
 static void probing_says_whether_a_file_could_be_made_and_leaves_nothing(void **state)
 {
-	char folder[256], path[320];
-	struct rb_error err;
-
-	(void)state;
-	support_folder(folder);
+	place(state, "a.txt");
 	assert_ok(rb_outfile_probe(in(folder, "a.txt", path), 0, &err));
 	assert_ok(rb_outfile_probe(in(folder, "new/deep/a.txt", path), 0, &err));
 	assert_int_equal(names_in(folder), 0);
@@ -148,12 +132,7 @@ static void probing_says_whether_a_file_could_be_made_and_leaves_nothing(void **
 
 static void folders_above_a_name_are_made(void **state)
 {
-	char folder[256], path[320];
-	struct rb_outfile out;
-	struct rb_error err;
-
-	(void)state;
-	in(support_folder(folder), "new/deep/a.txt", path);
+	place(state, "new/deep/a.txt");
 	assert_int_equal(rb_outfile_open(&out, path, 0, &err), RB_ERR_CREATE);
 	assert_ok(rb_outfile_folders(path, 0, &err));
 	assert_ok(rb_outfile_open(&out, path, 0, &err));
@@ -164,12 +143,7 @@ static void folders_above_a_name_are_made(void **state)
 /* /dev/full takes nothing: what was written is lost at once, or when it is flushed. */
 static void a_write_that_fails_shows_when_the_file_is_published(void **state)
 {
-	char folder[256], path[320];
-	struct rb_outfile out;
-	struct rb_error err;
-
-	(void)state;
-	in(support_folder(folder), "a.txt", path);
+	place(state, "a.txt");
 	for (int buffered = 0; buffered < 2; buffered++) {
 		assert_ok(rb_outfile_open(&out, path, 0, &err));
 		if (!freopen("/dev/full", "w", out.file)) {

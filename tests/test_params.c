@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/script/params.c: parameters of scenes, from the command line and while a run goes on */
-#include "support.h"
+#include "loaded.h"
 
 #include <rbsim/model.h>
 
@@ -8,40 +8,11 @@
 #include "script/load.h"
 #include "script/params.h"
 
-struct loaded {
-	struct rb_script *script;
-	struct rb_scene scene;
-	struct rb_mistakes mistakes;
-	struct rb_error err;
-	enum rb_status status;
-};
-
-/* With up to four values as on the command line. */
-static void load(struct loaded *it, const char *text, const char *const params[4])
-{
-	const struct rb_source_file file = {
-		.name = "t.lua", .text = text, .size_bytes = strlen(text)};
-	struct rb_script_options options = {
-		.path = "t.lua", .files = &file, .file_count = 1, .params = params};
-
-	while (params && options.param_count < 4 && params[options.param_count])
-		options.param_count++;
-	*it = (struct loaded){0};
-	it->status = rb_script_load(&it->script, &it->scene, &it->mistakes, &options, &it->err);
-}
-
-static void unload(struct loaded *it)
-{
-	rb_script_destroy(it->script);
-	rb_scene_release(&it->scene);
-	rb_mistakes_release(&it->mistakes);
-}
-
-static void must_load(struct loaded *it, const char *text, const char *param)
+static void must_load_with(struct loaded *it, const char *text, const char *param)
 {
 	const char *const params[4] = {param};
 
-	load(it, text, params);
+	load_with(it, text, params);
 	if (it->status != RB_OK)
 		fail_msg("'%s' with '%s': %s", text, param ? param : "", it->err.text);
 }
@@ -53,7 +24,7 @@ static void assert_wrong(const char *text, const char *param, enum rb_status sta
 	const char *const params[4] = {param};
 	struct loaded it;
 
-	load(&it, text, params);
+	load_with(&it, text, params);
 	assert_int_equal(it.status, status);
 	assert_int_equal(it.mistakes.count, 1);
 	if (!strstr(it.mistakes.line[0], part))
@@ -92,7 +63,7 @@ static void a_value_of_the_command_line_takes_the_place_of_the_default(void **st
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		snprintf(text, sizeof text, "local p = param('p', %s, 'help') assert(%s)",
 		         cases[i].declared, cases[i].check);
-		must_load(&it, text, cases[i].given);
+		must_load_with(&it, text, cases[i].given);
 		assert_int_equal(it.scene.param_count, 1);
 		const struct rb_param_def *def = &it.scene.params[0];
 		assert_string_equal(def->name, "p");
@@ -148,7 +119,7 @@ static void of_two_values_the_last_holds(void **state)
 	struct loaded it;
 
 	(void)state;
-	load(&it, "assert(param('p', 0) == 2 and param('pp', 0) == 7)", params);
+	load_with(&it, "assert(param('p', 0) == 2 and param('pp', 0) == 7)", params);
 	assert_int_equal(it.status, RB_OK);
 	unload(&it);
 }
@@ -194,16 +165,16 @@ static void numbers_are_written_so_that_they_read_back(void **state)
 
 		snprintf(param, sizeof param, "p=%.17g", x);
 		snprintf(text, sizeof text, "assert(param('p', 1.5) == %.17g)", x);
-		must_load(&it, text, param);
+		must_load_with(&it, text, param);
 		assert_true(strtod(it.scene.params[0].value_text, NULL) == x);
 		assert_true(strlen(it.scene.params[0].value_text) <= strlen(param) - 2);
 		assert_near(it.scene.params[0].value, x, 0);
 		unload(&it);
 	}
-	must_load(&it, "param('p', 0.1)", NULL);
+	must_load_with(&it, "param('p', 0.1)", NULL);
 	assert_string_equal(it.scene.params[0].default_text, "0.1");
 	unload(&it);
-	must_load(&it, "param('p', math.mininteger)", NULL);
+	must_load_with(&it, "param('p', math.mininteger)", NULL);
 	assert_string_equal(it.scene.params[0].value_text, "-9223372036854775808");
 	unload(&it);
 }
@@ -239,11 +210,11 @@ static void a_value_is_checked_by_the_rules_of_the_command_line(void **state)
 	struct loaded it;
 
 	(void)state;
-	must_load(&it,
-	          "param('n', 2, '', {min = 0, max = 10}) param('x', 0.5) param('b', true)\n"
-	          "param('t', 'text') param('c', 'up', '', {choices = {'up', 'updown'}})\n"
-	          "param('k', 1, '', {choices = {1, 2, 12}})",
-	          NULL);
+	must_load_with(&it,
+	               "param('n', 2, '', {min = 0, max = 10}) param('x', 0.5) param('b', true)\n"
+	               "param('t', 'text') param('c', 'up', '', {choices = {'up', 'updown'}})\n"
+	               "param('k', 1, '', {choices = {1, 2, 12}})",
+	               NULL);
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		const enum rb_status status = rb_params_check_value(&it.scene, cases[i].name,
 		                                                    cases[i].text, &it.err);
@@ -270,11 +241,11 @@ static void ten_names_are_told_and_the_others_are_counted(void **state)
 	struct loaded it;
 
 	(void)state;
-	must_load(&it, "for i = 1, 13 do param(('x'):rep(60) .. i, i) end", NULL);
+	must_load_with(&it, "for i = 1, 13 do param(('x'):rep(60) .. i, i) end", NULL);
 	assert_int_equal(rb_params_check_value(&it.scene, "no", "3", &it.err), RB_ERR_USAGE);
 	assert_int_equal(it.scene.param_count, 13);
 	unload(&it);
-	must_load(&it, "for i = 1, 13 do param('p' .. i, i) end", NULL);
+	must_load_with(&it, "for i = 1, 13 do param('p' .. i, i) end", NULL);
 	assert_int_equal(rb_params_check_value(&it.scene, "zzz", "3", &it.err), RB_ERR_USAGE);
 	assert_string_equal(it.err.text,
 	                    "the scene has no parameter 'zzz'; it has p1, p2, p3, p4, p5, "

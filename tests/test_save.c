@@ -144,20 +144,10 @@ static void dense(struct lab *lab)
 static void table(struct lab *lab, rb_vec3 position, rb_vec3 velocity, rb_vec3 spin)
 {
 	struct rb_body_def def = rb_body_def_default();
-	struct rb_solid_part part[3];
 
-	for (int k = 0; k < 3; k++) {
-		part[k] = (struct rb_solid_part){.orientation = rb_quat_identity, .share = 1};
-		part[k].shape.kind = RB_SHAPE_BOX;
-		part[k].position = k == 0 ? (rb_vec3){0, 0, 0.25}
-		                          : (rb_vec3){k == 1 ? -0.4 : 0.4, 0, -0.05};
-		rb_vec3_to(part[k].shape.size,
-		           k == 0 ? (rb_vec3){1, 0.5, 0.1} : (rb_vec3){0.1, 0.5, 0.5});
-	}
 	def.call = "union";
 	def.shape.kind = RB_SHAPE_UNION;
-	assert_int_equal(rb_scene_add_union(&lab->scene, part, 3, &def.shape.solid, &lab->error),
-	                 RB_OK);
+	def.shape.solid = lab_table_solid(lab);
 	def.mass = 1;
 	def.position = position;
 	def.velocity = velocity;

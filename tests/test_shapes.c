@@ -12,19 +12,6 @@
 #include "script/load.h"
 #include "script/shapes.h"
 
-/* One mistake, told with the line and call. */
-static void assert_mistake(const char *text, const char *part)
-{
-	struct loaded it;
-
-	load(&it, text);
-	assert_int_equal(it.status, RB_ERR_SCENE);
-	if (it.mistakes.count != 1 || !strstr(it.mistakes.line[0], part))
-		fail_msg("'%s': %d mistakes, '%s' has no '%s'", text, it.mistakes.count,
-		         it.mistakes.line[0], part);
-	unload(&it);
-}
-
 static void sizes_arrive_where_the_shape_has_them(void **state)
 {
 	struct loaded it;

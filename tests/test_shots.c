@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/script/shots, moment and rb_script_add_cameras: cameras with functions of time, over frames; files of cameras */
-#include "support.h"
+#include "own_folder.h"
 
 #include <rbsim/frame.h>
 #include <rbsim/model.h>
@@ -336,8 +336,6 @@ static void a_body_is_found_by_its_name_while_loading_and_later(void **state)
 
 /* ---- files of cameras ---- */
 
-static char folder[256];
-
 static const char *put_file(const char *name, const char *text)
 {
 	static char path[512];
@@ -513,22 +511,6 @@ static void no_memory_leaves_the_scene_as_it_was(void **state)
 		lower(&it);
 	}
 	assert_int_equal(successes, 3);
-}
-
-static int make_folder(void **state)
-{
-	(void)state;
-	support_folder(folder);
-	return 0;
-}
-
-static int remove_folder(void **state)
-{
-	char command[300];
-
-	(void)state;
-	snprintf(command, sizeof command, "rm -r '%s'", folder);
-	return system(command) != 0;
 }
 
 int main(void)

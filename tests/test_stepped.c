@@ -17,22 +17,9 @@ static void open_stepped(struct lab *lab, double duration, double frame_rate, do
 	lab->scene.world.gravity = (rb_vec3){0, 0, -g};
 }
 
-static int add_box(struct lab *lab, rb_vec3 size, double mass, rb_vec3 position, rb_quat turn)
-{
-	struct rb_body_def def = rb_body_def_default();
-
-	def.call = "box";
-	def.shape.kind = RB_SHAPE_BOX;
-	rb_vec3_to(def.shape.size, size);
-	def.mass = mass;
-	def.position = position;
-	def.orientation = turn;
-	return lab_add(lab, &def);
-}
-
 static int add_cube(struct lab *lab, double mass, rb_vec3 position)
 {
-	return add_box(lab, (rb_vec3){1, 1, 1}, mass, position, (rb_quat){1, 0, 0, 0});
+	return lab_box(lab, (rb_vec3){1, 1, 1}, mass, position, (rb_quat){1, 0, 0, 0});
 }
 
 /* ---- one body ---- */
@@ -148,7 +135,7 @@ static double slide(double friction)
 	lab_surface(&lab, friction, 0);
 	lab_plane(&lab, (rb_vec3){0, 0, 0}, normal);
 	const rb_vec3 at = rb_vec3_scale(0.5, normal);
-	const int box = add_box(&lab, (rb_vec3){2, 2, 1}, 3, at, turn);
+	const int box = lab_box(&lab, (rb_vec3){2, 2, 1}, 3, at, turn);
 	lab_seal(&lab, 1);
 	lab_run(&lab);
 	const double way = rb_vec3_dot(down, rb_vec3_sub(rb_world_position(lab.world, box), at));
@@ -203,7 +190,7 @@ static void an_impact_of_a_turned_box_never_raises_energy(void **state)
 		lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
 		const rb_quat turn = rb_quat_unit(
 			(rb_quat){cos(k), sin(2.0 * k), cos(3.0 * k), sin(5.0 * k)});
-		const int box = add_box(&lab, (rb_vec3){2, 0.5, 0.25}, 1, (rb_vec3){0, 0, 1.5},
+		const int box = lab_box(&lab, (rb_vec3){2, 0.5, 0.25}, 1, (rb_vec3){0, 0, 1.5},
 		                        turn);
 		lab.scene.bodies[box].velocity = (rb_vec3){sin(k), cos(k), -5};
 		lab_seal(&lab, 1);
@@ -400,7 +387,7 @@ static void an_edge_that_lands_askew_does_not_creep(void **state)
 		lab.scene.world.rollback = RB_ROLLBACK_NONE; /* that one step */
 		lab_surface(&lab, 0.8, 0);
 		lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
-		const int box = add_box(&lab, (rb_vec3){1, 1, 1}, 1, (rb_vec3){0, 0, low}, turn);
+		const int box = lab_box(&lab, (rb_vec3){1, 1, 1}, 1, (rb_vec3){0, 0, low}, turn);
 		lab.scene.bodies[box].velocity = rb_vec3_add((rb_vec3){0, 0, -1},
 		                                             rb_vec3_cross(edge, spin));
 		lab.scene.bodies[box].angular_velocity = spin;

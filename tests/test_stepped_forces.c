@@ -73,13 +73,8 @@ static void seal(struct lab *lab, enum drive *drive, int threads)
 
 static int add_box(struct lab *lab, rb_vec3 edges, rb_vec3 position)
 {
-	struct rb_body_def def = rb_body_def_default();
+	struct rb_body_def def = lab_box_def(edges, 1, position);
 
-	def.call = "box";
-	def.shape.kind = RB_SHAPE_BOX;
-	rb_vec3_to(def.shape.size, edges);
-	def.mass = 1;
-	def.position = position;
 	return lab_add(lab, &def);
 }
 

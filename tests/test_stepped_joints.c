@@ -90,15 +90,7 @@ static double lateness(const struct lab *lab, double h)
 
 static int add_box(struct lab *lab, rb_vec3 size, double mass, rb_vec3 position, rb_quat turn)
 {
-	struct rb_body_def def = rb_body_def_default();
-
-	def.call = "box";
-	def.shape.kind = RB_SHAPE_BOX;
-	rb_vec3_to(def.shape.size, size);
-	def.mass = mass;
-	def.position = position;
-	def.orientation = turn;
-	return lab_add(lab, &def);
+	return lab_box(lab, size, mass, position, turn);
 }
 
 static int add_at(struct lab *lab, int kind, int a, int b, rb_vec3 at, rb_vec3 axis)

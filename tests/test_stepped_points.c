@@ -12,13 +12,8 @@
 
 static int add_box(struct lab *lab, rb_vec3 size, rb_vec3 at, rb_vec3 velocity, rb_vec3 spin)
 {
-	struct rb_body_def def = rb_body_def_default();
+	struct rb_body_def def = lab_box_def(size, 1, at);
 
-	def.call = "box";
-	def.shape.kind = RB_SHAPE_BOX;
-	rb_vec3_to(def.shape.size, size);
-	def.mass = 1;
-	def.position = at;
 	def.velocity = velocity;
 	def.angular_velocity = spin;
 	return lab_add(lab, &def);

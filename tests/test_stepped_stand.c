@@ -57,13 +57,8 @@ static enum rb_status on_step(void *user, struct rb_world *world, double t, doub
 
 static int add_box(struct lab *lab, rb_vec3 size, rb_vec3 at, bool driven)
 {
-	struct rb_body_def def = rb_body_def_default();
+	struct rb_body_def def = lab_box_def(size, 1, at);
 
-	def.call = "box";
-	def.shape.kind = RB_SHAPE_BOX;
-	rb_vec3_to(def.shape.size, size);
-	def.mass = 1;
-	def.position = at;
 	if (driven) {
 		def.motion = 0;
 		def.mass = (double)NAN;

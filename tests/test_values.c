@@ -11,18 +11,6 @@
 #include "script/load.h"
 #include "script/values.h"
 
-static void assert_mistake(const char *text, const char *part)
-{
-	struct loaded it;
-
-	load(&it, text);
-	assert_int_equal(it.status, RB_ERR_SCENE);
-	if (it.mistakes.count != 1 || !strstr(it.mistakes.line[0], part))
-		fail_msg("'%s': %d mistakes, '%s' has no '%s'", text, it.mistakes.count,
-		         it.mistakes.line[0], part);
-	unload(&it);
-}
-
 /* A value of a key of a ball, the world, the recording, a camera. */
 static void assert_ball(const char *keys, const char *part)
 {

@@ -68,6 +68,46 @@ static inline struct rb_body_def lab_sphere_def(double radius, double mass, rb_v
 	return def;
 }
 
+/* A box of edges `size`, m. */
+static inline struct rb_body_def lab_box_def(rb_vec3 size, double mass, rb_vec3 position)
+{
+	struct rb_body_def def = rb_body_def_default();
+
+	def.call = "box";
+	def.shape.kind = RB_SHAPE_BOX;
+	rb_vec3_to(def.shape.size, size);
+	def.mass = mass;
+	def.position = position;
+	return def;
+}
+
+static inline int lab_box(struct lab *lab, rb_vec3 size, double mass, rb_vec3 position,
+                          rb_quat orientation)
+{
+	struct rb_body_def def = lab_box_def(size, mass, position);
+
+	def.orientation = orientation;
+	return lab_add(lab, &def);
+}
+
+/* The solid of a table: a plate of 1 m x 0.5 m on two boards. */
+static inline int lab_table_solid(struct lab *lab)
+{
+	struct rb_solid_part part[3];
+	int solid = -1;
+
+	for (int k = 0; k < 3; k++) {
+		part[k] = (struct rb_solid_part){.orientation = rb_quat_identity, .share = 1};
+		part[k].shape.kind = RB_SHAPE_BOX;
+		part[k].position = k == 0 ? (rb_vec3){0, 0, 0.25}
+		                          : (rb_vec3){k == 1 ? -0.4 : 0.4, 0, -0.05};
+		rb_vec3_to(part[k].shape.size,
+		           k == 0 ? (rb_vec3){1, 0.5, 0.1} : (rb_vec3){0.1, 0.5, 0.5});
+	}
+	assert_int_equal(rb_scene_add_union(&lab->scene, part, 3, &solid, &lab->error), RB_OK);
+	return solid;
+}
+
 static inline int lab_sphere(struct lab *lab, double radius, double mass, rb_vec3 position,
                              rb_vec3 velocity)
 {

@@ -3,6 +3,7 @@
 # Builds without films and without the console, and through the other way to OpenGL: from this build's objects, of which only those
 # that differ are made anew.
 . tests/cli/functions
+from=
 built_beside "what a build leaves out"
 
 # variant FOLDER TARGET... ARGUMENT...: makes these in a folder with what is made already

@@ -88,10 +88,7 @@ for n in 1 7 100 3; do
 done
 [ "$("$RBSIM" ctl s status | sed -n 's/^frame //p')" = 111 ] || fail "the steps do not add up to frame 111"
 "$RBSIM" ctl s play >/dev/null || fail "the run does not play among the crowd"
-wait $pid
-got=$?
-pid=
-[ $got -eq 0 ] || fail "exit status $got"
+ended 0 "the run"
 wait $crowd || { cat crowd.err >&2; fail "the crowd has seen something wrong"; }
 [ "$(cat crowd.out)" -gt 10 ] || fail "the crowd has seen $(cat crowd.out) frames"
 [ "$(value state_hash)" = "$hash" ] || fail "the state hash is $(value state_hash), without a crowd $hash"

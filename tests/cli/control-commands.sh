@@ -105,10 +105,7 @@ grows()
 }
 until_true grows
 kill -INT $pid
-wait $pid
-got=$?
-pid=
-[ $got -eq 75 ] || fail "exit status $got"
+ended 75 "the run"
 
 # without being asked, standard input is left alone
 echo quit | "$RBSIM" s.lua --no-record -q || fail "standard input was read"

@@ -79,14 +79,7 @@ exits 65 bad.lua --no-record --listen s
 [ ! -e s ] || fail "after a mistake the socket is still there"
 
 # the second SIGINT, which waits for nothing
-cat >busy.lua <<'END'
-world { duration = 10 }
-sphere { radius = 1 }
-on_frame(function()
-	local x = 0
-	for i = 1, 1e9 do x = x + i end
-end)
-END
+busy_scene >busy.lua
 "$RBSIM" busy.lua --trust --no-record --listen s >out 2>err &
 pid=$!
 until_true listens

@@ -6,10 +6,7 @@
 
 oracle=$TOP/tests/oracle
 python=
-for p in ${RBSIM_PYTHON:-} /usr/bin/python3 python3; do
-	"$p" -c 'import h5py, numpy' 2>/dev/null && { python=$p; break; }
-done
-[ -n "$python" ] || { echo "no Python with h5py and numpy (RBSIM_PYTHON can name one)"; exit 77; }
+find_python || { echo "no Python with h5py and numpy (RBSIM_PYTHON can name one)"; exit 77; }
 # compiled files would land in the tree, and more threads than one for small matrices only wait
 export PYTHONDONTWRITEBYTECODE=1 OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 

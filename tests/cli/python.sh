@@ -3,12 +3,8 @@
 # The Python package: its examples, arrays that are those of the recording, sweeps over executors whose bits are those of
 # rbsim sweep also where workers die, errors, installation.
 . tests/cli/functions
-python=${RBSIM_PYTHON:-}
-for p in "$python" /usr/bin/python3 python3; do
-	[ -n "$p" ] && "$p" -c 'import h5py, numpy' 2>/dev/null && { python=$p; break; }
-	python=
-done
-[ -n "$python" ] || { echo "no Python with numpy and h5py (RBSIM_PYTHON can name one)"; exit 77; }
+python=
+find_python || { echo "no Python with numpy and h5py (RBSIM_PYTHON can name one)"; exit 77; }
 package=$TOP/tools/python
 case $RBSIM in /*) ;; *) RBSIM=$TOP/$RBSIM ;; esac
 export RBSIM PYTHONDONTWRITEBYTECODE=1

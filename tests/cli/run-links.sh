@@ -86,10 +86,7 @@ trap '[ -n "$pid" ] && kill -9 $pid 2>/dev/null' EXIT
 pid=$!
 until_true [ -s 'l.h5.checkpoint~' ]
 kill -TERM $pid
-wait $pid
-got=$?
-pid=
-[ $got -eq 75 ] || fail "interrupted: exit status $got"
+ended 75 "interrupted"
 mkdir kept
 mv l.h5* kept
 again()

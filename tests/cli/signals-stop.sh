@@ -13,10 +13,7 @@ for case in "INT 75" "TERM 75" "USR1 75"; do
 	until_true [ -s $signal.h5 ]
 	sleep 0.3
 	kill -"$signal" $pid
-	wait $pid
-	got=$?
-	pid=
-	[ $got -eq "$wanted" ] || fail "SIG$signal: exit status $got, wanted $wanted"
+	ended "$wanted" "SIG$signal"
 	says err "SIG$signal at [0-9.]+ s: --resume goes on from frame [0-9]+"
 	[ -s $signal.h5.checkpoint ] || fail "SIG$signal: there is no checkpoint"
 	says err 'frames +[0-9]+ of 6000001'
@@ -32,10 +29,7 @@ done
 pid=$!
 sleep 0.3
 kill -TERM $pid
-wait $pid
-got=$?
-pid=
-[ $got -eq 143 ] || fail "--no-record: exit status $got"
+ended 143 "--no-record"
 
 # a body whose turn until the next frame takes ages to follow
 cat >fast.lua <<'END'
@@ -47,20 +41,10 @@ END
 pid=$!
 sleep 0.3
 kill -TERM $pid
-wait $pid
-got=$?
-pid=
-[ $got -eq 143 ] || fail "fast turning: exit status $got"
+ended 143 "fast turning"
 
 # One that can't come to a whole step soon: a callback that works for a while.
-cat >busy.lua <<'END'
-world { duration = 10 }
-sphere { radius = 1 }
-on_frame(function()
-	local x = 0
-	for i = 1, 1e9 do x = x + i end
-end)
-END
+busy_scene >busy.lua
 "$RBSIM" busy.lua --trust --no-record >out 2>err &
 pid=$!
 sleep 0.3
@@ -68,7 +52,4 @@ kill -INT $pid
 sleep 0.3
 kill -0 $pid 2>/dev/null || fail "the first SIGINT has not waited for the step"
 kill -INT $pid
-wait $pid
-got=$?
-pid=
-[ $got -eq 130 ] || fail "second SIGINT: exit status $got"
+ended 130 "second SIGINT"

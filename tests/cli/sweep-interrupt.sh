@@ -39,10 +39,7 @@ for round in 1 2 3 4 5 6; do
 	pid=$!
 	while [ ! -f "early$round/plan.csv" ] && kill -0 $pid 2>/dev/null; do :; done
 	kill -USR1 $pid 2>/dev/null
-	wait $pid
-	got=$?
-	pid=
-	[ $got -eq 75 ] || fail "SIGUSR1 as soon as there is a plan: exit status $got"
+	ended 75 "SIGUSR1 as soon as there is a plan"
 	says err "'rbsim sweep early$round' goes on"
 done
 
@@ -84,24 +81,14 @@ pid=$!
 until_true [ -f killed/point-00001.h5 ]
 child=$(cat /proc/$pid/task/$pid/children)
 kill -9 $child
-wait $pid
-got=$?
-pid=
-[ $got -eq 1 ] || fail "a run was killed: exit status $got"
+ended 1 "a run was killed"
 says err 'point 1 \(k=1\) failed, exit status 137: ended by signal 9'
 says err '2 of 3 points done, 1 failed'
 exits 0 sweep killed --status
 says out "to be run +1:.* of 3 tasks --array=1"
 
 # the second SIGINT ends runs at once, also busy ones
-cat >busy.lua <<'END'
-world { duration = 10 }
-sphere { radius = 1 }
-on_frame(function()
-	local x = 0
-	for i = 1, 1e10 do x = x + i end
-end)
-END
+busy_scene >busy.lua
 "$RBSIM" sweep busy.lua --trust --no-record -o busy --jobs 1 >out 2>err &
 pid=$!
 until_true [ -f busy/point-00000.log ]
@@ -110,10 +97,7 @@ kill -INT $pid
 sleep 0.3
 kill -0 $pid 2>/dev/null || fail "the first SIGINT has not waited"
 kill -INT $pid
-wait $pid
-got=$?
-pid=
-[ $got -eq 75 ] || fail "second SIGINT: exit status $got"
+ended 75 "second SIGINT"
 
 # two sweeps over one folder at the same time: each point once
 exits 0 sweep s.lua -p e=0.5:0.9:0.05 -o both --plan

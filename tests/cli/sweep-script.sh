@@ -65,10 +65,7 @@ for signal in USR1 TERM; do
 	until_true [ -s long/point-00000.h5 ]
 	sleep 0.3
 	kill -$signal $pid
-	wait $pid
-	got=$?
-	pid=
-	[ $got -eq 75 ] || fail "SIG$signal: exit status $got"
+	ended 75 "SIG$signal"
 	case $signal in
 	USR1) [ "$(cat requeued)" = 4711_0 ] || fail "the task was not queued again" ;;
 	TERM) [ ! -e requeued ] || fail "a cancelled task was queued again" ;;

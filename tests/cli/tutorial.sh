@@ -3,11 +3,8 @@
 # The commands, scenes and scripts of the guide are run as they stand: blocks of docs/tutorial.md and docs/analysis.md.
 # A block of Lua or Python is saved under the name in its first line; a block of the shell is run line by line; recipes in Python too.
 . tests/cli/functions
-python=${RBSIM_PYTHON:-}
-for p in "$python" /usr/bin/python3 python3; do
-	[ -n "$p" ] && "$p" -c 'import h5py, numpy' 2>/dev/null && { python=$p; break; }
-	python=
-done
+python=
+find_python
 case $RBSIM in /*) ;; *) RBSIM=$TOP/$RBSIM ;; esac
 export RBSIM PYTHONDONTWRITEBYTECODE=1
 PYTHONPATH=$TOP/tools/python

@@ -5,10 +5,7 @@
 . tests/cli/functions
 
 python=
-for p in ${RBSIM_PYTHON:-} /usr/bin/python3 python3; do
-	"$p" -c 'import h5py, numpy' 2>/dev/null && { python=$p; break; }
-done
-[ -n "$python" ] || { echo "no Python with h5py and numpy (RBSIM_PYTHON can name one)"; exit 77; }
+find_python || { echo "no Python with h5py and numpy (RBSIM_PYTHON can name one)"; exit 77; }
 export PYTHONDONTWRITEBYTECODE=1 OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 
 failed=0
