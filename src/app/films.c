@@ -186,7 +186,7 @@ void rb_films_destroy(struct rb_films *films)
 			films->module->film_destroy(films->film[i].film);
 	rb_frame_release(&films->last);
 	rb_between_release(&films->between);
-	rb_memory_free(films->switched_s);
+	rb_memory_free(films->switched);
 	rb_steering_release(&films->steering);
 	rb_memory_free(films->film);
 	rb_memory_free(films);
@@ -349,13 +349,13 @@ enum rb_status rb_films_switch(struct rb_films *films, double time_s, bool on, s
 
 	if (rb_films_count(films) == 0 || rb_films_are_on(films) == on)
 		return RB_OK;
-	if (!rb_memory_reserve(&films->switched_s, &films->switch_capacity, films->switch_count + 1,
-	                       sizeof *films->switched_s))
+	if (!rb_memory_reserve(&films->switched, &films->switch_capacity, films->switch_count + 1,
+	                       sizeof *films->switched))
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot switch films: out of memory");
 	for (int i = 0; i < films->count && !status; i++)
 		status = films->module->film_switch(films->film[i].film, time_s, on, err);
 	if (!status)
-		films->switched_s[films->switch_count++] = time_s;
+		films->switched[films->switch_count++].time_s = time_s;
 	return status;
 }
 
@@ -379,17 +379,22 @@ bool rb_films_are_on(const struct rb_films *films)
 	return !films || films->switch_count % 2 == 0;
 }
 
+static RB_FIELDS_DEFINE(switch_fields, struct rb_film_switch, RB_FILM_SWITCH_FIELDS);
+
+/* What is loaded is done again, for the films to know of it. */
 void rb_films_pack(struct rb_films *films, struct rb_pack *pack)
 {
 	size_t count = films ? films->switch_count : 0;
 
-	rb_pack_count(pack, &count, INT32_MAX, sizeof(double));
+	rb_pack_count(pack, &count, INT32_MAX, rb_fields_bytes(switch_fields()));
 	for (size_t k = 0; k < count && !pack->failed; k++) {
-		double time_s = pack->loading ? 0 : films->switched_s[k];
+		struct rb_film_switch one = {0};
 
-		rb_pack_finite(pack, &time_s, 1);
-		if (pack->loading && rb_films_switch(films, time_s, k % 2 == 1, NULL) != RB_OK)
-			pack->failed = pack->no_memory = true;
+		rb_fields_pack(switch_fields(), pack->loading ? &one : &films->switched[k], 1, NULL,
+		               pack);
+		if (pack->loading && !pack->failed &&
+		    rb_films_switch(films, one.time_s, k % 2 == 1, NULL) != RB_OK)
+			rb_pack_fail_memory(pack);
 	}
 	rb_steering_pack(films ? &films->steering : NULL, rb_films_count(films), pack);
 }

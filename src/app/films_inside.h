@@ -9,6 +9,7 @@
 #include <stdatomic.h>
 
 #include "app/steering.h"
+#include "base/field_list.h"
 #include "flow/between.h"
 #include "flow/pump.h"
 #include "flow/schedule.h"
@@ -29,6 +30,12 @@ struct film {
 	enum rb_status status;
 };
 
+/* Pictures switched off, or on again: off first, then by turns. */
+#define RB_FILM_SWITCH_FIELDS(X) X(double, time_s, , "s", "when", RB_FINITE)
+struct rb_film_switch {
+	RB_FILM_SWITCH_FIELDS(RB_FIELD_MEMBER)
+};
+
 struct rb_films {
 	struct rb_loaded *loaded;
 	const struct rb_film_module *module;
@@ -40,7 +47,7 @@ struct rb_films {
 	struct rb_frame last;
 	struct rb_between between;
 	struct rb_steering steering;
-	double *switched_s; /* times at which pictures were switched off, on, ... */
+	struct rb_film_switch *switched; /* owned: [switch_count] */
 	size_t switch_count, switch_capacity;
 	atomic_int cut; /* signal that ends all films, 0: none; any thread */
 };

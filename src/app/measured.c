@@ -7,6 +7,8 @@
 #include "base/memory.h"
 #include "base/visible.h"
 
+static RB_FIELDS_DEFINE(probe_course_fields, struct rb_probe_course, RB_PROBE_COURSE_FIELDS);
+
 enum rb_status rb_measured_init(struct rb_measured *measured, const struct rb_scene *scene,
                                 struct rb_error *err)
 {
@@ -64,11 +66,9 @@ enum rb_status rb_measured_end(struct rb_measured *measured, struct rb_script *s
 
 void rb_measured_pack(struct rb_measured *measured, struct rb_pack *pack)
 {
-	for (int i = 0; measured->scene && i < measured->scene->probe_count; i++) {
-		rb_pack_doubles(pack, &measured->probes[i].last, 1);
-		rb_pack_doubles(pack, &measured->probes[i].smallest, 1);
-		rb_pack_doubles(pack, &measured->probes[i].largest, 1);
-	}
+	if (measured->scene)
+		rb_fields_pack(probe_course_fields(), measured->probes,
+		               (size_t)measured->scene->probe_count, NULL, pack);
 }
 
 /* "1.25 m", "no value". */

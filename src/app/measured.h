@@ -11,12 +11,16 @@
 #include <rbsim/scene.h>
 
 #include "app/json.h"
-#include "base/pack.h"
+#include "base/field_list.h"
 #include "script/hooks.h"
 
 /* NAN is no value: smallest and largest are NAN as long as there was none. */
+#define RB_PROBE_COURSE_FIELDS(X)                                       \
+	X(double, last, , "", "value of the last frame", RB_NUMBER)     \
+	X(double, smallest, , "", "of all frames until now", RB_NUMBER) \
+	X(double, largest, , "", "of all frames until now", RB_NUMBER)
 struct rb_probe_course {
-	double last, smallest, largest;
+	RB_PROBE_COURSE_FIELDS(RB_FIELD_MEMBER)
 };
 
 /* Zeroed: of a scene that has none. */
