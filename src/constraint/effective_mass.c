@@ -5,22 +5,26 @@
 
 const rb_vec3 rb_effective_mass_world[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
+void rb_effective_mass_add_spins(double inverse_mass, rb_vec3 arm, const rb_vec3 axis[3],
+                                 const rb_vec3 spin[3], rb_mat3 *k)
+{
+	for (int c = 0; c < 3; c++) {
+		const rb_vec3 turn = rb_vec3_cross(spin[c], arm);
+
+		for (int r = 0; r < 3; r++)
+			k->m[r][c] += rb_vec3_dot(axis[r], turn) + (r == c ? inverse_mass : 0);
+	}
+}
+
 void rb_effective_mass_add(const struct rb_solver_bodies *bodies, int i, rb_vec3 arm,
                            const rb_vec3 axis[3], rb_mat3 *k)
 {
 	const struct rb_solver_body *const body = &bodies->body[i];
-	rb_vec3 turn[3];
+	rb_vec3 spin[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
 
-	for (int c = 0; c < 3; c++)
-		turn[c] = body->inverse_inertia != 0
-		                  ? rb_vec3_cross(
-					    rb_solver_turn(bodies, i, rb_vec3_cross(arm, axis[c])),
-					    arm)
-		                  : (rb_vec3){0, 0, 0};
-	for (int r = 0; r < 3; r++)
-		for (int c = 0; c < 3; c++)
-			k->m[r][c] += rb_vec3_dot(axis[r], turn[c]) +
-			              (r == c ? body->inverse_mass : 0);
+	for (int c = 0; c < 3 && body->inverse_inertia != 0; c++)
+		spin[c] = rb_solver_turn(bodies, i, rb_vec3_cross(arm, axis[c]));
+	rb_effective_mass_add_spins(body->inverse_mass, arm, axis, spin, k);
 }
 
 double rb_effective_mass_tangent(const rb_mat3 *k, rb_vec3 normal)

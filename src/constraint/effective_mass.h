@@ -17,9 +17,13 @@
 extern const rb_vec3 rb_effective_mass_world[3];
 
 /*
- * Adds to k, in these orthogonal unit axes, what body i at that arm gives way by, 1/kg. In axes
- * normal, x, y the first entry is n.K n.
+ * Adds to k, in these orthogonal unit axes, what one body at that arm gives way by, 1/kg: `spin[c]`
+ * is what the angular impulse arm x axis[c] does to its spin. For who has bodies of another form.
  */
+void rb_effective_mass_add_spins(double inverse_mass, rb_vec3 arm, const rb_vec3 axis[3],
+                                 const rb_vec3 spin[3], rb_mat3 *k);
+
+/* The same of body i. In axes normal, x, y the first entry is n.K n. */
 void rb_effective_mass_add(const struct rb_solver_bodies *bodies, int i, rb_vec3 arm,
                            const rb_vec3 axis[3], rb_mat3 *k);
 

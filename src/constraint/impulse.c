@@ -16,20 +16,12 @@ static bool is_moving(const struct rb_world *world, int index)
 static void add_inverse_mass(const struct rb_world *world, const struct rb_state *state, int i,
                              rb_vec3 arm, rb_mat3 *k)
 {
-	const double inverse_mass = world->model->inverse_mass[i];
+	const rb_vec3 *const axis = rb_effective_mass_world;
+	rb_vec3 spin[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
 
-	for (int column = 0; column < 3; column++) {
-		const rb_vec3 unit = {column == 0, column == 1, column == 2};
-		rb_vec3 dv = rb_vec3_scale(inverse_mass, unit);
-
-		if (state->spin)
-			dv = rb_vec3_add(dv, rb_vec3_cross(rb_world_turn(world, state, i,
-			                                                 rb_vec3_cross(arm, unit)),
-			                                   arm));
-		k->m[0][column] += dv.x;
-		k->m[1][column] += dv.y;
-		k->m[2][column] += dv.z;
-	}
+	for (int c = 0; c < 3 && state->spin; c++)
+		spin[c] = rb_world_turn(world, state, i, rb_vec3_cross(arm, axis[c]));
+	rb_effective_mass_add_spins(world->model->inverse_mass[i], arm, axis, spin, k);
 }
 
 /*

@@ -38,6 +38,19 @@
  *     constraint/eccentric, impulse   one CONE alone, the impact law; CONEs of the classic method
  *     math/dense (located/modes)      CONEs whose mode is known: equations
  *
+ * Drift of positions is corrected with the same rows, their errors C in place of velocities: of all
+ * motions d of the bodies with multipliers p, d = M^-1 J^T p, that with
+ *
+ *     J d = -C, p of any sign        what is held, contacts and joints, from both sides and to
+ *                                    rounding: conjugate residuals, which do not depend on order,
+ *                                    and factors of joints (located/drift, joint_rows)
+ *     J d >= -C, p >= 0              overlaps in a crowd, until they are within the tolerance: the
+ *                                    solver of the step, without friction (stepped/projection)
+ *
+ * Two algorithms, for the first would pull open gaps of a crowd shut, and the second ends within
+ * the tolerance of steps, where pieces need 1e-9 of sizes (rb_drift_correct). What both are made of
+ * stands once: rows, K (constraint/effective_mass), how a pose is turned (rb_quat_turned).
+ *
  * Private scratch of a solver stands beside the rows, in arrays or around them, never in copies.
  */
 #ifndef RB_CONSTRAINT_ROW_H

@@ -38,6 +38,10 @@
 
 enum rb_solver_mode { RB_SOLVER_STICK, RB_SOLVER_SLIDE };
 
+/*
+ * A contact as the law of impacts and of forces takes it; its rows (rb_cone_row) are made from it
+ * in each round, of those contacts alone that the round has.
+ */
 struct rb_solver_contact {
 	int a, b;             /* bodies of the problem */
 	rb_vec3 normal;       /* unit, from a to b */

@@ -103,6 +103,16 @@ struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t)
 	return pose;
 }
 
+void rb_arc_displace(const struct rb_located *l, int i, struct rb_pose *pose, rb_vec3 way,
+                     rb_vec3 turn)
+{
+	RB_ASSERT_COSTLY(rb_located_moves(l, i));
+	rb_arc_move(pose, way);
+	if (l->top && rb_vec3_max_abs(turn) > 0)
+		pose->orientation = rb_quat_turned(pose->orientation, turn);
+	pose->origin = rb_model_origin(l->model, i, pose->position, pose->orientation);
+}
+
 rb_vec3 rb_arc_off_center(const struct rb_located *l, int i, double t)
 {
 	RB_ASSERT_COSTLY(rb_located_is_body(l, i));

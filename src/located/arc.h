@@ -15,6 +15,10 @@ static inline void rb_arc_move(struct rb_pose *pose, rb_vec3 way)
 	pose->rest = rb_vec3_lost(before, step, pose->position);
 }
 
+/* Moves a pose of body i by small ways of its centre of mass, m, and turns, rad: corrections. */
+void rb_arc_displace(const struct rb_located *l, int i, struct rb_pose *pose, rb_vec3 way,
+                     rb_vec3 turn);
+
 /* Three rows of the piece that the body is on. */
 rb_vec3 rb_arc_piece_vector(const struct rb_piece_of *p, int row, double t);
 rb_vec3 rb_arc_piece_rate(const struct rb_piece_of *p, int row, double t);

@@ -43,8 +43,8 @@ static rb_vec3 turned_by(const struct rb_coupled *system, int place, rb_vec3 tor
 
 	if (!l->top)
 		return (rb_vec3){0, 0, 0};
-	return rb_effective_mass_inverse(l, system->body[place], system->pose[place].orientation,
-	                                 torque);
+	return rb_inverse_inertia_apply(l, system->body[place], system->pose[place].orientation,
+	                                torque);
 }
 
 void rb_coupled_respond(const struct rb_coupled *system, struct rb_coupled_row *row)

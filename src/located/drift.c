@@ -3,7 +3,6 @@
 
 #include "located/joint_rows.h"
 #include "located/mechanics.h"
-#include "located/external_force.h"
 #include "located/work.h"
 
 #include <string.h>
@@ -56,32 +55,23 @@ static bool is_off(const struct rb_drift *drift, const struct rb_contact_point *
 
 static void apply(const struct rb_drift *drift, int body, rb_vec3 arm, rb_vec3 impulse)
 {
-	const struct rb_located *l = drift->l;
 	struct rb_pose *pose = pose_of(drift, body);
 
 	if (!pose)
 		return;
-	pose->velocity = rb_vec3_add_scaled(pose->velocity, l->model->inverse_mass[body], impulse);
-	if (l->top)
-		pose->spin = rb_vec3_add(pose->spin,
-		                         rb_effective_mass_inverse(l, body, pose->orientation,
-		                                                   rb_vec3_cross(arm, impulse)));
+	const struct rb_mechanics_change change = rb_mechanics_change(
+		drift->l, body, pose->orientation, arm, impulse);
+
+	pose->velocity = rb_vec3_add(pose->velocity, change.linear);
+	pose->spin = rb_vec3_add(pose->spin, change.angular);
 }
 
-static void inverse_effective_mass(const struct rb_drift *drift, int body, rb_vec3 arm, rb_mat3 *k)
+static void add_effective_mass(const struct rb_drift *drift, int body, rb_vec3 arm, rb_mat3 *k)
 {
 	const struct rb_pose *pose = pose_of(drift, body);
 
-	if (!pose)
-		return;
-	for (int column = 0; column < 3; column++) {
-		const rb_vec3 unit = {column == 0, column == 1, column == 2};
-		const rb_vec3 dv = rb_mechanics_answer(drift->l, body, pose, arm, arm, unit);
-
-		k->m[0][column] += dv.x;
-		k->m[1][column] += dv.y;
-		k->m[2][column] += dv.z;
-	}
+	if (pose)
+		rb_mechanics_add_effective_mass(drift->l, body, pose, arm, k);
 }
 
 static void move(struct rb_pose *pose, double way, rb_vec3 normal)
@@ -109,8 +99,8 @@ static void correct_one(const struct rb_drift *drift, int which)
 	if (sticks(drift, which))
 		wrong = m->velocity;
 	if (rb_vec3_max_abs(wrong) > 0) {
-		inverse_effective_mass(drift, m->a, m->arm_a, &k);
-		inverse_effective_mass(drift, m->b, m->arm_b, &k);
+		add_effective_mass(drift, m->a, m->arm_a, &k);
+		add_effective_mass(drift, m->b, m->arm_b, &k);
 		rb_vec3 impulse;
 		if (sticks(drift, which) && rb_mat3_inverse(&k, &inverse))
 			impulse = rb_vec3_neg(rb_mat3_apply(&inverse, wrong));
@@ -141,6 +131,18 @@ struct errors {
 	struct rb_joint_hold hold;                    /* what these must respect */
 };
 
+static struct rb_mechanics_points points_of(const struct errors *e)
+{
+	return (struct rb_mechanics_points){.l = e->drift->l,
+	                                    .contact_point = e->drift->contact_point,
+	                                    .row = e->row,
+	                                    .count = e->n,
+	                                    .pose = e->drift->pose,
+	                                    .body_count = e->drift->l->set_count,
+	                                    .linear = e->linear,
+	                                    .angular = e->angular};
+}
+
 static rb_vec3 asked_of(const struct errors *e, int k, rb_vec3 v)
 {
 	const rb_vec3 n = e->drift->contact_point[e->row[k]].normal;
@@ -149,49 +151,15 @@ static rb_vec3 asked_of(const struct errors *e, int k, rb_vec3 v)
 	                                                    : rb_vec3_scale(rb_vec3_dot(v, n), n);
 }
 
-static void give(struct errors *e, int body, rb_vec3 arm, rb_vec3 impulse)
-{
-	const struct rb_located *l = e->drift->l;
-	const struct rb_pose *pose = pose_of(e->drift, body);
-
-	if (!pose)
-		return;
-	const int place = l->place[body];
-	e->linear[place] = rb_vec3_add_scaled(e->linear[place], l->model->inverse_mass[body],
-	                                      impulse);
-	if (l->top)
-		e->angular[place] = rb_vec3_add(
-			e->angular[place], rb_effective_mass_inverse(l, body, pose->orientation,
-		                                                     rb_vec3_cross(arm, impulse)));
-}
-
-static rb_vec3 moved(const struct errors *e, int body, rb_vec3 arm)
-{
-	if (!pose_of(e->drift, body))
-		return (rb_vec3){0, 0, 0};
-	const int place = e->drift->l->place[body];
-
-	return rb_vec3_add(e->linear[place], rb_vec3_cross(e->angular[place], arm));
-}
-
 /* Motions of all bodies by impulses, and what they do to the contacts, into `image`. */
 static void respond(struct errors *e, const rb_vec3 *impulse, rb_vec3 *image)
 {
-	for (int k = 0; k < e->drift->l->set_count; k++)
-		e->linear[k] = e->angular[k] = (rb_vec3){0, 0, 0};
-	for (int k = 0; k < e->n; k++) {
-		const struct rb_contact_point *m = &e->drift->contact_point[e->row[k]];
+	const struct rb_mechanics_points points = points_of(e);
 
-		give(e, m->a, m->arm_a, rb_vec3_neg(impulse[k]));
-		give(e, m->b, m->arm_b, impulse[k]);
-	}
+	rb_mechanics_respond(&points, impulse);
 	rb_joint_hold_apply(&e->hold, e->linear, e->angular);
-	for (int k = 0; k < e->n; k++) {
-		const struct rb_contact_point *m = &e->drift->contact_point[e->row[k]];
-
-		image[k] = asked_of(
-			e, k, rb_vec3_sub(moved(e, m->b, m->arm_b), moved(e, m->a, m->arm_a)));
-	}
+	for (int k = 0; k < e->n; k++)
+		image[k] = asked_of(e, k, rb_mechanics_response(&points, k));
 }
 
 static double dots(const rb_vec3 *a, const rb_vec3 *b, int n)
@@ -290,35 +258,21 @@ static void move_places(struct errors *e)
 	if (!any)
 		return;
 	solve(e);
-	for (int k = 0; k < l->set_count; k++) {
-		struct rb_pose *pose = &e->drift->pose[k];
-		const rb_vec3 turn = rb_vec3_scale(0.5, e->angular[k]);
-
-		move(pose, 1, e->linear[k]);
-		if (!l->top || !(rb_vec3_max_abs(turn) > 0))
-			continue;
-		/* by so little that the series ends here */
-		pose->orientation = rb_quat_unit(
-			rb_quat_multiply((rb_quat){1, turn.x, turn.y, turn.z}, pose->orientation));
-		if (l->model->center_of_mass)
-			pose->origin = rb_vec3_sub(
-				pose->position,
-				rb_quat_rotate(pose->orientation,
-			                       l->model->center_of_mass[l->set[k]]));
-	}
+	for (int k = 0; k < l->set_count; k++)
+		rb_arc_displace(l, l->set[k], &e->drift->pose[k], e->linear[k], e->angular[k]);
 	contact_points_of(e->drift);
 }
 
 /* What the impulses in `sum` do by e->linear and e->angular. */
 static void enter(const struct errors *e)
 {
+	const struct rb_mechanics_points points = points_of(e);
+
 	for (int k = 0; k < e->n; k++) {
 		const struct rb_contact_point *m = &e->drift->contact_point[e->row[k]];
-		const rb_vec3 change = rb_vec3_sub(moved(e, m->b, m->arm_b),
-		                                   moved(e, m->a, m->arm_a));
 
 		rb_work_impact(e->drift->l, m, e->sum[k], m->velocity,
-		               rb_vec3_add(m->velocity, change));
+		               rb_vec3_add(m->velocity, rb_mechanics_response(&points, k)));
 	}
 	if (e->hold.rows.count == 0 || !e->drift->l->account_s)
 		return;

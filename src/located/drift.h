@@ -6,7 +6,7 @@
  * Spheres are moved one contact after the other. Bodies with several points a pair are moved and
  * turned together, by the smallest motion in the metric of kinetic energy that serves all points at
  * once: one by one each would undo the others. Velocities change by impulses at the contacts, which
- * the ledger is told like any others.
+ * the ledger is told like any others. Overlaps of a crowd are another problem: constraint/row.
  */
 #ifndef RB_LOCATED_DRIFT_H
 #define RB_LOCATED_DRIFT_H

@@ -283,8 +283,8 @@ static const struct {
 };
 enum { ROWS = sizeof rows / sizeof rows[0] };
 
-rb_vec3 rb_effective_mass_inverse(const struct rb_located *l, int i, rb_quat orientation,
-                                  rb_vec3 torque)
+rb_vec3 rb_inverse_inertia_apply(const struct rb_located *l, int i, rb_quat orientation,
+                                 rb_vec3 torque)
 {
 	const double scalar = l->model->inverse_inertia_scalar[i];
 
@@ -321,7 +321,7 @@ void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pos
 	*angular = (rb_vec3){0, 0, 0};
 	if (!l->top)
 		return;
-	*angular = rb_effective_mass_inverse(l, i, pose->orientation, load.torque);
+	*angular = rb_inverse_inertia_apply(l, i, pose->orientation, load.torque);
 	if (l->top_body[i].kind != RB_TOP_CONSTANT)
 		*angular = rb_vec3_add(*angular,
 		                       rb_top_turning(&l->top_body[i], &l->model->inertia[i],

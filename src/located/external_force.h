@@ -72,8 +72,8 @@ rb_vec3 rb_external_turning(const struct rb_located *l, int i);
 bool rb_external_turns_with(const struct rb_located *l, int i);
 
 /* I^-1 applied to an angular impulse, world axes. */
-rb_vec3 rb_effective_mass_inverse(const struct rb_located *l, int i, rb_quat orientation,
-                                  rb_vec3 torque);
+rb_vec3 rb_inverse_inertia_apply(const struct rb_located *l, int i, rb_quat orientation,
+                                 rb_vec3 torque);
 
 /* Moments at which forces of bodies begin and end, sorted, without repeats; false: no memory. */
 bool rb_external_switches(struct rb_located *l);

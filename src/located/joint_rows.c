@@ -13,7 +13,6 @@
 #include "located/arc.h"
 #include "located/external_force.h"
 #include "located/mechanics.h"
-#include "model/center.h"
 
 /* Of corrections of positions: each squares what is left. */
 enum { POSITION_ROUNDS = 2 };
@@ -438,17 +437,8 @@ static void move(const struct rb_joint_rows *rows, struct rb_pose *pose, const r
 {
 	const struct rb_located *l = rows->l;
 
-	for (int p = 0; p < rows->body_count; p++) {
-		const rb_vec3 turn = rb_vec3_scale(0.5, angular[p]);
-
-		rb_arc_move(&pose[p], linear[p]);
-		if (l->top && rb_vec3_max_abs(turn) > 0)
-			/* by so little that the series ends here */
-			pose[p].orientation = rb_quat_unit(rb_quat_multiply(
-				(rb_quat){1, turn.x, turn.y, turn.z}, pose[p].orientation));
-		pose[p].origin = rb_model_origin(l->model, rows->body[p], pose[p].position,
-		                                 pose[p].orientation);
-	}
+	for (int p = 0; p < rows->body_count; p++)
+		rb_arc_displace(l, rows->body[p], &pose[p], linear[p], angular[p]);
 }
 
 void rb_joint_rows_wrenches(const struct rb_joint_rows *rows, const double *multiplier, double t,

@@ -506,10 +506,10 @@ bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force, const double *mult
 		w->linear[k] = rb_vec3_add_scaled(w->linear[k], l->model->inverse_mass[i],
 		                                  sum[2 * k]);
 		if (l->top)
-			w->angular[k] = rb_vec3_add(
-				w->angular[k],
-				rb_effective_mass_inverse(l, i, w->pose[k].orientation,
-			                                  sum[2 * k + 1]));
+			w->angular[k] = rb_vec3_add(w->angular[k],
+			                            rb_inverse_inertia_apply(l, i,
+			                                                     w->pose[k].orientation,
+			                                                     sum[2 * k + 1]));
 	}
 	rb_arena_back(l->arena, here);
 	return true;

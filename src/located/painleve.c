@@ -7,63 +7,27 @@
  */
 #include "located/painleve.h"
 
-#include "located/external_force.h"
+#include "located/mechanics.h"
 
 /*
  * Share by which impulses may be outside of the friction cone: the forces have not quite diverged.
  */
 static const double beyond_cone = 0.01;
 
-/* Place of a body in the set; -1: fixed. */
-static int place_of(const struct rb_painleve *painleve, int body)
-{
-	return body < painleve->l->n ? painleve->l->place[body] : -1;
-}
-
-/* Adds an impulse to a body's change of velocity. */
-static void apply(struct rb_painleve *painleve, int body, rb_vec3 arm, rb_vec3 impulse)
-{
-	const struct rb_located *l = painleve->l;
-	const int place = place_of(painleve, body);
-
-	if (place < 0)
-		return;
-	painleve->linear[place] = rb_vec3_add_scaled(painleve->linear[place],
-	                                             l->model->inverse_mass[body], impulse);
-	if (l->top)
-		painleve->angular[place] = rb_vec3_add(
-			painleve->angular[place],
-			rb_effective_mass_inverse(l, body, painleve->pose[place].orientation,
-		                                  rb_vec3_cross(arm, impulse)));
-}
-
-/* Change of velocity at an arm. */
-static rb_vec3 moved(const struct rb_painleve *painleve, int body, rb_vec3 arm)
-{
-	const int place = place_of(painleve, body);
-
-	if (place < 0)
-		return (rb_vec3){0, 0, 0};
-	return rb_vec3_add(painleve->linear[place], rb_vec3_cross(painleve->angular[place], arm));
-}
-
 /* Changes of the relative velocities of the contact points by impulses. */
-static void respond(struct rb_painleve *painleve, const rb_vec3 *impulse, rb_vec3 *u)
+static void respond(const struct rb_painleve *painleve, const rb_vec3 *impulse, rb_vec3 *u)
 {
-	for (int k = 0; k < painleve->body_count; k++)
-		painleve->linear[k] = painleve->angular[k] = (rb_vec3){0, 0, 0};
-	for (int k = 0; k < painleve->count; k++) {
-		const struct rb_contact_point *m = &painleve->contact_point[k];
+	const struct rb_mechanics_points points = {.l = painleve->l,
+	                                           .contact_point = painleve->contact_point,
+	                                           .count = painleve->count,
+	                                           .pose = painleve->pose,
+	                                           .body_count = painleve->body_count,
+	                                           .linear = painleve->linear,
+	                                           .angular = painleve->angular};
 
-		apply(painleve, m->a, m->arm_a, rb_vec3_neg(impulse[k]));
-		apply(painleve, m->b, m->arm_b, impulse[k]);
-	}
-	for (int k = 0; k < painleve->count; k++) {
-		const struct rb_contact_point *m = &painleve->contact_point[k];
-
-		u[k] = rb_vec3_sub(moved(painleve, m->b, m->arm_b),
-		                   moved(painleve, m->a, m->arm_a));
-	}
+	rb_mechanics_respond(&points, impulse);
+	for (int k = 0; k < painleve->count; k++)
+		u[k] = rb_mechanics_response(&points, k);
 }
 
 static double sum_of_dots(const rb_vec3 *a, const rb_vec3 *b, int count)

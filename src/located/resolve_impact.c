@@ -360,7 +360,7 @@ static rb_vec3 turn_by(const struct impact *s, int place, rb_vec3 lever)
 {
 	if (place >= s->l->set_count || !s->l->top || !(rb_vec3_max_abs(lever) > 0))
 		return (rb_vec3){0, 0, 0};
-	return rb_effective_mass_inverse(s->l, s->l->set[place], s->pose[place].orientation, lever);
+	return rb_inverse_inertia_apply(s->l, s->l->set[place], s->pose[place].orientation, lever);
 }
 
 /* Takes the normal velocity of contact k away. */

@@ -11,7 +11,6 @@
 
 #include "located/painleve.h"
 #include "located/mechanics.h"
-#include "located/external_force.h"
 #include "located/event_records.h"
 #include "located/work.h"
 #include "constraint/eccentric.h"
@@ -104,24 +103,13 @@ static struct rb_contact_point middle_of(const struct rb_resolution *s, int k)
 static rb_mat3 inverse_effective_mass_of(const struct rb_resolution *s,
                                          const struct rb_contact_point *m)
 {
-	rb_mat3 inverse_effective_mass = {{{0}}};
+	rb_mat3 k = {{{0}}};
 
-	for (int column = 0; column < 3; column++) {
-		const rb_vec3 unit = {column == 0, column == 1, column == 2};
-		rb_vec3 of[2] = {{0, 0, 0}, {0, 0, 0}};
-
-		if (is_dynamic(s, m->a))
-			of[0] = rb_mechanics_answer(s->l, m->a, &m->pose_a, m->arm_a, m->arm_a,
-			                            unit);
-		if (is_dynamic(s, m->b))
-			of[1] = rb_mechanics_answer(s->l, m->b, &m->pose_b, m->arm_b, m->arm_b,
-			                            unit);
-		const rb_vec3 sum = rb_vec3_add(of[0], of[1]);
-		inverse_effective_mass.m[0][column] = sum.x;
-		inverse_effective_mass.m[1][column] = sum.y;
-		inverse_effective_mass.m[2][column] = sum.z;
-	}
-	return inverse_effective_mass;
+	if (is_dynamic(s, m->a))
+		rb_mechanics_add_effective_mass(s->l, m->a, &m->pose_a, m->arm_a, &k);
+	if (is_dynamic(s, m->b))
+		rb_mechanics_add_effective_mass(s->l, m->b, &m->pose_b, m->arm_b, &k);
+	return k;
 }
 
 /*
@@ -146,15 +134,15 @@ static rb_vec3 impulse_at(const struct rb_resolution *s, const struct rb_contact
 static void apply(struct rb_resolution *s, int body, const struct rb_pose *pose, rb_vec3 arm,
                   rb_vec3 impulse)
 {
-	struct rb_pose *const own = is_dynamic(s, body) ? &s->pose[s->l->place[body]] : NULL;
-
-	if (!own)
+	if (!is_dynamic(s, body))
 		return;
-	own->velocity = rb_vec3_add_scaled(own->velocity, s->l->model->inverse_mass[body], impulse);
-	if (s->l->top)
-		own->spin = rb_vec3_add(own->spin,
-		                        rb_effective_mass_inverse(s->l, body, pose->orientation,
-		                                                  rb_vec3_cross(arm, impulse)));
+	struct rb_pose *const own = &s->pose[s->l->place[body]];
+
+	const struct rb_mechanics_change change = rb_mechanics_change(s->l, body, pose->orientation,
+	                                                              arm, impulse);
+
+	own->velocity = rb_vec3_add(own->velocity, change.linear);
+	own->spin = rb_vec3_add(own->spin, change.angular);
 }
 
 /* Stops the slip at one point; false: no impulse does. */

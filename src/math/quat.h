@@ -50,6 +50,12 @@ static inline rb_quat rb_quat_from_turn(rb_vec3 turn)
 	return (rb_quat){cos(0.5 * angle), s * turn.x, s * turn.y, s * turn.z};
 }
 
+/* Turned further by a rotation vector in world axes, rad; of unit length. */
+static inline rb_quat rb_quat_turned(rb_quat q, rb_vec3 turn)
+{
+	return rb_quat_unit(rb_quat_multiply(rb_quat_from_turn(turn), q));
+}
+
 static inline rb_vec3 rb_quat_rotate(rb_quat q, rb_vec3 v)
 {
 	const rb_vec3 u = {q.x, q.y, q.z};

@@ -140,7 +140,7 @@ static rb_quat turned_evenly(const struct spin *w, rb_quat begin)
 
 	for (int i = 0; i < POWERS; i++)
 		half = rb_vec3_add_scaled(half, 1.0 / (i + 1), w->power[i]);
-	return rb_quat_unit(rb_quat_multiply(rb_quat_from_turn(rb_vec3_scale(2, half)), begin));
+	return rb_quat_turned(begin, rb_vec3_scale(2, half));
 }
 
 rb_quat rb_turn_through(const struct rb_gauss_piece *piece, int spin, rb_quat orientation, double t)

@@ -343,7 +343,7 @@ static enum rb_status external(struct rb_world *world, int i, struct rb_load *lo
 	add(&load->acceleration, world->model->inverse_mass[i], loads->force[i]);
 	if (world->state.spin)
 		add(&load->angular_acceleration, 1,
-		    rb_effective_mass_inverse(l, i, loads->pose[i].orientation, loads->torque[i]));
+		    rb_inverse_inertia_apply(l, i, loads->pose[i].orientation, loads->torque[i]));
 	return status;
 }
 

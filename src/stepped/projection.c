@@ -368,8 +368,7 @@ static void shift(struct search *search)
 		if (!world->state.spin)
 			continue;
 		double *const q = world->state.orientation + 4 * (size_t)i;
-		rb_quat_to(q, rb_quat_unit(rb_quat_multiply(rb_quat_from_turn(body->angular),
-		                                            rb_quat_from(q))));
+		rb_quat_to(q, rb_quat_turned(rb_quat_from(q), body->angular));
 	}
 }
 

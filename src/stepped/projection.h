@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Overlap that linearization has left, closed by moving positions only: groups that overlap, each
- * until it does not.
+ * until it does not, by a step of length 1 s from rest (constraint/row). Contacts of the located
+ * method are put right otherwise (located/drift): they are held from both sides.
  */
 #ifndef RB_STEPPED_PROJECTION_H
 #define RB_STEPPED_PROJECTION_H
