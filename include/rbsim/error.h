@@ -34,7 +34,7 @@ enum rb_status {
 enum { RB_ERROR_TEXT_SIZE = 240 };
 
 struct rb_error {
-	enum rb_status status;
+	enum rb_status status;         /* never RB_OK where a function has failed */
 	char text[RB_ERROR_TEXT_SIZE]; /* for the user; cut, never overrun */
 	const char *file;              /* where in our sources, for a bug report */
 	int line;

@@ -66,13 +66,13 @@ static inline bool rb_event_is_impact(enum rb_event_kind kind)
 
 struct rb_event {
 	double time_s;
-	enum rb_event_kind kind;
-	int a, b;              /* ids, a < b, or a == b: of one body */
-	rb_vec3 point;         /* m, world */
-	rb_vec3 normal;        /* unit, from a to b */
-	rb_vec3 impulse;       /* N s, on b */
-	double approach_speed; /* m/s, > 0, along the normal */
-	int joint;             /* 1 + the number of the joint that it is of; 0: of none */
+	enum rb_event_kind kind; /* which of the fields below it has: rbsim-recording(5) */
+	int a, b;                /* ids, a < b, or a == b: of one body */
+	rb_vec3 point;           /* m, world */
+	rb_vec3 normal;          /* unit, from a to b */
+	rb_vec3 impulse;         /* N s, on b */
+	double approach_speed;   /* m/s, > 0, along the normal */
+	int joint;               /* 1 + the number of the joint that it is of; 0: of none */
 };
 
 /* A contact that lasts, as seen at a frame. */
@@ -133,7 +133,7 @@ struct rb_frame {
 	 */
 	double *joint_value, *joint_speed, *joint_force, *joint_torque;
 
-	struct rb_frame_numbers numbers;
+	struct rb_frame_numbers numbers; /* of the whole world */
 	double *probes; /* [probe_count] of the scene, in its order; NULL: it has none */
 	int probe_count;
 
@@ -141,7 +141,7 @@ struct rb_frame {
 	int event_count, event_capacity;
 	bool has_events; /* nobody is told of any, else */
 	struct rb_frame_contact *contacts;
-	int contact_count, contact_capacity;
+	int contact_count, contact_capacity; /* of `contacts` */
 	struct rb_frame_shot
 		*shots; /* by camera, then picture; NULL where no camera has functions */
 	int shot_count, shot_capacity;

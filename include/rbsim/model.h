@@ -50,7 +50,7 @@ enum {
 
 /* Entry of the dense materials table. */
 struct rb_pair_material {
-	double friction, restitution;
+	double friction, restitution; /* coefficients, dimensionless */
 };
 
 struct rb_parts_table;
@@ -86,7 +86,7 @@ struct rb_model {
 	 * gravitation. Bodies that attract are counted in all, and those that do not yield.
 	 */
 	double *attraction;
-	int attractor_count, center_count;
+	int attractor_count, center_count; /* bodies that attract; of them static and driven ones */
 	/* every free body attracts by its mass: forces are opposite */
 	bool attracts_by_mass;
 	double softening2_m2; /* square of the softening */
@@ -96,10 +96,10 @@ struct rb_model {
 
 	struct rb_joints *joints; /* owned, model/joints; NULL: none */
 
-	int material_count;
+	int material_count;                      /* of the scene */
 	struct rb_pair_material *pair_materials; /* [material_count][material_count] */
 
-	double duration_s, frame_rate, time_step_s;
+	double duration_s, frame_rate, time_step_s; /* s, 1/s, s */
 	double tolerance_m, size_min_m; /* smallest radius or half-edge of a moving body */
 	double size_mean_m;             /* geometric mean of these over moving bodies */
 	double coordinate_max_m;        /* largest |coordinate| or size at the start */

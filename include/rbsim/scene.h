@@ -56,10 +56,10 @@ static inline bool rb_shape_has_parts(enum rb_shape_kind kind)
  *   union      several of the above but planes and rectangles, rigidly joined: solids[solid]
  */
 struct rb_shape {
-	enum rb_shape_kind kind;
-	int solid;      /* in scene.solids, of hulls and unions; not read of others */
-	double radius;  /* m */
-	double size[3]; /* m */
+	enum rb_shape_kind kind; /* which of the numbers below it reads */
+	int solid;               /* in scene.solids, of hulls and unions; not read of others */
+	double radius;           /* m */
+	double size[3];          /* m */
 };
 
 /*
@@ -87,8 +87,8 @@ struct rb_solid {
 	const int *face_first; /* [face_count + 1] */
 	const int (*edges)[2]; /* [edge_count], the smaller corner first, ascending */
 	int vertex_count, face_count, edge_count;
-	const struct rb_solid_part *parts;
-	int part_count;
+	const struct rb_solid_part *parts; /* [part_count]: of a union */
+	int part_count;                    /* 0: a hull */
 
 	/* m^3; of a union the sum of its parts: where they overlap it counts twice */
 	double volume;
@@ -223,15 +223,15 @@ struct rb_body_def {
 	int line;         /* of the call in the scene's source, 0: unknown */
 
 	struct rb_shape shape;
-	int material;
+	int material;         /* place among the scene's */
 	double mass, density; /* kg, kg/m^3; NAN: from the material */
 	/*
 	 * m, object coordinates; default: the origin, which is the centroid but of hulls and
 	 * unions: whoever makes one of those puts the centroid of the solid here
 	 */
 	rb_vec3 center_of_mass;
-	bool has_inertia;
-	rb_mat3 inertia; /* kg m^2, object axes, about the centre of mass; valid if has_inertia */
+	bool has_inertia; /* it was given */
+	rb_mat3 inertia;  /* kg m^2, object axes, about the centre of mass; valid if has_inertia */
 	/* mass, centre and inertia came of so many particles; 0: none were given */
 	size_t particle_count;
 
@@ -277,9 +277,9 @@ static inline bool rb_body_is_free(const struct rb_body_def *body)
 /* Where a camera's vector comes from. Functions are kept by the script under `function`. */
 enum rb_camera_source { RB_CAMERA_FIXED, RB_CAMERA_BODY, RB_CAMERA_FUNCTION };
 struct rb_camera_vector {
-	enum rb_camera_source source;
-	rb_vec3 value;
-	int body;     /* id of a body, for RB_CAMERA_BODY */
+	enum rb_camera_source source; /* which of the fields below holds it */
+	rb_vec3 value;                /* m, or a direction: of one that is a constant */
+	int body;                     /* id of a body, for RB_CAMERA_BODY */
 	int function; /* the script's number of a function, for RB_CAMERA_FUNCTION */
 };
 
@@ -290,11 +290,11 @@ enum { RB_VECTORS_VELOCITY = 1u << 0, RB_VECTORS_CONTACT = 1u << 1, RB_VECTORS_J
 enum rb_light_kind { RB_LIGHT_LAMP, RB_LIGHT_SUN, RB_LIGHT_SPOT, RB_LIGHT_AMBIENT };
 
 struct rb_light_def {
-	enum rb_light_kind kind;
-	rb_vec3 position; /* m; of a sun the direction towards it */
-	rb_vec3 look_at;  /* m: where the axis of a spot's cone goes */
-	double angle;     /* rad: of a spot, from the axis of its cone to its edge */
-	double softness;  /* of `angle`, over which a spot's light fades out */
+	enum rb_light_kind kind; /* how light falls off and where it comes from */
+	rb_vec3 position;        /* m; of a sun the direction towards it */
+	rb_vec3 look_at;         /* m: where the axis of a spot's cone goes */
+	double angle;            /* rad: of a spot, from the axis of its cone to its edge */
+	double softness;         /* of `angle`, over which a spot's light fades out */
 	double color[3], intensity;
 };
 
@@ -303,13 +303,13 @@ struct rb_camera_def {
 	const char *name;
 	const char *file; /* where its line is; NULL: in the scene's own file */
 	int line;
-	struct rb_camera_vector position, look_at, up;
+	struct rb_camera_vector position, look_at, up; /* m, m, a direction */
 	/* no position is given: it stands where it sees all that moves (flow/framing) */
 	bool framed;
 	bool aimed; /* look_at is given */
 	int mount;  /* id of a body, -1: none */
 	rb_vec3 offset;
-	bool level;
+	bool level; /* the horizon stays horizontal */
 	double fov; /* rad, vertical */
 	bool orthographic;
 	double height; /* m, of an orthographic picture; NAN: as much as `framed` asks for */
@@ -322,7 +322,7 @@ struct rb_camera_def {
 	struct rb_light_def lights[RB_CAMERA_LIGHTS_MAX];
 	int light_count; /* -1: the default lights */
 	bool shadows;
-	int samples;
+	int samples;                                   /* of each pixel */
 	unsigned overlay, vectors;                     /* RB_OVERLAY_*, RB_VECTORS_* */
 	int trails[RB_CAMERA_TRAILS_MAX], trail_count; /* ids of bodies */
 	bool wireframe;
@@ -374,7 +374,7 @@ enum rb_method_kind {
  * 460).
  */
 struct rb_gravitation_def {
-	bool given;
+	bool given;           /* the scene states it */
 	double constant;      /* m^3/(kg s^2), G */
 	double softening_m;   /* >= 0 */
 	double opening_angle; /* in [0, 1]: of the tree of steps */
@@ -390,10 +390,10 @@ struct rb_world_def {
 	rb_vec3 gravity;                 /* m/s^2 */
 	rb_vec3 gravity_force;           /* N, on every moving body */
 	struct rb_gravitation_def gravitation;
-	enum rb_rollback_kind rollback;
-	enum rb_method_kind method;
-	uint64_t seed;
-	bool pause_on_collision;
+	enum rb_rollback_kind rollback; /* which bodies go back in time together */
+	enum rb_method_kind method;     /* how motion is computed */
+	uint64_t seed;                  /* of the scene's random numbers */
+	bool pause_on_collision;        /* the player waits there */
 };
 
 /* Seconds, from `steps` where no duration stands; NAN: neither was given. */
@@ -404,8 +404,8 @@ double rb_world_time_step(const struct rb_world_def *world);
 enum rb_param_type { RB_PARAM_NUMBER, RB_PARAM_INTEGER, RB_PARAM_BOOLEAN, RB_PARAM_TEXT };
 
 struct rb_param_def {
-	const char *name, *help;
-	enum rb_param_type type;
+	const char *name, *help;               /* as on the command line */
+	enum rb_param_type type;               /* which of the values below counts */
 	const char *default_text, *value_text; /* as a Lua literal without quotes */
 	double value;                          /* for numbers, integers and booleans */
 	double min, max;                       /* NAN: none */
@@ -413,7 +413,7 @@ struct rb_param_def {
 };
 
 struct rb_expect_def {
-	const char *text;
+	const char *text; /* what is expected, for messages */
 	int line;
 	bool always;  /* checked at every frame */
 	int function; /* the script's number of it */
@@ -434,8 +434,8 @@ struct rb_source_file {
 	const char
 		*name; /* as required, e.g. "rbsim.lattice"; the scene's base name for the first */
 	const char *text;
-	size_t size_bytes;
-	char sha256[65];
+	size_t size_bytes; /* of `text` */
+	char sha256[65];   /* of the text: lower-case digits and a zero */
 };
 
 /* Which callbacks a scene has. */
@@ -453,9 +453,9 @@ enum {
  */
 enum { RB_ELEMENT_KINDS_MAX = 16 };
 struct rb_element_list {
-	void *rows;
+	void *rows; /* owned: [count] of the kind's type */
 	int count;
-	size_t capacity;
+	size_t capacity; /* rows that it has place for */
 };
 
 struct rb_scene {
