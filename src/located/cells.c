@@ -10,7 +10,10 @@
  * ever. The edge is that much larger: bodies that touch are in neighbouring cells as long as each
  * is in its own or within `hysteresis` of it,
  *     r_a + r_b <= 2 r_max < edge (1 - 2 hysteresis),
- * and what is left of the difference covers the rounding of coordinates up to 1e12 edges.
+ * and what is left of the difference covers the rounding of coordinates up to 1e12 edges. Where the
+ * way of a body is only bounded, it is looked at when it could be at the wall first, and goes
+ * through from half of `yielding` behind the middle between the cells on: farther from the wall
+ * than that, it needs a while to the next look.
  *
  * A cell is a block of three bodies and a tail: a walk of 27 is nine short stretches of memory
  * without pointers to follow, and, because a block is copied as a whole, however many are in it,
@@ -154,6 +157,18 @@ static int remove_from(int *out, int count, int body)
 	return count;
 }
 
+/* Everybody else. */
+static int list_all(const struct rb_cells *cells, int body, int *out)
+{
+	int count = 0;
+
+	for (int other = 0; other < cells->count; other++) {
+		out[count] = other;
+		count += other != body;
+	}
+	return count;
+}
+
 int rb_cells_near(const struct rb_cells *cells, int body, int *out)
 {
 	RB_ASSERT(body >= 0 && body < cells->count);
@@ -162,13 +177,8 @@ int rb_cells_near(const struct rb_cells *cells, int body, int *out)
 	struct walk walk;
 	int count = 0;
 
-	if (cells->level_count == 0) {
-		for (int other = 0; other < cells->count; other++) {
-			out[count] = other;
-			count += other != body;
-		}
-		return count;
-	}
+	if (own == cells->level_count)
+		return list_all(cells, body, out);
 	for (int l = own; l < cells->level_count; l++) {
 		const struct level *level = &cells->levels[l];
 
@@ -180,6 +190,8 @@ int rb_cells_near(const struct rb_cells *cells, int body, int *out)
 		if (level->guests.cells)
 			count = copy_members(cells, &level->guests, &walk, out, count);
 	}
+	for (int k = 0; k < cells->endless_count; k++)
+		out[count++] = cells->endless[k];
 	return count;
 }
 
@@ -193,7 +205,7 @@ void rb_cells_prefetch_near(const struct rb_cells *cells, int body)
 	const struct entry *entry = entries_of(cells, body);
 	struct walk walk;
 
-	if (cells->level_count == 0)
+	if (own_level(cells, body) == cells->level_count)
 		return;
 	const struct level *level = &cells->levels[own_level(cells, body)];
 
@@ -260,11 +272,17 @@ static bool is_last(int64_t at)
 	return (at <= -farthest) | (at >= farthest);
 }
 
+/* Distance of x from the middle of a cell along one axis, m. */
+static inline double off_middle(const struct level *level, int64_t at, double x)
+{
+	return x - ((double)at + 0.5) * level->edge;
+}
+
 /* Offers the walls of one axis under an acceleration. */
 static void fall_out(struct exit *exit, const struct level *level, int64_t at, const double xva[3],
                      int wall)
 {
-	const double off = xva[0] - ((double)at + 0.5) * level->edge;
+	const double off = off_middle(level, at, xva[0]);
 	int high;
 	const double s = leaves_along(level->reach, off, xva[1], xva[2], &high);
 
@@ -275,7 +293,7 @@ static void fall_out(struct exit *exit, const struct level *level, int64_t at, c
 /* Time to the wall ahead without acceleration, s. */
 static inline double flies_along(const struct level *level, int64_t at, double x, double v)
 {
-	const double off = x - ((double)at + 0.5) * level->edge;
+	const double off = off_middle(level, at, x);
 	const double ahead = level->reach - copysign(1, v) * off;
 
 	return (ahead > 0 ? ahead : 0) / fabs(v); /* 0 / 0 is never */
@@ -330,6 +348,71 @@ double rb_cells_leaves(const struct rb_cells *cells, int body, rb_vec3 position,
 	}
 	*wall = exit.wall;
 	return exit.s;
+}
+
+/*
+ * Time before which |x| stays within `reach` along one axis, whatever the acceleration is within
+ * `most`, s: the root of u t + most t^2 / 2 = d for the wall at distance d, u the speed towards it.
+ */
+static double stays_along(double reach, double x, double v, double most, int *high)
+{
+	double least = (double)INFINITY;
+
+	for (int k = 0; k < 2; k++) {
+		const double sign = k == 0 ? -1 : 1, u = sign * v;
+		const double ahead = fmax(0, reach - sign * x);
+		const double root = sqrt(u * u + 2 * most * ahead);
+		double s = (double)INFINITY;
+
+		if (u > 0)
+			s = 2 * ahead / (u + root);
+		else if (most > 0)
+			s = (root - u) / most;
+		if (s < least) {
+			least = s;
+			*high = k;
+		}
+	}
+	return least;
+}
+
+double rb_cells_stays(const struct rb_cells *cells, int body, rb_vec3 position, rb_vec3 velocity,
+                      rb_vec3 most, int *wall)
+{
+	RB_ASSERT(body >= 0 && body < cells->count);
+	const double x[3] = {position.x, position.y, position.z};
+	const double v[3] = {velocity.x, velocity.y, velocity.z};
+	const double a[3] = {most.x, most.y, most.z};
+	const struct entry *entry = entries_of(cells, body);
+	const int own = own_level(cells, body);
+	struct exit exit = {(double)INFINITY, -1};
+
+	for (int l = own; l < cells->level_count; l++, entry++) {
+		const struct level *level = &cells->levels[l];
+
+		for (int k = 0; k < 3; k++) {
+			const double off = off_middle(level, entry->at[k], x[k]);
+			int high = 0;
+			const double s = stays_along(level->reach, off, v[k], a[k], &high);
+
+			if (s < exit.s && !is_last(entry->at[k]))
+				exit = (struct exit){s, WALLS * (l - own) + 2 * k + high};
+		}
+	}
+	*wall = exit.wall;
+	return exit.s;
+}
+
+bool rb_cells_is_at_wall(const struct rb_cells *cells, int body, int wall, rb_vec3 position)
+{
+	RB_ASSERT(body >= 0 && body < cells->count && wall >= 0);
+	const double x[3] = {position.x, position.y, position.z};
+	const int own = own_level(cells, body), axis = wall % WALLS / 2;
+	const struct level *level = &cells->levels[own + wall / WALLS];
+	const struct entry *entry = entries_of(cells, body) + wall / WALLS;
+	const double off = off_middle(level, entry->at[axis], x[axis]);
+
+	return (wall % 2 ? off : -off) >= level->edge * (0.5 + 0.5 * hysteresis);
 }
 
 int rb_cells_cross(struct rb_cells *cells, int body, int wall, int *out)
@@ -390,7 +473,7 @@ void rb_cells_place(struct rb_cells *cells, int body, rb_vec3 position)
 
 int rb_cells_wall_count(const struct rb_cells *cells, int body)
 {
-	return cells->level_count == 0 ? 0 : WALLS * (cells->level_count - own_level(cells, body));
+	return WALLS * (cells->level_count - own_level(cells, body));
 }
 
 /* ---- making ---- */
@@ -530,13 +613,18 @@ static bool find_levels(struct rb_cells *cells, const double *radius)
 	int rank[OCTAVES];
 
 	cells->own = rb_memory_take((size_t)cells->count, sizeof *cells->own);
-	if (!cells->own)
+	cells->endless = rb_memory_take((size_t)cells->count, sizeof *cells->endless);
+	if (!cells->own || !cells->endless)
 		return false;
 	for (int body = 0; body < cells->count; body++) {
-		RB_ASSERT(radius[body] > 0 && radius[body] < (double)INFINITY);
+		RB_ASSERT(radius[body] > 0);
 		smallest = fmin(smallest, radius[body]);
 	}
 	for (int body = 0; body < cells->count; body++) {
+		if (!isfinite(radius[body])) {
+			cells->endless[cells->endless_count++] = body;
+			continue;
+		}
 		const int octave = ilogb(fmin(radius[body] / smallest, 0x1p1023));
 
 		RB_ASSERT(octave >= 0 && octave < OCTAVES);
@@ -547,7 +635,7 @@ static bool find_levels(struct rb_cells *cells, const double *radius)
 		rank[octave] = cells->level_count;
 		cells->level_count += largest[octave] > 0;
 	}
-	cells->levels = rb_memory_take((size_t)cells->level_count, sizeof *cells->levels);
+	cells->levels = rb_memory_take((size_t)cells->level_count + 1, sizeof *cells->levels);
 	if (!cells->levels)
 		return false;
 	for (int octave = 0; octave < OCTAVES; octave++) {
@@ -555,8 +643,9 @@ static bool find_levels(struct rb_cells *cells, const double *radius)
 			cells->levels[rank[octave]].largest = largest[octave];
 	}
 	for (int body = 0; body < cells->count; body++)
-		cells->own[body] = rank[cells->own[body]];
-	if (cells->level_count == 1) {
+		cells->own[body] = isfinite(radius[body]) ? rank[cells->own[body]]
+		                                          : cells->level_count;
+	if (cells->level_count == 1 && cells->endless_count == 0) {
 		rb_memory_free(cells->own);
 		cells->own = NULL;
 	}
@@ -645,6 +734,7 @@ void rb_cells_destroy(struct rb_cells *cells)
 	rb_memory_free(cells->levels);
 	rb_memory_free(cells->entries);
 	rb_memory_free(cells->own);
+	rb_memory_free(cells->endless);
 	rb_memory_free(cells->first);
 	rb_memory_free(cells->blocks);
 	rb_memory_free(cells);

@@ -24,8 +24,8 @@
 struct rb_cells;
 
 /*
- * Bodies 0 .. count-1 of these radii (> 0) at these positions ([count][3], m). All memory is taken
- * here.
+ * Bodies 0 .. count-1 of these radii (> 0; INFINITY: near all others, and never leaving anything)
+ * at these positions ([count][3], m). All memory is taken here.
  */
 RB_CHECKED enum rb_status rb_cells_create(struct rb_cells **cells, int count, const double *radius,
                                           const double *position, struct rb_error *err);
@@ -62,6 +62,16 @@ void rb_cells_prefetch_near(const struct rb_cells *cells, int body);
  */
 double rb_cells_leaves(const struct rb_cells *cells, int body, rb_vec3 position, rb_vec3 velocity,
                        rb_vec3 acceleration, int *wall);
+
+/*
+ * Of a body of which only a bound on its acceleration along each axis is known (`most`, m/s^2, 0 or
+ * more): for so long it does not leave its cells, and `*wall` is what it could come to first. Then
+ * it is to be looked at: rb_cells_is_at_wall says whether it goes through, or this is to be asked
+ * again, which brings it nearer by a share of the way each time.
+ */
+double rb_cells_stays(const struct rb_cells *cells, int body, rb_vec3 position, rb_vec3 velocity,
+                      rb_vec3 most, int *wall);
+bool rb_cells_is_at_wall(const struct rb_cells *cells, int body, int wall, rb_vec3 position);
 
 /*
  * The body has come to that wall: it is moved to the cell behind it. Writes those who are near it

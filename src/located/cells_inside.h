@@ -53,10 +53,13 @@ struct rb_cells {
 	int count, level_count;
 	struct level *levels;  /* fine to coarse; 0: few bodies, no cells */
 	struct entry *entries; /* of each body from its own level to the coarsest */
-	int32_t *own;          /* level of each body; NULL: there is one level */
-	size_t *first;         /* of each body in entries; NULL: the body itself */
-	struct block *blocks;  /* further ones */
-	uint32_t free_tail;    /* a tail without members that leads to the free ones */
+	/* level of each body, that of endless ones level_count; NULL: there is one level */
+	int32_t *own;
+	int32_t *endless; /* bodies near all */
+	int endless_count;
+	size_t *first;        /* of each body in entries; NULL: the body itself */
+	struct block *blocks; /* further ones */
+	uint32_t free_tail;   /* a tail without members that leads to the free ones */
 };
 
 static inline size_t cell_at(const struct level *level, const int64_t at[3])

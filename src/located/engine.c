@@ -625,8 +625,8 @@ enum rb_status rb_engine_check(struct rb_located *l, struct rb_error *err)
 {
 	double depth;
 
-	/* cells hold spheres, whose touches have closed forms */
-	return l->cells ? RB_OK : check(l, &depth, err);
+	/* of many bodies on arcs, touches have closed forms */
+	return l->cells && !rb_located_varies(l) ? RB_OK : check(l, &depth, err);
 }
 
 enum rb_status rb_engine_inspect(struct rb_located *l, struct rb_error *err)

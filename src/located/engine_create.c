@@ -8,6 +8,7 @@
 #include "located/driven.h"
 #include "located/external_force.h"
 #include "located/joint_rows.h"
+#include "located/pair_contacts.h"
 
 /* Bodies from which on cells pay. */
 enum { CELLS_FROM = 48 };
@@ -72,7 +73,7 @@ static bool make_rows(struct rb_located *l)
 	return true;
 }
 
-/* Cells of the bodies' bounding spheres. */
+/* Cells of the bodies' bounding spheres about their centres of mass. */
 static enum rb_status make_cells(struct rb_located *l, struct rb_error *err)
 {
 	const size_t n = (size_t)l->n;
@@ -82,20 +83,16 @@ static enum rb_status make_cells(struct rb_located *l, struct rb_error *err)
 	if (!radius)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the cells of %zu bodies", n);
 	for (int i = 0; i < l->n; i++)
-		radius[i] = rb_model_reach(l->model, i);
+		radius[i] = rb_pair_extent(l, i);
 	status = rb_cells_create(&l->cells, l->n, radius, l->world->state.position, err);
 	rb_memory_free(radius);
 	return status;
 }
 
-/* True if cells pay and are possible: they are of spheres about their centres on parabolas. */
+/* True if cells pay. */
 static bool wants_cells(const struct rb_located *l)
 {
-	if (l->n < CELLS_FROM || !(l->model->features & RB_FEATURE_CONTACT) || l->model->driven ||
-	    l->model->center_of_mass)
-		return false;
-	/* bodies on pieces leave their cells at moments that have no closed form */
-	return !(l->model->features & (RB_FEATURES_VARIED | RB_FEATURE_DRIVEN | RB_FEATURE_JOINTS));
+	return l->n >= CELLS_FROM && (l->model->features & RB_FEATURE_CONTACT);
 }
 
 enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world,

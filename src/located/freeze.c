@@ -44,7 +44,9 @@ static bool fits(const struct rb_located *l, int i)
 		return false;
 	if (isfinite(next->touch_s) && (next->partner < 0 || next->partner == i))
 		return false;
-	if (l->cells && l->started && isfinite(next->wall_s) && next->wall < 0)
+	/* of a driven body it may be the end of its piece */
+	if (l->cells && l->started && isfinite(next->wall_s) && next->wall < 0 &&
+	    !rb_located_driven(l, i))
 		return false;
 	return next->wall < (walls > 0 ? walls : 1);
 }

@@ -368,6 +368,13 @@ static inline bool rb_located_gravitates(const struct rb_located *l)
 	return (l->model->features & RB_FEATURE_GRAVITATION) != 0;
 }
 
+/* May bodies move otherwise than on parabolas of their centres? */
+static inline bool rb_located_varies(const struct rb_located *l)
+{
+	return l->model->driven || l->model->center_of_mass ||
+	       (l->model->features & (RB_FEATURES_VARIED | RB_FEATURE_DRIVEN | RB_FEATURE_JOINTS));
+}
+
 static inline bool rb_located_on_piece(const struct rb_located *l, int i)
 {
 	return l->piece && i < l->n && l->piece[i].piece.n > 0;

@@ -253,8 +253,7 @@ struct rb_contact_point rb_contact_point_of(const struct rb_located *l,
 	return rb_contact_point_poses(l, name->a, name->b, pose_a, pose_b);
 }
 
-/* Farthest point of the body from its centre of mass, m. */
-static double extent(const struct rb_located *l, int i)
+double rb_pair_extent(const struct rb_located *l, int i)
 {
 	const struct rb_shape *shape = &l->model->shape[i];
 	const double aside = i < l->n && l->model->center_of_mass
@@ -281,7 +280,7 @@ static double external_max(const struct rb_located *l, int i)
 /* True if the body stays above a plane at rest over the interval. */
 static bool is_above(const struct rb_located *l, int i, int plane, double from, double until)
 {
-	const double h = until - from, ball = extent(l, i);
+	const double h = until - from, ball = rb_pair_extent(l, i);
 
 	if (plane < l->n || l->model->shape[plane].kind != RB_SHAPE_PLANE || !isfinite(ball))
 		return false;
@@ -340,7 +339,7 @@ static bool began_far(const struct rb_located *l, int a, int b, double until, do
 
 bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double from, double until)
 {
-	const double sum = extent(l, a) + extent(l, b), h = until - from;
+	const double sum = rb_pair_extent(l, a) + rb_pair_extent(l, b), h = until - from;
 
 	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
 	RB_ASSERT_COSTLY(a != b);
@@ -539,7 +538,7 @@ static double much_longer(const struct rb_located *l, const struct rb_contact_po
                           double h, double until, double band)
 {
 	enum { FACTOR = 8 };
-	const double least = extent(l, m->a) + extent(l, m->b) + band;
+	const double least = rb_pair_extent(l, m->a) + rb_pair_extent(l, m->b) + band;
 	bool more = true;
 
 	while (more && h < until - t) {

@@ -10,6 +10,9 @@
 
 #include "located/convex_contact.h"
 
+/* Farthest point of a body from its centre of mass, m; of planes INFINITY. */
+double rb_pair_extent(const struct rb_located *l, int i);
+
 /* The point at which they are nearest to each other. */
 struct rb_contact_point rb_contact_point_at(const struct rb_located *l, int a, int b, double t);
 /* The same with poses that are not (yet) those of the arcs. */

@@ -362,15 +362,44 @@ static inline void open(struct seer *s, struct rb_located *l, int i, double now,
 	s->speed = largest(s->velocity);
 }
 
+/* Bounds on the acceleration of a body over its piece, by axis. */
+static rb_vec3 accelerations_max(const struct rb_piece_of *p)
+{
+	const int first = p->first + RB_PIECE_VELOCITY;
+
+	return (rb_vec3){rb_gauss_rate_bound(&p->piece, first),
+	                 rb_gauss_rate_bound(&p->piece, first + 1),
+	                 rb_gauss_rate_bound(&p->piece, first + 2)};
+}
+
+/*
+ * When a body on a piece may leave its cell. The end of a driven body's piece is an event of its
+ * own, that of others one of their cluster.
+ */
+static void next_wall_of_piece(struct seer *s)
+{
+	const struct rb_located *l = s->l;
+	const struct rb_piece_of *p = &l->piece[s->i];
+
+	if (l->cells)
+		s->next.wall_s = s->now + rb_cells_stays(l->cells, s->i, s->position, s->velocity,
+		                                         accelerations_max(p), &s->next.wall);
+	if (s->next.wall_s < p->until_s)
+		return;
+	s->next.wall_s = rb_located_driven(l, s->i) ? p->until_s : HUGE_VAL;
+	s->next.wall = -1;
+}
+
 /* The time at which the body leaves its cell. */
 static void next_wall(struct seer *s)
 {
 	struct rb_located *l = s->l;
 
-	if (!l->cells)
-		return;
-	s->next.wall_s = s->now + rb_cells_leaves(l->cells, s->i, s->position, s->velocity,
-	                                          s->acceleration, &s->next.wall);
+	if (rb_located_on_piece(l, s->i))
+		next_wall_of_piece(s);
+	else if (l->cells)
+		s->next.wall_s = s->now + rb_cells_leaves(l->cells, s->i, s->position, s->velocity,
+		                                          s->acceleration, &s->next.wall);
 }
 
 /* Stores the event and puts it into the queue. */
@@ -382,8 +411,6 @@ static void keep(struct seer *s)
 
 	if (s->next.partner >= 0 && s->next.partner < l->n)
 		s->next.generation = l->generation[s->next.partner];
-	if (rb_located_driven(l, s->i))
-		s->next.wall_s = l->piece[s->i].until_s;
 	l->next[s->i] = s->next;
 	rb_queue_set(l->queue, s->i, fmin(s->next.touch_s, s->next.wall_s));
 }
@@ -465,7 +492,9 @@ void rb_predict_wall(struct rb_located *l, int i, double now)
 		look_ahead(l);
 	open(&s, l, i, now, -1);
 	s.next = l->next[i];
-	int count = rb_cells_cross(l->cells, i, s.next.wall, l->near);
+	const bool goes = !rb_located_on_piece(l, i) ||
+	                  rb_cells_is_at_wall(l->cells, i, s.next.wall, s.position);
+	int count = goes ? rb_cells_cross(l->cells, i, s.next.wall, l->near) : 0;
 
 	if (s.quick)
 		count = sift_near(&s, l->near, count);

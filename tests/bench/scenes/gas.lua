@@ -6,6 +6,8 @@ local duration = param("T", 1.0, "s")
 local g = param("g", 0.0, "m/s^2")
 local mu = param("mu", 0.0, "friction")
 local e = param("e", 1.0, "restitution")
+local k = param("drag", 0.0, "N s/m")
+local f = param("field", 0.0, "N, of a constant force along x that a function gives")
 local octaves = param("octaves", 0, "between the radii of the largest and the smallest")
 
 local radius, side = 0.5, math.ceil(n ^ (1 / 3))
@@ -17,6 +19,11 @@ for axis = 1, 3 do
 	low[axis], high[axis], far[axis] = 1, -1, edge
 	plane { point = {0, 0, 0}, normal = low, material = hard }
 	plane { point = far, normal = high, material = hard }
+end
+if k > 0 then drag { linear = k } end
+if f ~= 0 then
+	local force = vec3(f, 0, 0)
+	field(function() return force end)
 end
 local function normal()
 	return math.sqrt(-2 * math.log(1 - math.random())) * math.cos(2 * math.pi * math.random())
