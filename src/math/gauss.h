@@ -17,7 +17,7 @@
  * tolerance too. What rounding leaves of the values goes on from step to step, so that its error
  * grows as that of a random walk does (Hairer, McLachlan, Razakarivony, BIT 48 (2008) 231).
  *
- * Where constants come from: tables in gauss.c from 70 digits; limits of iteration beside it.
+ * Where constants come from: gauss_tables.h, from 70 digits; limits of iteration in gauss.c.
  */
 #ifndef RB_MATH_GAUSS_H
 #define RB_MATH_GAUSS_H
