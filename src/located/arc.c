@@ -75,24 +75,32 @@ static void turned(const struct rb_located *l, int i, double t, struct rb_pose *
 	rb_top_at(&l->top[i], t - l->arc[i].anchor_s, &pose->orientation, &pose->spin);
 }
 
-/* Rounding of base + piece that the position does not hold, m. */
-static rb_vec3 rest_of(const struct rb_piece_of *p, rb_vec3 position, double t)
+/* Position, what rounding leaves out of it, and velocity of a body on a piece. */
+static void moved(const struct rb_piece_of *p, double t, struct rb_pose *pose)
 {
-	if (p->piece.n == 0)
-		return p->rest;
-	return rb_vec3_lost(p->base, rb_arc_piece_vector(p, RB_PIECE_POSITION, t), position);
+	double v[RB_PIECE_ORIENTATION];
+
+	rb_gauss_some(&p->piece, p->first, RB_PIECE_ORIENTATION, t - p->origin_s, v);
+	const rb_vec3 way = rb_vec3_from(v + RB_PIECE_POSITION);
+	pose->position = rb_vec3_add(p->base, way);
+	pose->rest = rb_vec3_lost(p->base, way, pose->position);
+	pose->velocity = rb_vec3_from(v + RB_PIECE_VELOCITY);
 }
 
 struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t)
 {
-	struct rb_pose pose = {.position = rb_arc_position(l, i, t)};
+	struct rb_pose pose = {.position = {0, 0, 0}};
 
 	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
 	RB_ASSERT_COSTLY(!isnan(t));
-	if (l->piece && i < l->n)
-		pose.rest = rest_of(&l->piece[i], pose.position, t);
-	if (i < l->n)
+	if (rb_located_on_piece(l, i)) {
+		moved(&l->piece[i], t, &pose);
+	} else {
+		pose.position = rb_arc_position(l, i, t);
 		pose.velocity = rb_arc_velocity(l, i, t);
+		if (l->piece && i < l->n)
+			pose.rest = l->piece[i].rest;
+	}
 	if (i < l->n && l->top)
 		turned(l, i, t, &pose);
 	else

@@ -294,63 +294,40 @@ static bool is_above(const struct rb_located *l, int i, int plane, double from, 
 	       1.001 * reach + 1e-12 * (rb_vec3_max_abs(x) + rb_vec3_max_abs(d));
 }
 
-/*
- * Ball that the centre of mass stays in up to `until`: centre where its arc or piece began, `*way`
- * its radius.
- */
-static rb_vec3 beginning(const struct rb_located *l, int i, double until, double *way)
+/* The same of bodies of which one is on a piece, without evaluating that. */
+static bool keeps_off(const struct rb_located *l, int a, int b, double from, double until)
 {
-	double speed, external, age;
-	rb_vec3 center;
+	const struct rb_parabola at_a = rb_relative_parabola(l, a, from);
+	const double reach_a = rb_pair_extent(l, a), reach_b = rb_pair_extent(l, b);
 
-	*way = 0;
-	if (i >= l->n)
-		return l->model->position[i];
-	if (rb_located_on_piece(l, i)) {
-		const struct rb_piece_of *p = &l->piece[i];
-		const double *start = p->piece.start + p->first;
+	if (isfinite(reach_a) && isfinite(reach_b)) {
+		const struct rb_parabola at_b = rb_relative_parabola(l, b, from);
 
-		center = rb_vec3_add(p->base, rb_vec3_from(start + RB_PIECE_POSITION));
-		speed = rb_vec3_length(rb_vec3_from(start + RB_PIECE_VELOCITY));
-		external = p->acceleration_max;
-		age = until - p->origin_s;
-	} else {
-		center = l->arc[i].position;
-		speed = rb_vec3_length(l->arc[i].velocity);
-		external = rb_vec3_length(l->arc[i].acceleration);
-		age = until - l->arc[i].anchor_s;
+		return rb_relative_stay_apart(&at_a, &at_b, until - from, reach_a + reach_b);
 	}
-	*way = age * (speed + external * age);
-	return center;
-}
-
-/*
- * True if the balls of the beginnings are apart: without evaluating pieces, which is the cost of a
- * pair where many bodies are on them.
- */
-static bool began_far(const struct rb_located *l, int a, int b, double until, double sum)
-{
-	double way_a, way_b;
-	const rb_vec3 x = beginning(l, a, until, &way_a), y = beginning(l, b, until, &way_b);
-
-	return rb_vec3_length(rb_vec3_sub(y, x)) >
-	       1.001 * (sum + way_a + way_b) + 1e-12 * (rb_vec3_max_abs(x) + rb_vec3_max_abs(y));
+	return b >= l->n && isfinite(reach_a) && l->model->shape[b].kind == RB_SHAPE_PLANE &&
+	       rb_relative_stays_above(&at_a, l->model->position[b], l->plane_normal[b - l->n],
+	                               until - from, reach_a);
 }
 
 bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double from, double until)
 {
 	const double sum = rb_pair_extent(l, a) + rb_pair_extent(l, b), h = until - from;
+	const bool on_pieces = rb_located_on_piece(l, a) || rb_located_on_piece(l, b);
 
 	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
 	RB_ASSERT_COSTLY(a != b);
 	RB_ASSERT_COSTLY(until >= from);
+	/* statics come last */
+	if (on_pieces && keeps_off(l, a < b ? a : b, a < b ? b : a, from, until))
+		return true;
 	if (!isfinite(sum))
 		return is_above(l, a, b, from, until) || is_above(l, b, a, from, until);
-	if ((rb_located_on_piece(l, a) || rb_located_on_piece(l, b)) &&
-	    began_far(l, a, b, until, sum))
-		return true;
 	if (b < l->n && rb_relative_is(l, a, b) && rb_relative_began_far(l, a, b, until, sum))
 		return true;
+	/* what is left to be found costs a few looks at the same polynomials */
+	if (on_pieces && h > 0 && !rb_pair_has_features(l, a, b))
+		return false;
 	const rb_vec3 x = rb_arc_position(l, a, from), y = rb_arc_position(l, b, from);
 	double reach = sum;
 	if (h > 0)

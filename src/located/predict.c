@@ -312,7 +312,8 @@ static void see_body(struct seer *s, int j)
 		see(s, j, found.touch_s, found.again);
 		return;
 	}
-	if (s->except != j) {
+	if (s->except != j && !(rb_located_on_piece(l, s->i) &&
+	                        rb_contact_point_is_far(l, s->i, j, s->now, s->now))) {
 		const struct rb_contact_point m = rb_contact_point_at(l, s->i, j, s->now);
 
 		s->touching += m.gap <= rb_contact_point_band(l, &m, s->now);

@@ -131,3 +131,78 @@ bool rb_relative_is_separated(const struct rb_located *l, int a, int b, double f
 	                        (mean + spread + least * (least + rb_vec3_max_abs(d)));
 	return mean - spread > rounding;
 }
+
+/* ---- parabolas ---- */
+
+struct rb_parabola rb_relative_parabola(const struct rb_located *l, int i, double from_s)
+{
+	const rb_vec3 none = {0, 0, 0};
+
+	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
+	if (i >= l->n)
+		return (struct rb_parabola){l->model->position[i], none, none, 0, 0};
+	if (!rb_located_on_piece(l, i))
+		return (struct rb_parabola){rb_arc_position(l, i, from_s),
+		                            rb_arc_velocity(l, i, from_s), l->arc[i].acceleration,
+		                            0, 0};
+	const struct rb_piece_of *const p = &l->piece[i];
+	const struct rb_gauss_piece *const piece = &p->piece;
+	const double *const start = piece->start + p->first;
+	const double *c = piece->coefficient + p->first + RB_PIECE_VELOCITY;
+	const double per_s = 1 / piece->length_s, age = from_s - p->origin_s;
+	const rb_vec3 a = rb_vec3_scale(per_s, rb_vec3_from(c));
+	const rb_vec3 v = rb_vec3_from(start + RB_PIECE_VELOCITY);
+	const rb_vec3 way = rb_vec3_add_scaled(rb_vec3_from(start + RB_PIECE_POSITION), age,
+	                                       rb_vec3_add_scaled(v, 0.5 * age, a));
+	rb_vec3 off = none;
+
+	/* the first coefficient is the mean, and of the others |P_k| <= 1 */
+	for (int k = 1; k < RB_GAUSS_NODES; k++) {
+		c += piece->n;
+		off = rb_vec3_add(off, (rb_vec3){fabs(c[0]), fabs(c[1]), fabs(c[2])});
+	}
+	return (struct rb_parabola){rb_vec3_add(p->base, way), rb_vec3_add_scaled(v, age, a), a,
+	                            per_s * rb_vec3_length(off), age};
+}
+
+/* How far a body may be from its parabola up to h seconds later, m. */
+static double strays(const struct rb_parabola *p, double h)
+{
+	return 0.5 * p->off * (p->age + h) * (p->age + h);
+}
+
+/* 1e-12 here and below is far above the rounding of positions, speeds and time. */
+static const double roundings = 1e-12;
+
+bool rb_relative_stay_apart(const struct rb_parabola *a, const struct rb_parabola *b, double h,
+                            double least)
+{
+	const rb_vec3 d = rb_vec3_sub(b->position, a->position);
+	const rb_vec3 w = rb_vec3_sub(b->velocity, a->velocity);
+	const rb_vec3 bend = rb_vec3_sub(b->acceleration, a->acceleration);
+	const double closing = -rb_vec3_dot(d, w), square = rb_vec3_dot(w, w);
+	/* the time at which straight lines are nearest */
+	double s = 0;
+
+	if (closing > 0)
+		s = closing < square * h ? closing / square : h;
+	const double margin = least + 0.5 * h * h * rb_vec3_length(bend) + strays(a, h) +
+	                      strays(b, h);
+
+	return rb_vec3_length(rb_vec3_add_scaled(d, s, w)) >
+	       1.001 * margin + roundings * (rb_vec3_max_abs(a->position) +
+	                                     rb_vec3_max_abs(b->position) + s * sqrt(square));
+}
+
+bool rb_relative_stays_above(const struct rb_parabola *a, rb_vec3 point, rb_vec3 n, double h,
+                             double least)
+{
+	const double gap = rb_vec3_dot(rb_vec3_sub(a->position, point), n);
+	const double change = h * rb_vec3_dot(a->velocity, n);
+	const double margin = least + 0.5 * h * h * fabs(rb_vec3_dot(a->acceleration, n)) +
+	                      strays(a, h);
+
+	return gap + fmin(change, 0) >
+	       1.001 * margin + roundings * (rb_vec3_max_abs(a->position) + rb_vec3_max_abs(point) +
+	                                     fabs(change));
+}

@@ -28,4 +28,25 @@ bool rb_relative_began_far(const struct rb_located *l, int a, int b, double unti
 bool rb_relative_is_separated(const struct rb_located *l, int a, int b, double from, double until,
                               double least);
 
+/*
+ * A parabola of a body's centre of mass from `from_s` on: its arc, or the nearest to its piece, the
+ * acceleration of which is within `off` of this one's (m/s^2) from `age` seconds before on, where
+ * the piece began.
+ */
+struct rb_parabola {
+	rb_vec3 position, velocity, acceleration;
+	double off, age;
+};
+struct rb_parabola rb_relative_parabola(const struct rb_located *l, int i, double from_s);
+
+/*
+ * Do the centres stay farther apart than `least` (m) for `h` seconds? And one from a plane at rest,
+ * through `point` with unit normal `n`, on the side of `n`? False: not known. Without evaluating a
+ * polynomial, which is the cost of a pair where many bodies are on pieces.
+ */
+bool rb_relative_stay_apart(const struct rb_parabola *a, const struct rb_parabola *b, double h,
+                            double least);
+bool rb_relative_stays_above(const struct rb_parabola *a, rb_vec3 point, rb_vec3 n, double h,
+                             double least);
+
 #endif
