@@ -120,10 +120,36 @@ static void take_back(struct rb_located *l, int i, int j, const struct before *b
 		l->account_s[j] = before->account_s[1];
 }
 
+/* New pieces for those of a pair that were on one, begun as rb_resolve_contacts does. */
+static void restart_pieces(struct rb_located *l, const int pair[2], double t)
+{
+	double try_s = (double)INFINITY;
+	uint64_t crept = 0;
+
+	for (int k = 0; k < 2; k++)
+		if (pair[k] < l->n && l->cluster_of[pair[k]] >= 0) {
+			const struct rb_cluster *const c = &l->cluster[l->cluster_of[pair[k]]];
+
+			try_s = fmin(try_s, c->try_s);
+			crept = c->crept > crept ? c->crept : crept;
+		}
+	for (int k = 0; k < 2 && l->status == RB_OK; k++)
+		if (pair[k] < l->n && l->cluster_of[pair[k]] >= 0) {
+			const int cluster = l->cluster_of[pair[k]];
+
+			l->cluster[cluster].try_s = try_s;
+			l->cluster[cluster].crept = crept;
+			rb_integrate_piece(l, cluster, t, false);
+			rb_queue_set(l->queue, l->n + cluster, rb_transition_next(l, cluster));
+		}
+}
+
 /* A touch of two bodies: as a pair first, undone if somebody else turns out to touch as well. */
 static void touch(struct rb_located *l, int i, double t)
 {
 	const int j = l->next[i].partner;
+	/* of these it is known before whether they touch somebody else */
+	const bool on_pieces = rb_located_on_piece(l, i) || rb_located_on_piece(l, j);
 	struct before before;
 
 	remember(l, i, j, &before);
@@ -131,10 +157,14 @@ static void touch(struct rb_located *l, int i, double t)
 		l->generation[i]++;
 		if (j < l->n)
 			l->generation[j]++;
+		if (on_pieces)
+			restart_pieces(l, (int[]){i, j}, t);
+		if (l->status != RB_OK)
+			return;
 		int others = rb_predict(l, i, t, j);
 		if (j < l->n)
 			others += rb_predict(l, j, t, i);
-		if (others == 0)
+		if (others == 0 || on_pieces)
 			return;
 		take_back(l, i, j, &before);
 	}

@@ -38,14 +38,24 @@ enum { SMALLEST_ULP = 8, SMALLEST_CORNER_ULP = 64, STOP_PASSES = 64, ROUNDS_MAX 
 
 /* ---- one pair ---- */
 
+/* True if nothing joins the body to others: it flies, or is on a piece of its own. */
+static bool is_alone(const struct rb_located *l, int i)
+{
+	if (l->cluster_of[i] < 0)
+		return !rb_located_on_piece(l, i);
+	const struct rb_cluster *const c = &l->cluster[l->cluster_of[i]];
+
+	return c->integrated && c->member_count == 1 && c->held_count == 0 && !l->model->joints &&
+	       !rb_located_gravitates(l);
+}
+
 /* True for a free sphere about its centre, or a fixed body. */
 static bool is_plain(const struct rb_located *l, int i)
 {
 	if (i >= l->n)
 		return true;
-	return l->model->shape[i].kind == RB_SHAPE_SPHERE && l->cluster_of[i] < 0 &&
-	       !rb_located_on_piece(l, i) && !l->model->center_of_mass &&
-	       (!l->top || l->top_body[i].kind == RB_TOP_CONSTANT);
+	return l->model->shape[i].kind == RB_SHAPE_SPHERE && is_alone(l, i) &&
+	       !l->model->center_of_mass && (!l->top || l->top_body[i].kind == RB_TOP_CONSTANT);
 }
 
 /* Applies an impulse: its normal part passes through the centre, only the tangential part turns. */
@@ -196,6 +206,9 @@ bool rb_resolve_impact_of_pair(struct rb_located *l, int a, int b, double t)
 	c.noise = rb_contact_point_noise(l, &m);
 	if (!(approach > c.noise) || m.on_rim || !(target_velocity > c.noise) ||
 	    ends_here(l, &m, target_velocity, t))
+		return false;
+	if ((rb_located_on_piece(l, a) || rb_located_on_piece(l, b)) &&
+	    (rb_set_touches_another(l, a, b, t) || rb_set_touches_another(l, b, a, t)))
 		return false;
 	/*
 	 * divided by n.n, which is 1 only to rounding: a wall is hit a million times along one

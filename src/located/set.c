@@ -95,6 +95,26 @@ struct rb_contact_point rb_set_contact_point(const struct rb_located *l, const s
 	return rb_contact_point_of(l, &name, &pose_a, &pose_b);
 }
 
+bool rb_set_touches_another(const struct rb_located *l, int i, int except, double t)
+{
+	const int near = i < l->n ? rb_set_near(l, i) : 0;
+	const int count = i < l->n ? near + l->model->static_count : 0;
+
+	for (int k = 0; k < count; k++) {
+		const int j = k < near ? l->near[k] : l->n + k - near;
+
+		if (j == except || !rb_pair_can_touch(l, i, j) ||
+		    rb_contact_point_is_far(l, i, j, t, t))
+			continue;
+		if (rb_pair_has_features(l, i, j))
+			return true;
+		const struct rb_contact_point m = rb_contact_point_at(l, i, j, t);
+		if (m.gap <= rb_contact_point_band(l, &m, t))
+			return true;
+	}
+	return false;
+}
+
 /*
  * Share of the size within which points of a pair are one; rounding by their features is far below.
  */

@@ -18,6 +18,12 @@ void rb_set_clear(struct rb_located *l);
  */
 int rb_set_near(const struct rb_located *l, int i);
 
+/*
+ * Does the sphere, which may be a fixed body that nobody asks about, touch another one than
+ * `except`, or is it near one of which only a search could say?
+ */
+bool rb_set_touches_another(const struct rb_located *l, int i, int except, double t);
+
 /* Is this pair held in a lasting contact? The first of its points; the others follow it. */
 const struct rb_held *rb_set_held(const struct rb_located *l, int a, int b);
 /* One past the last point of the pair that `first` is of. */
