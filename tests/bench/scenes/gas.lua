@@ -7,7 +7,7 @@ local g = param("g", 0.0, "m/s^2")
 local mu = param("mu", 0.0, "friction")
 local e = param("e", 1.0, "restitution")
 local k = param("drag", 0.0, "N s/m")
-local f = param("field", 0.0, "N, of a constant force along x that a function gives")
+local fields = param("fields", 0, "of a constant force that a function gives, 1e-9 N", {min = 0})
 local octaves = param("octaves", 0, "between the radii of the largest and the smallest")
 
 local radius, side = 0.5, math.ceil(n ^ (1 / 3))
@@ -21,8 +21,8 @@ for axis = 1, 3 do
 	plane { point = far, normal = high, material = hard }
 end
 if k > 0 then drag { linear = k } end
-if f ~= 0 then
-	local force = vec3(f, 0, 0)
+local force = vec3(1e-9, 0, 0)
+for _ = 1, fields do
 	field(function() return force end)
 end
 local function normal()
