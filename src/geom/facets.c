@@ -15,6 +15,7 @@
 #include <float.h>
 
 #include "base/error.h"
+#include "geom/boxes.h"
 
 enum { BLOCK = 32 }; /* arcs of b transformed at a time: 3 KiB of stack, reused for all of a */
 
@@ -80,34 +81,6 @@ int rb_facets_ties(const rb_axis *axis, double least, rb_vec3 *normal, int max)
 	return count;
 }
 
-static bool is_box(const rb_placed *p)
-{
-	return p->core->kind == RB_CORE_POLYTOPE && p->core->polytope->box;
-}
-
-/* Coordinate k of v. */
-static double at(rb_vec3 v, int k)
-{
-	return k == 0 ? v.x : k == 1 ? v.y : v.z;
-}
-
-/*
- * Gap that each pair of opposite faces of box p proves against box q, m, by half extents projected
- * (Gottschalk, Lin, Manocha, OBBTree, 1996); `d` is from p to q.
- */
-static void proofs(const rb_placed *p, const rb_placed *q, rb_vec3 d, double proof[3])
-{
-	const rb_vec3 half = p->core->polytope->half, other = q->core->polytope->half;
-
-	for (int k = 0; k < 3; k++) {
-		const rb_vec3 n = {p->turn.m[0][k], p->turn.m[1][k], p->turn.m[2][k]};
-		const rb_vec3 m = rb_mat3_apply_transposed(&q->turn, n);
-
-		proof[k] = fabs(rb_vec3_dot(n, d)) - at(half, k) - other.x * fabs(m.x) -
-		           other.y * fabs(m.y) - other.z * fabs(m.z);
-	}
-}
-
 /*
  * Tries the faces of two boxes in the order of faces_of, so that ties resolve alike, but only those
  * within rounding of the best: six projections instead of twelve pairs of support functions.
@@ -116,20 +89,19 @@ static void faces_of_boxes(rb_axis *axis)
 {
 	const rb_placed *box[2] = {axis->a, axis->b};
 	const rb_vec3 d = rb_vec3_sub(axis->b->at, axis->a->at);
+	const rb_box_pair pair = rb_box_pair_of(axis->a, axis->b);
 	/* the closed form and rb_axis_gap round differently, each by a few ulp of the sizes */
 	const double noise_slack = 16 * axis->noise;
-	double proof[2][3], max = -(double)INFINITY;
+	double max = -(double)INFINITY;
 
-	proofs(box[0], box[1], d, proof[0]);
-	proofs(box[1], box[0], d, proof[1]);
 	for (int k = 0; k < 6; k++)
-		max = fmax(max, proof[k / 3][k % 3]);
+		max = fmax(max, pair.face[k]);
 	for (int k = 0; k < 6; k++) {
 		const rb_mat3 *turn = &box[k / 3]->turn;
 		const rb_vec3 n = {turn->m[0][k % 3], turn->m[1][k % 3], turn->m[2][k % 3]};
 		const double along = rb_vec3_dot(n, d);
 
-		if (!(proof[k / 3][k % 3] >= max - noise_slack))
+		if (!(pair.face[k] >= max - noise_slack))
 			continue;
 		/* b's faces look the other way */
 		for (int s = 0; s < 2; s++) {
@@ -142,7 +114,7 @@ static void faces_of_boxes(rb_axis *axis)
 
 void rb_facets_faces(rb_axis *axis, const rb_vec3 *guide)
 {
-	if (!guide && is_box(axis->a) && is_box(axis->b)) {
+	if (!guide && rb_box_is(axis->a) && rb_box_is(axis->b)) {
 		faces_of_boxes(axis);
 		return;
 	}

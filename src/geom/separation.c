@@ -17,6 +17,7 @@
 #include <stddef.h>
 
 #include "base/error.h"
+#include "geom/boxes.h"
 #include "geom/gjk.h"
 #include "geom/patch_overlap.h"
 #include "geom/rims.h"
@@ -266,6 +267,11 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 		return (rb_separation){rb_vec3_unit(d, (rb_vec3){0, 0, 1}), distance, noise};
 	const double none = -(double)INFINITY;
 	rb_axis axis = {.a = a, .b = b, .noise = 0.25 * noise, .gap = none, .second = none};
+	if (rb_box_is(a) && rb_box_is(b)) {
+		const rb_box_pair pair = rb_box_pair_of(a, b);
+		if (rb_boxes_settle(&axis, &pair))
+			return (rb_separation){axis.normal, axis.gap, noise};
+	}
 	const bool few = face_count(a) + face_count(b) <= FEW_FACES;
 	if (few && best_face_decides(&axis))
 		return (rb_separation){axis.normal, axis.gap, noise};

@@ -98,6 +98,9 @@ done
 pile sphere 10 10 2 1e-2 600
 pile sphere 32 10 2 1e-2 600
 pile box 10 10 2 1e-2 300
+for tolerance in 1e-2 1e-4; do
+	pile turned 10 10 1 $tolerance 960
+done
 pile box 32 10 1 1e-2 60
 pile box 32 10 2 1e-2 60
 [ -z "${HEAP_DIR-}" ] || draw
