@@ -9,11 +9,12 @@
  * on the row space of A. It is spanned here by modified Gram-Schmidt with one reorthogonalization
  * ("twice is enough": Giraud, Langou, Rozloznik 2005) on the rows of A, six per dynamic body.
  * Cheaper than an SVD, and a row that is dependent is recognized on the way. Where the projection
- * would make a impulse negative, the step towards it is shortened.
+ * would make an impulse negative, the step towards it is shortened.
  */
 #include "stepped/even.h"
 
 #include "base/error.h"
+#include "base/forest.h"
 
 /*
  * A friction impulse counts as sliding from this share of mu p on, since after scaling to the
@@ -58,8 +59,9 @@ static int take_rows(const struct rb_row_system *rows, struct rb_constraint **ta
 }
 
 /*
- * Cost of a pass in multiplications per n^3: span_loads takes about 1.5 n vectors (six per body,
- * four points per face), each orthogonalized against up to n units by two products of n, twice.
+ * Cost of a pass in multiplications per n^3 if all rows are connected: span_loads takes about 1.5 n
+ * vectors (six per body, four points per face), each orthogonalized against up to n units by two
+ * products of n, twice.
  */
 static const double multiplications = 6;
 
@@ -156,8 +158,7 @@ static void span_loads(const struct rb_row_system *rows, struct rb_constraint *c
  * Sets the normal impulse of a row and scales its friction to stay in the cone (sliding friction
  * stays at the edge). Returns the largest change of velocity in m/s that this makes at the contact.
  */
-static double put(const struct rb_row_system *rows, struct rb_constraint *row,
-                  double normal_impulse)
+static double put(const struct rb_row_system *rows, struct rb_constraint *row, double normal_impulse)
 {
 	RB_ASSERT_COSTLY(row->impulse.n > 0 && normal_impulse >= 0);
 	const double share = normal_impulse / row->impulse.n, max = row->friction * normal_impulse;
@@ -176,6 +177,81 @@ static double put(const struct rb_row_system *rows, struct rb_constraint *row,
 	return row->inverse_mass_n * rb_vec3_length(change);
 }
 
+/* Whether two rows act on the same body that moves. */
+static bool share_a_body(const struct rb_row_system *rows, const struct rb_constraint *x,
+                         const struct rb_constraint *y)
+{
+	const bool a_moves = rows->bodies.body[x->a].inverse_mass != 0;
+	const bool b_moves = rows->bodies.body[x->b].inverse_mass != 0;
+
+	return (a_moves && (x->a == y->a || x->a == y->b)) ||
+	       (b_moves && (x->b == y->a || x->b == y->b));
+}
+
+/* Rows that bodies connect, as trees: nothing of one is orthogonalized against another. */
+static void connect(const struct rb_row_system *rows, struct rb_constraint *const *taken, int n,
+                    int *parent)
+{
+	for (int i = 0; i < n; i++) {
+		parent[i] = i;
+		for (int k = 0; k < i; k++) {
+			const int other = rb_forest_root(parent, k),
+				  own = rb_forest_root(parent, i);
+
+			if (own != other && share_a_body(rows, taken[i], taken[k]))
+				parent[own > other ? own : other] = own < other ? own : other;
+		}
+	}
+}
+
+/* What a pass works on: [n] all of these, `store` [n][n]. */
+struct pass {
+	struct rb_constraint **part; /* the connected rows under way */
+	int *place;                  /* theirs among all */
+	double *store, *scratch, *normal_impulse, *even;
+};
+
+/* Normal impulses of least norm of connected rows; returns the rank of their loads. */
+static int even_part(const struct rb_row_system *rows, struct pass *pass, int n)
+{
+	struct span span = {.unit = pass->store, .n = n};
+
+	span_loads(rows, pass->part, &span, pass->scratch);
+	for (int i = 0; i < n; i++)
+		pass->normal_impulse[i] = pass->part[i]->impulse.n;
+	for (int k = 0; k < span.count; k++) {
+		const double *const unit = span.unit + (size_t)k * (size_t)n;
+		const double along = dot(pass->normal_impulse, unit, n);
+
+		for (int i = 0; i < n; i++)
+			pass->even[pass->place[i]] += along * unit[i];
+	}
+	return span.count;
+}
+
+/* The same of all rows, one connected part after the other. */
+static int even_all(const struct rb_row_system *rows, struct rb_constraint *const *taken, int n,
+                    struct pass *pass, int *parent)
+{
+	int rank = 0;
+
+	connect(rows, taken, n, parent);
+	for (int i = 0; i < n; i++)
+		pass->even[i] = 0;
+	for (int root = 0; root < n; root++) {
+		int count = 0;
+
+		for (int i = root; i < n && parent[root] == root; i++) {
+			if (rb_forest_root(parent, i) != root)
+				continue;
+			pass->part[count] = taken[i];
+			pass->place[count++] = i;
+		}
+		rank += count > 0 ? even_part(rows, pass, count) : 0;
+	}
+	return rank;
+}
+
 bool rb_even(const struct rb_row_system *rows, double tolerance, double max, struct rb_arena *arena)
 {
 	const size_t all = (size_t)rows->row_count;
@@ -189,35 +265,26 @@ bool rb_even(const struct rb_row_system *rows, double tolerance, double max, str
 	const size_t size = (size_t)n;
 	if (n == 0 || multiplications * (double)(size * size * size) > max)
 		return false;
-	double *const store = rb_arena_take(arena, (size + 3) * size + 1, sizeof *store);
-	if (!store)
+	struct pass pass = {.part = rb_arena_take(arena, size, sizeof *pass.part),
+	                    .place = rb_arena_take(arena, 2 * size, sizeof *pass.place),
+	                    .store = rb_arena_take(arena, (size + 3) * size, sizeof *pass.store)};
+	if (!pass.part || !pass.place || !pass.store)
 		return false;
-	struct span span = {.unit = store, .n = n};
-	double *const scratch = store + size * size, *const normal_impulse = scratch + n,
-		      *const even = normal_impulse + n;
-
-	span_loads(rows, taken, &span, scratch);
-	if (span.count == n)
+	pass.scratch = pass.store + size * size;
+	pass.normal_impulse = pass.scratch + n;
+	pass.even = pass.normal_impulse + n;
+	if (even_all(rows, taken, n, &pass, pass.place + n) == n)
 		return false;
+	for (int i = 0; i < n; i++)
+		if (pass.even[i] < 0)
+			share = fmin(share,
+			             taken[i]->impulse.n / (taken[i]->impulse.n - pass.even[i]));
 	for (int i = 0; i < n; i++) {
-		normal_impulse[i] = taken[i]->impulse.n;
-		even[i] = 0;
-	}
-	for (int k = 0; k < span.count; k++) {
-		const double *const unit = span.unit + (size_t)k * size;
-		const double along = dot(normal_impulse, unit, n);
+		const double normal_impulse = taken[i]->impulse.n;
 
-		for (int i = 0; i < n; i++)
-			even[i] += along * unit[i];
+		changed = fmax(changed,
+		               put(rows, taken[i], fmax(0, normal_impulse + share * (pass.even[i] - normal_impulse))));
 	}
-	for (int i = 0; i < n; i++)
-		if (even[i] < 0)
-			share = fmin(share, normal_impulse[i] / (normal_impulse[i] - even[i]));
-	for (int i = 0; i < n; i++)
-		changed = fmax(
-			changed,
-			put(rows, taken[i],
-		            fmax(0, normal_impulse[i] + share * (even[i] - normal_impulse[i]))));
 	RB_ASSERT(share >= 0 && share <= 1);
 	return changed > tolerance;
 }
