@@ -33,13 +33,18 @@ static const double factor_share = 4e3, factors_max = 1e8, stalled_share = 4e2;
 
 /* Of the tolerance, what sweeps may leave of a gap's closing in one step. */
 static const double sweep_share = RB_STRATEGY_SWEEP_SHARE, direct_share = 1e-2, close_share = 1e-7;
-/* Of the tolerance, gaps and overlaps that count as closed where bodies stand. */
-static const double let_share = 1.0 / 32;
+/*
+ * Of the tolerance, gaps and overlaps that count as closed where bodies stand, and those beside
+ * what touches.
+ */
+static const double let_share = 1.0 / 32, touch_share = 0.5;
 static const double stiff_ratio = 30, hold_slack = 16;
 /*
  * Of what forces change a velocity by in a step, what sweeps may leave in a small group: by much
- * more than this, stacks that ought to come to stand are kept swaying.
+ * more than this, stacks that ought to come to stand are kept swaying. A group of so many rows is
+ * taken for a heap: it would be a stack of a hundred boxes and more.
  */
+enum { HEAP_ROWS = 512 };
 static const double external_share = 1e-3;
 
 static struct rb_row_system rows_of(const struct rb_solver *solver, const struct rb_island *island)
@@ -77,13 +82,16 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 	                                [CLOSE] = FACTORS_CLOSE};
 	const double share = purpose == STALLED && dense->row_count >= RB_WIDE_ROWS ? stalled_share
 	                                                                            : factor_share;
+	/* errors of what stands on each other add up: to n^2 / 2 of them at the top of n bodies */
+	const double levers = (double)island->member_count * (double)island->member_count;
+	const double close = close_share / (purpose == AT_REST ? levers : 1);
 	const struct rb_direct direct = {
 		.dense = dense,
 		.free = solver->free,
 		.member = solver->member + island->first_member,
 		.member_count = island->member_count,
 		.local = solver->local,
-		.tolerance = (purpose == CLOSE || purpose == AT_REST ? close_share : direct_share) *
+		.tolerance = (purpose == CLOSE || purpose == AT_REST ? close : direct_share) *
 	                     solver->tolerance,
 		.holds = purpose == AT_REST,
 		.steps_max = steps_max[purpose],
@@ -259,14 +267,14 @@ static bool goes_along(const struct rb_solver *solver, const struct rb_island *i
 	return sticks;
 }
 
-/* m/s: what the first sweeps may leave. Spheres do not sway. */
+/* m/s: what the first sweeps may leave. Spheres do not sway, nor do heaps. */
 static double aim_of(const struct rb_solver *solver, const struct rb_island *island,
                      const struct rb_sweeper *sweeper)
 {
 	const int *member = solver->member + island->first_member;
 	double external = 0;
 
-	if (solver->before && !sweeper->wide && !sweeper->central)
+	if (solver->before && island->row_count < HEAP_ROWS && !sweeper->central)
 		external = sqrt(rb_strategies_external(solver, member, island->member_count,
 		                                       (double)INFINITY));
 	return external > 0 ? fmin(fmax(external_share * external, close_share * solver->tolerance),
@@ -287,17 +295,45 @@ static bool is_closed(const struct rb_constraint *row, double max)
 }
 
 /*
+ * The end of the rows of the pair that begins with row k; sets whether some contact of it bore
+ * something in the step before.
+ */
+static int end_of_pair(const struct rb_row_system *dense, int k, bool *bears)
+{
+	const struct rb_constraint *first = &dense->row[k];
+
+	*bears = false;
+	for (; k < dense->row_count; k++) {
+		const struct rb_constraint *row = &dense->row[k];
+
+		if (row->a != first->a || row->b != first->b)
+			break;
+		*bears = *bears || (row->set == RB_CONSTRAINT_CONE && row->impulse.n > 0);
+	}
+	return k;
+}
+
+/*
  * Gaps far below the tolerance count as closed where bodies stand: then standing still is among
  * what is possible, however they are wedged. So do all overlaps: what stands has nothing to push
- * apart with.
+ * apart with. And all gaps within half of the tolerance beside a contact that bears: faces of a
+ * stack that lie on each other to within the tolerance only would rock on the corners that touch,
+ * slowly and for ever, for a body's corners together add up to a way at the top.
  */
 static void skip_alone(const struct rb_solver *solver, const struct rb_row_system *dense)
 {
-	const double max = let_share * solver->tolerance / sweep_share;
+	const double whole = solver->tolerance / sweep_share;
+	double max = 0;
 
-	for (int k = 0; k < dense->row_count; k++) {
+	for (int k = 0, end = 0; k < dense->row_count; k++) {
 		struct rb_constraint *row = &dense->row[k];
 		const int side = rb_constraint_side(row);
+		bool bears;
+
+		if (k == end) {
+			end = end_of_pair(dense, k, &bears);
+			max = (bears ? touch_share : let_share) * whole;
+		}
 
 		if (side != 0 ? side * row->target.n >= -max : is_closed(row, max))
 			row->target = (rb_along_across){0, {0, 0, 0}};
