@@ -6,7 +6,7 @@
 #   make lint            all style gates    make test-long   with those that take longer
 #   make deps-slurm test-slurm              sweeps through a Slurm that the test starts
 #   make bench           the numbers        make fuzz        FUZZ_SECONDS=600 per target
-#   make install         DESTDIR, prefix, bindir, libdir, mandir, datadir
+#   make install         DESTDIR, prefix, bindir, libdir, moduledir, includedir, mandir, zshdir, datadir
 #   make format          lay the sources out as .clang-format says
 #
 # MODE=release|debug|asan|tsan|cov builds into build/$(MODE)/ (or BUILD=folder); WERROR=1 makes warnings
@@ -27,8 +27,11 @@ V ?= 0
 prefix ?= /usr/local
 bindir ?= $(prefix)/bin
 libdir ?= $(prefix)/lib
+moduledir ?= $(prefix)/lib/rbsim
+includedir ?= $(prefix)/include
 datadir ?= $(prefix)/share
 mandir ?= $(datadir)/man
+zshdir ?= $(datadir)/zsh/site-functions
 
 flags_release = -O2 -g
 flags_debug = -O0 -g3 -DRB_CHECKED_BUILD
@@ -43,18 +46,20 @@ endif
 warnings = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes \
 	-Wmissing-prototypes -Wvla -Wundef -Wformat=2 -Wwrite-strings $(if $(filter 1,$(WERROR)),-Werror)
 mode_flags = $(flags_$(MODE))
-compile = $(CC) -std=c17 -D_GNU_SOURCE -Iinclude -Isrc -ffp-contract=off -pthread $(mode_flags) $(hard_compile) $(hard_part) $(warnings)
+compile = $(CC) -std=c17 -D_GNU_SOURCE -Iinclude -Isrc -ffp-contract=off -pthread $(pic) $(mode_flags) $(hard_compile) $(hard_part) $(warnings)
+# One object serves program, modules and librbsim.so: the linker makes of PIC what -fPIE would have been.
+pic = -fPIC -fno-semantic-interposition
 compile_user = $(CPPFLAGS) $(CFLAGS)
 link = $(CC) $(mode_flags) -pthread -Wl,--as-needed $(hard_link) $(CFLAGS) $(LDFLAGS)
 
 # What makes mistakes of ours harder to use against whoever runs a release, as far as compiler and linker take it: all of it is
-# tried together, each alone only where that fails. Modules are position independent anyhow (-fPIC, -shared).
+# tried together, each alone only where that fails.
 tried = '\#include <stdio.h>' 'int main(void){return puts("");}'
 takes = printf '%s\n' $(tried) | $(CC) -O2 -Werror $1 -x c - -o /dev/null
 chosen = $(shell if $(call takes,$1); then echo '$1'; else for f in $1; do $(call takes,$$f) && echo "$$f"; done; fi 2>/dev/null)
 ifeq ($(MODE),release)
 hard_compile = $(eval hard_compile := -U_FORTIFY_SOURCE $(or $(call chosen,-D_FORTIFY_SOURCE=3),$(call \
-	chosen,-D_FORTIFY_SOURCE=2)) $(call chosen,-fstack-protector-strong -fstack-clash-protection -fcf-protection -fPIE))$(hard_compile)
+	chosen,-D_FORTIFY_SOURCE=2)) $(call chosen,-fstack-protector-strong -fstack-clash-protection -fcf-protection))$(hard_compile)
 hard_link = $(eval hard_link := $(call chosen,-Wl$(comma)-z$(comma)relro -Wl$(comma)-z$(comma)now))$(hard_link)
 # Layers of numbers hand vectors about by value: a guard in every function that does costs 3 % of all instructions, one in those that
 # have bytes on the stack nothing.
@@ -88,9 +93,12 @@ HASH_CFLAGS = $(eval HASH_CFLAGS := $(call package,--cflags,libxxhash) $(call pa
 HASH_LIBS = $(eval HASH_LIBS := $(call package,--libs,libmd))$(HASH_LIBS)
 HULL_CFLAGS = $(eval HULL_CFLAGS := $(call package,--cflags,qhullstatic_r qhull_r))$(HULL_CFLAGS)
 HULL_LIBS = $(eval HULL_LIBS := $(call package,--libs,qhullstatic_r qhull_r))$(HULL_LIBS)
+# Debian's static one is not position independent.
+HULL_SHARED_LIBS = $(eval HULL_SHARED_LIBS := $(call package,--libs,qhull_r qhullstatic_r))$(HULL_SHARED_LIBS)
 CMOCKA_CFLAGS = $(eval CMOCKA_CFLAGS := $(call package,--cflags,cmocka))$(CMOCKA_CFLAGS)
 CMOCKA_LIBS = $(eval CMOCKA_LIBS := $(call package,--libs,cmocka))$(CMOCKA_LIBS)
 libs = $(LUA_LIBS) $(HULL_LIBS) $(HASH_LIBS) -lm -ldl $(LDLIBS)
+public_libs = $(HDF5_LIBS) $(LUA_LIBS) $(HULL_SHARED_LIBS) $(HASH_LIBS) -lm -ldl $(LDLIBS)
 
 # src/ORDER is the only list of modules; what needs HDF5, what makes pictures and what needs curses become modules that are loaded at run time.
 listed := $(shell sh tools/modules src/ORDER)
@@ -109,6 +117,9 @@ film_objects := $(call objects,$(film_sources))
 console_sources := $(filter $(console_modules:%=src/%.c),$(sources))
 console_objects := $(call objects,$(console_sources))
 lib_objects := $(call objects,$(filter-out $(h5_sources) $(film_sources) $(console_sources) $(main_source),$(sources)))
+embed_objects := $(filter $(BUILD)/src/embed/%,$(lib_objects))
+# of librbsim: what a scene needs from its file to its recording, HDF5's part linked in
+public_objects := $(filter-out $(foreach l,film control sweep app,$(BUILD)/src/$(l)/%),$(lib_objects)) $(h5_objects)
 untested := $(if $(filter 0,$(WITH_FILM)),tests/test_film% $(addprefix tests/cli/,film-%.sh scenes-film.sh control-film.sh)) \
 	$(if $(filter 0,$(WITH_CONSOLE)),tests/test_panels.c tests/cli/console-%.sh)
 # A data race needs threads: of the tests in C those that start some, and no scripts that are about numbers alone.
@@ -122,7 +133,11 @@ cli_tests := $(filter-out $(untested),$(wildcard tests/cli/*.sh))
 fuzz_sources := $(wildcard tests/fuzz/fuzz_*.c)
 
 program := $(BUILD)/rbsim
-library := $(BUILD)/librbsim.a
+version := $(shell sed -n 's/^.define RBSIM_VERSION "\(.*\)"/\1/p' include/rbsim.h)
+soname := librbsim.so.$(firstword $(subst ., ,$(version)))
+# with all names, for tests
+library := $(BUILD)/librbsim-internal.a
+public := $(if $(LAYERS),,$(if $(filter release debug,$(MODE)),$(BUILD)/librbsim.so.$(version) $(BUILD)/librbsim.a))
 h5_module := $(BUILD)/rbsim-hdf5.so
 film_module := $(if $(film_sources),$(BUILD)/rbsim-film.so)
 console_module := $(if $(console_sources),$(BUILD)/rbsim-console.so)
@@ -138,10 +153,10 @@ run_tests = RBSIM_MODE=$(MODE) TEST_SECONDS=$(seconds) \
 .SECONDARY:
 .PHONY: all build-tests deps deps-slurm demo test test-long test-slurm bench fuzz fuzz-run lint format install uninstall clean FORCE
 
-all: $(program) $(loaded) $(library) compile_commands.json
+all: $(program) $(loaded) $(library) $(public) compile_commands.json
 
 # The program takes all objects, not what it happens to use of the library: the module uses the others.
-$(program): $(lib_objects) $(call objects,$(main_source)) $(BUILD)/modules
+$(program): $(filter-out $(embed_objects),$(lib_objects)) $(call objects,$(main_source)) $(BUILD)/modules
 	$(call say,LD,$(link) $(hard_program) -rdynamic -o $@ $(filter %.o,$^) $(libs))
 $(h5_module): $(h5_objects) $(BUILD)/modules
 	$(call say,LD,$(link) -shared $(own_names) -o $@ $(filter %.o,$^) $(HDF5_LIBS) $(LDLIBS))
@@ -152,6 +167,14 @@ $(console_module): $(console_objects) $(BUILD)/modules
 $(library): $(lib_objects) $(BUILD)/modules
 	@rm -f $@
 	$(call say,AR,$(AR) rcs $@ $(filter %.o,$^))
+# Names of ours are nobody else's: rb_ is Ruby's, too.
+$(BUILD)/librbsim.so.$(version): $(public_objects) src/embed/librbsim.map $(BUILD)/modules
+	$(call say,LD,$(link) -shared -Wl$(comma)-z$(comma)defs -Wl$(comma)-soname$(comma)$(soname) \
+	-Wl$(comma)--version-script=src/embed/librbsim.map -o $@ $(filter %.o,$^) $(public_libs))
+$(BUILD)/librbsim.a: $(public_objects) $(BUILD)/modules
+	@rm -f $@
+	$(call say,AR,$(CC) -r -nostdlib -o $(BUILD)/librbsim.o $(filter %.o,$^) && \
+	objcopy -w --keep-global-symbol='rbsim_*' $(BUILD)/librbsim.o && $(AR) rcs $@ $(BUILD)/librbsim.o)
 $(tests): $(BUILD)/tests/%: $(BUILD)/tests/%.o $(library)
 	$(call say,LD,$(link) $(hard_program) $(wrap) -o $@ $(filter %.o,$^) $(library) $(h5_libs) $(film_libs) $(CMOCKA_LIBS) $(libs))
 $(filter $(BUILD)/tests/test_h5%,$(tests)): $(h5_objects)
@@ -166,9 +189,9 @@ extra =
 $(BUILD)/src/script/%.o $(BUILD)/src/app/%.o: extra = $(LUA_CFLAGS)
 $(BUILD)/src/geom/hull.o: extra = $(HULL_CFLAGS)
 $(BUILD)/src/base/hash.o: extra = $(HASH_CFLAGS)
-$(h5_objects): extra = -fPIC $(HDF5_CFLAGS)
-$(film_objects): extra = -fPIC $(FILM_CFLAGS)
-$(console_objects): extra = -fPIC $(CONSOLE_CFLAGS)
+$(h5_objects): extra = $(HDF5_CFLAGS)
+$(film_objects): extra = $(FILM_CFLAGS)
+$(console_objects): extra = $(CONSOLE_CFLAGS)
 $(BUILD)/src/sink/module.o: extra = $(if $(filter 0,$(WITH_FILM)),-DRB_WITHOUT_FILM) $(if $(filter 0,$(WITH_CONSOLE)),-DRB_WITHOUT_CONSOLE)
 $(filter %_osmesa.o %_egl.o,$(film_objects)) $(BUILD)/src/sink/module.o: $(BUILD)/modules
 $(BUILD)/tests/%.o: extra = -Itests $(CMOCKA_CFLAGS) $(LUA_CFLAGS)
@@ -192,8 +215,8 @@ $(BUILD)/:
 json = "$(subst ",\",$(subst \,\\,$1))"
 entry = {"directory": $(call json,$(CURDIR))$(comma) "file": "$1"$(comma) "command": $(call \
 	json,$(compile) $2 $(compile_user) -c $1)}$(if $(filter-out $(lastword $(sources)),$1),$(comma))
-flags_of = $(if $(filter $1,$(h5_sources)),-fPIC $(HDF5_CFLAGS),$(if $(filter $1,$(film_sources)),-fPIC \
-	$(FILM_CFLAGS),$(if $(filter $1,$(console_sources)),-fPIC $(CONSOLE_CFLAGS),$(if $(filter src/script/% \
+flags_of = $(if $(filter $1,$(h5_sources)),$(HDF5_CFLAGS),$(if $(filter $1,$(film_sources)),\
+	$(FILM_CFLAGS),$(if $(filter $1,$(console_sources)),$(CONSOLE_CFLAGS),$(if $(filter src/script/% \
 	src/app/%,$1),$(LUA_CFLAGS),$(if $(filter src/geom/hull.c,$1),$(HULL_CFLAGS))$(if $(filter src/base/hash.c,$1),$(HASH_CFLAGS))))))
 # by make itself: all of it is too long for a word of a shell's command
 compile_commands.json: $(BUILD)/flags $(BUILD)/modules Makefile
@@ -242,19 +265,28 @@ install_all = install -d $(DESTDIR)$2 && install -m $1 $3 $(DESTDIR)$2
 scene_folders = $(if $(wildcard scenes),$(shell cd scenes && find . -type d))
 install: all
 	$(call install_all,755,$(bindir),$(program))
-	$(call install_all,644,$(libdir)/rbsim,$(loaded))
+	$(call install_all,644,$(moduledir),$(loaded))
+	$(call install_all,644,$(libdir),$(public))
+	ln -sf librbsim.so.$(version) $(DESTDIR)$(libdir)/$(soname)
+	ln -sf $(soname) $(DESTDIR)$(libdir)/librbsim.so
+	$(call install_all,644,$(includedir),include/rbsim.h)
+	install -d $(DESTDIR)$(libdir)/pkgconfig
+	sed -e 's|@prefix@|$(prefix)|' -e 's|@libdir@|$(libdir)|' -e 's|@includedir@|$(includedir)|' \
+	-e 's|@version@|$(version)|' -e 's|@libs@|$(strip $(public_libs) -pthread)|' \
+	tools/rbsim.pc.in >$(DESTDIR)$(libdir)/pkgconfig/rbsim.pc
 	$(if $(wildcard lua/rbsim/*.lua),$(call install_all,644,$(datadir)/rbsim/lua/rbsim,$(wildcard lua/rbsim/*.lua)))
 	$(foreach d,$(scene_folders),$(if $(wildcard scenes/$(d)/*.lua),$(call \
 	install_all,644,$(datadir)/rbsim/scenes/$(d:./%=%),$(wildcard scenes/$(d)/*.lua)) &&)) :
-	$(foreach s,1 5 7,$(if $(wildcard man/*.$(s)),$(call install_all,644,$(mandir)/man$(s),$(wildcard man/*.$(s))) &&)) :
+	$(foreach s,1 3 5 7,$(if $(wildcard man/*.$(s)),$(call install_all,644,$(mandir)/man$(s),$(wildcard man/*.$(s))) &&)) :
 	$(if $(wildcard tools/completion/rbsim.bash),install -D -m 644 tools/completion/rbsim.bash \
 	$(DESTDIR)$(datadir)/bash-completion/completions/rbsim)
 	$(if $(wildcard tools/completion/_rbsim),install -D -m 644 tools/completion/_rbsim \
-	$(DESTDIR)$(datadir)/zsh/site-functions/_rbsim)
+	$(DESTDIR)$(zshdir)/_rbsim)
 uninstall:
 	rm -f $(DESTDIR)$(bindir)/rbsim $(DESTDIR)$(datadir)/bash-completion/completions/rbsim \
-	$(DESTDIR)$(datadir)/zsh/site-functions/_rbsim $(foreach s,1 5 7,$(addprefix $(DESTDIR)$(mandir)/man$(s)/,$(notdir $(wildcard man/*.$(s)))))
-	rm -rf $(DESTDIR)$(libdir)/rbsim $(DESTDIR)$(datadir)/rbsim
+	$(DESTDIR)$(zshdir)/_rbsim $(foreach s,1 3 5 7,$(addprefix $(DESTDIR)$(mandir)/man$(s)/,$(notdir $(wildcard man/*.$(s))))) \
+	$(addprefix $(DESTDIR)$(libdir)/,librbsim.a librbsim.so librbsim.so.* pkgconfig/rbsim.pc) $(DESTDIR)$(includedir)/rbsim.h
+	rm -rf $(DESTDIR)$(moduledir) $(DESTDIR)$(datadir)/rbsim
 clean:
 	rm -rf build compile_commands.json
 

@@ -9,6 +9,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include <rbsim.h>
 #include <rbsim/error.h>
 #include <rbsim/math.h>
 #include <rbsim/model.h>
@@ -16,7 +17,7 @@
 #include "app/options.h"
 #include "script/load.h"
 
-#define RB_VERSION "0.1.0"
+#define RB_VERSION RBSIM_VERSION
 
 /* A scene as this command line wants it. The owner releases it, after the world made from it. */
 struct rb_loaded {

@@ -10,8 +10,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <lua.h>
-
 #include "app/progress.h"
 #include "app/saving.h"
 #include "base/clock.h"
@@ -55,19 +53,6 @@ int rb_simulate_threads(const struct rb_options *options)
 	return options->threads > 0 ? options->threads : rb_team_processors();
 }
 
-void rb_build_text(char *out, size_t size)
-{
-#if defined(__clang__)
-	snprintf(out, size, "clang %d.%d.%d, %s", __clang_major__, __clang_minor__,
-	         __clang_patchlevel__, LUA_RELEASE);
-#elif defined(__GNUC__)
-	snprintf(out, size, "gcc %d.%d.%d, %s", __GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__,
-	         LUA_RELEASE);
-#else
-	snprintf(out, size, "%s", LUA_RELEASE);
-#endif
-}
-
 /*
  * The words as a shell would read them again, to be freed; words of plain characters stay as they
  * are.
@@ -103,28 +88,15 @@ enum rb_status rb_simulate_info(struct rb_run_info *info, struct rb_run_texts *t
                                 const struct rb_loaded *loaded, const struct rb_options *options,
                                 struct rb_error *err)
 {
-	const char *author = getenv("USER");
-
-	*texts = (struct rb_run_texts){0};
+	rb_run_info_init(info, texts, loaded->model);
 	texts->command = command_text(options->argc, options->argv);
 	if (!texts->command)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot keep the command line: out of memory");
-	if (gethostname(texts->host, sizeof texts->host - 1) != 0)
-		snprintf(texts->host, sizeof texts->host, "unknown");
 	rb_build_text(texts->build, sizeof texts->build);
-	*info = (struct rb_run_info){
-		.version = RB_VERSION,
-		.build = texts->build,
-		.command = texts->command,
-		.host = texts->host,
-		.author = author && *author ? author : "unknown",
-		.threads = rb_simulate_threads(options),
-		.method = rb_model_method(loaded->model),
-		.rollback = rb_rollback_name(loaded->model->rollback),
-		.model = loaded->model,
-		.scene = &loaded->scene,
-	};
-	rb_clock_utc(info->started);
+	info->version = RB_VERSION;
+	info->build = texts->build;
+	info->command = texts->command;
+	info->threads = rb_simulate_threads(options);
 	return RB_OK;
 }
 

@@ -70,20 +70,11 @@ struct rb_run_result {
 	struct rb_measured measured; /* results and probes */
 };
 
-/* Texts that a struct rb_run_info borrows. */
-struct rb_run_texts {
-	char host[256], build[256];
-	char *command; /* owned */
-};
-
 /* What the recording says of the run. `texts` is released with rb_run_texts_release in any case. */
 RB_CHECKED enum rb_status rb_simulate_info(struct rb_run_info *info, struct rb_run_texts *texts,
                                            const struct rb_loaded *loaded,
                                            const struct rb_options *options, struct rb_error *err);
 void rb_run_texts_release(struct rb_run_texts *texts);
-
-/* "gcc 12.2.0, Lua 5.4.4" */
-void rb_build_text(char *out, size_t size);
 
 /* Threads that the options ask for. */
 int rb_simulate_threads(const struct rb_options *options);

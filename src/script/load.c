@@ -633,3 +633,16 @@ enum rb_status rb_script_check_param(const struct rb_scene *scene, const char *n
 {
 	return rb_params_check_value(scene, name, text, err);
 }
+
+void rb_build_text(char *out, size_t size)
+{
+#if defined(__clang__)
+	snprintf(out, size, "clang %d.%d.%d, %s", __clang_major__, __clang_minor__,
+	         __clang_patchlevel__, LUA_RELEASE);
+#elif defined(__GNUC__)
+	snprintf(out, size, "gcc %d.%d.%d, %s", __GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__,
+	         LUA_RELEASE);
+#else
+	snprintf(out, size, "%s", LUA_RELEASE);
+#endif
+}

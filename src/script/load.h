@@ -50,4 +50,7 @@ RB_CHECKED enum rb_status rb_script_check_param(const struct rb_scene *scene, co
  * the script. */
 const char *rb_script_traceback(const struct rb_script *script);
 
+/* What this was built with: "gcc 12.2.0, Lua 5.4.4". */
+void rb_build_text(char *out, size_t size);
+
 #endif

@@ -8,7 +8,7 @@ hdf5=$(pkg-config --exists hdf5-serial && echo hdf5-serial || echo hdf5)
 # shellcheck disable=SC2046 # flags are several words
 ${CC:-cc} -std=c17 -O2 -D_GNU_SOURCE -I"$TOP/include" -I"$TOP/src" -I"$TOP/tests" $(pkg-config --cflags "$hdf5") \
 	-o bench "$TOP/tests/bench/bench_recorder.c" "$build"/src/sink/h5*.o "$build"/src/sink/recorder.o \
-	"$build"/src/sink/reader.o "$build/librbsim.a" $(pkg-config --libs "$hdf5") -lm -pthread
+	"$build"/src/sink/reader.o "$build/librbsim-internal.a" $(pkg-config --libs "$hdf5") -lm -pthread
 ./bench "$WORK" >lines
 
 # field NAME: of the object in $line

@@ -7,7 +7,7 @@ COUNT=${COUNT:-2000}
 
 # shellcheck disable=SC2046 # flags are several words
 ${CC:-cc} -std=c17 -O2 -D_GNU_SOURCE -I"$TOP/include" -I"$TOP/src" -I"$TOP/tests" -o bench \
-	"$TOP/tests/bench/bench_impact.c" "$(dirname "$RBSIM")/librbsim.a" \
+	"$TOP/tests/bench/bench_impact.c" "$(dirname "$RBSIM")/librbsim-internal.a" \
 	-lm $(pkg-config --libs qhull_r 2>/dev/null || echo -lqhull_r) -pthread
 
 # part FILE COLUMN SHARE: the smallest value that is not below this share of them
