@@ -104,11 +104,10 @@ void rb_help_print_params(FILE *file, const struct rb_scene *scene)
 		rb_print(file, "\nScene: %s\n", scene->world.title);
 	if (scene->world.description && *scene->world.description)
 		rb_print(file, "  %s\n", scene->world.description);
-	if (scene->param_count == 0) {
+	if (scene->param_count == 0)
 		rb_print(file, "\nParameters of %s: none\n", scene->file);
-		return;
-	}
-	rb_print(file, "\nParameters of %s (--param NAME=VALUE):\n", scene->file);
+	else
+		rb_print(file, "\nParameters of %s (--param NAME=VALUE):\n", scene->file);
 	for (int i = 0; i < scene->param_count; i++) {
 		const struct rb_param_def *param = &scene->params[i];
 		char left[96];
@@ -121,6 +120,10 @@ void rb_help_print_params(FILE *file, const struct rb_scene *scene)
 		}
 		putc('\n', file);
 	}
+	if (scene->camera_count > 0)
+		rb_print(file, "\nCameras of %s (--camera NAME):\n", scene->file);
+	for (int i = 0; i < scene->camera_count; i++)
+		rb_print(file, "  %s\n", scene->cameras[i].name);
 }
 
 /* Prints "run, check": the verbs that take an option. */
@@ -187,11 +190,27 @@ static void print_words(FILE *file, const char *choices)
 			putc(*choices, file);
 }
 
+/* Under which heading of a scene's help the values of an option stand; NULL: under none. */
+static const char *of_scene(const struct rb_option_row *row)
+{
+	return strcmp(row->name, "param") == 0    ? "Parameters"
+	       : strcmp(row->name, "camera") == 0 ? "Cameras"
+	                                          : NULL;
+}
+
 /* Prints a completion function for bash. */
 static void print_bash(FILE *file)
 {
 	fputs("# SPDX-License-Identifier: MIT\n"
 	      "# Completion of rbsim for bash; made by `rbsim --print-tables bash`.\n"
+	      "# _rbsim_names Parameters|Cameras: those of the scene on the line\n"
+	      "_rbsim_names()\n{\n"
+	      "\tlocal w\n"
+	      "\tfor w in \"${COMP_WORDS[@]:1}\"; do\n"
+	      "\t\t[[ $w == *.lua && -f $w ]] && \"${COMP_WORDS[0]}\" \"$w\" --help "
+	      "2>/dev/null </dev/null |\n"
+	      "\t\t\tsed -n \"/^$1 of /,/^\\$/s/^  \\([A-Za-z_][A-Za-z0-9_]*\\).*/\\1/p\"\n"
+	      "\tdone\n}\n"
 	      "_rbsim()\n{\n"
 	      "\tlocal word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=run "
 	      "w\n"
@@ -215,6 +234,12 @@ static void print_bash(FILE *file)
 			fputs("COMPREPLY=($(compgen -W '", file);
 			print_words(file, row->choices);
 			fputs("' -- \"$word\")); return ;;\n", file);
+		} else if (of_scene(row)) {
+			fprintf(file,
+			        "%sCOMPREPLY=($(compgen -W \"$(_rbsim_names %s)\"%s -- "
+			        "\"$word\")); return ;;\n",
+			        *of_scene(row) == 'P' ? "compopt -o nospace; " : "", of_scene(row),
+			        *of_scene(row) == 'P' ? " -S =" : "");
 		} else if (strcmp(row->argument, "FILE") == 0) {
 			fputs("compopt -o filenames; COMPREPLY=($(compgen -f -- \"$word\")); "
 			      "return ;;\n",
@@ -259,8 +284,16 @@ static void print_zsh_text(FILE *file, const char *text)
 static void print_zsh(FILE *file)
 {
 	fputs("#compdef rbsim\n# SPDX-License-Identifier: MIT\n"
-	      "# Completion of rbsim for zsh; made by `rbsim --print-tables zsh`.\n_arguments -S "
-	      "\\\n",
+	      "# Completion of rbsim for zsh; made by `rbsim --print-tables zsh`.\n"
+	      "# _rbsim_names Parameters|Cameras: those of the scene on the line\n"
+	      "_rbsim_names()\n{\n"
+	      "\tlocal w\n"
+	      "\tfor w in $words; do\n"
+	      "\t\t[[ $w == *.lua && -f $w ]] && compadd -S \"${${1:#Cameras}:+=}\" -- ${(f)\"$("
+	      "$words[1] $w --help 2>/dev/null </dev/null |\n"
+	      "\t\t\tsed -n \"/^$1 of /,/^\\$/s/^  \\([A-Za-z_][A-Za-z0-9_]*\\).*/\\1/p\")\"}\n"
+	      "\tdone\n}\n"
+	      "_arguments -S \\\n",
 	      file);
 	for (int i = 0; i < rb_option_row_count; i++) {
 		const struct rb_option_row *const row = &rb_option_rows[i];
@@ -281,6 +314,8 @@ static void print_zsh(FILE *file)
 				putc('(', file);
 				print_words(file, row->choices);
 				putc(')', file);
+			} else if (of_scene(row)) {
+				fprintf(file, "{ _rbsim_names %s }", of_scene(row));
 			} else if (strcmp(row->argument, "FILE") == 0) {
 				fputs("_files", file);
 			}

@@ -28,5 +28,22 @@ COMP_WORDS=(rbsim me) COMP_CWORD=1
 _rbsim 2>/dev/null
 echo "${COMPREPLY[*]}"
 END
-bash complete.bash "$TOP/tools/completion/rbsim.bash" >completed
-printf '%s\n' --time-step selective methods | cmp -s - completed || fail "bash completes: $(cat completed)"
+cat >s.lua <<'END'
+param("mu", 0.5)
+param("mass", 1)
+param("e", 0.5)
+world { duration = 1 }
+sphere { radius = 0.1 }
+camera { name = "main", png = "%d.png" }
+camera { name = "mouse", png = "%d.png" }
+END
+cat >>complete.bash <<'END'
+COMP_WORDS=("$RBSIM" s.lua --param m) COMP_CWORD=3
+_rbsim 2>/dev/null
+echo "${COMPREPLY[*]}"
+COMP_WORDS=("$RBSIM" s.lua --camera "") COMP_CWORD=3
+_rbsim 2>/dev/null
+echo "${COMPREPLY[*]}"
+END
+RBSIM=$RBSIM bash complete.bash "$TOP/tools/completion/rbsim.bash" >completed
+printf '%s\n' --time-step selective methods 'mu= mass=' 'main mouse' | cmp -s - completed || fail "bash completes: $(cat completed)"

@@ -1,5 +1,14 @@
 # SPDX-License-Identifier: MIT
 # Completion of rbsim for bash; made by `rbsim --print-tables bash`.
+# _rbsim_names Parameters|Cameras: those of the scene on the line
+_rbsim_names()
+{
+	local w
+	for w in "${COMP_WORDS[@]:1}"; do
+		[[ $w == *.lua && -f $w ]] && "${COMP_WORDS[0]}" "$w" --help 2>/dev/null </dev/null |
+			sed -n "/^$1 of /,/^\$/s/^  \([A-Za-z_][A-Za-z0-9_]*\).*/\1/p"
+	done
+}
 _rbsim()
 {
 	local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=run w
@@ -12,7 +21,7 @@ _rbsim()
 	-o|--output) compopt -o filenames; COMPREPLY=($(compgen -f -- "$word")); return ;;
 	--to) COMPREPLY=($(compgen -W 'csv glb vtk dump' -- "$word")); return ;;
 	--against) return ;;
-	-p|--param) return ;;
+	-p|--param) compopt -o nospace; COMPREPLY=($(compgen -W "$(_rbsim_names Parameters)" -S = -- "$word")); return ;;
 	--seeds) return ;;
 	--sample) return ;;
 	--task) return ;;
@@ -35,7 +44,7 @@ _rbsim()
 	--method) COMPREPLY=($(compgen -W 'auto classic located stepped' -- "$word")); return ;;
 	--rollback) COMPREPLY=($(compgen -W 'selective global none' -- "$word")); return ;;
 	--threads) return ;;
-	--camera) return ;;
+	--camera) COMPREPLY=($(compgen -W "$(_rbsim_names Cameras)" -- "$word")); return ;;
 	--with) return ;;
 	--from) return ;;
 	--fps) return ;;
