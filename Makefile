@@ -7,6 +7,7 @@
 #   make deps-slurm test-slurm              sweeps through a Slurm that the test starts
 #   make bench           the numbers        make fuzz        FUZZ_SECONDS=600 per target
 #   make install         DESTDIR, prefix, bindir, libdir, moduledir, includedir, mandir, zshdir, datadir
+#   make deb             source and binary packages for Debian, of the last commit
 #   make format          lay the sources out as .clang-format says
 #
 # MODE=release|debug|asan|tsan|cov builds into build/$(MODE)/ (or BUILD=folder); WERROR=1 makes warnings
@@ -151,7 +152,7 @@ run_tests = RBSIM_MODE=$(MODE) TEST_SECONDS=$(seconds) \
 .DELETE_ON_ERROR:
 .SUFFIXES:
 .SECONDARY:
-.PHONY: all build-tests deps deps-slurm demo test test-long test-slurm bench fuzz fuzz-run lint format install uninstall clean FORCE
+.PHONY: all build-tests deps deps-slurm demo test test-long test-slurm bench fuzz fuzz-run lint format install uninstall deb clean FORCE
 
 all: $(program) $(loaded) $(library) $(public) compile_commands.json
 
@@ -287,6 +288,8 @@ uninstall:
 	$(DESTDIR)$(zshdir)/_rbsim $(foreach s,1 3 5 7,$(addprefix $(DESTDIR)$(mandir)/man$(s)/,$(notdir $(wildcard man/*.$(s))))) \
 	$(addprefix $(DESTDIR)$(libdir)/,librbsim.a librbsim.so librbsim.so.* pkgconfig/rbsim.pc) $(DESTDIR)$(includedir)/rbsim.h
 	rm -rf $(DESTDIR)$(moduledir) $(DESTDIR)$(datadir)/rbsim
+deb:
+	tools/deb build/deb
 clean:
 	rm -rf build compile_commands.json
 
