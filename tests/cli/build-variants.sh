@@ -17,7 +17,15 @@ variant()
 }
 
 plain=$RBSIM
+# on a machine that has what a build needs, and neither OpenGL nor libpng, FreeType and ncurses
+mkdir needed
+for package in lua5.4 lua-5.4 lua5.5 lua-5.5 hdf5-serial hdf5 libxxhash libmd qhullstatic_r qhull_r; do
+	folder=$(pkg-config --variable=pcfiledir $package 2>/dev/null) && cp "$folder/$package.pc" needed/
+done
+export PKG_CONFIG_LIBDIR="$PWD/needed" PKG_CONFIG_PATH=
+pkg-config --exists libpng && fail "libpng is not hidden"
 variant bare "$PWD/bare/rbsim" "$PWD/bare/rbsim-hdf5.so" WITH_FILM=0 WITH_CONSOLE=0
+unset PKG_CONFIG_LIBDIR PKG_CONFIG_PATH
 RBSIM=$PWD/bare/rbsim
 cp "$TOP/tests/scenes/drop.lua" drop.lua
 small_scene 'camera { name = "side", position = {3, 0, 1}, look_at = {0, 0, 0}, size = {64, 48}, png = "side%d.png" }' >two.lua
