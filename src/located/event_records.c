@@ -6,12 +6,11 @@
 #include "located/event_records.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "world/joint_events.h"
 
-/* Appends an event with ids in order; the normal points from a to b. */
+/* Adds an event with ids in order; the normal points from a to b. */
 static void keep(struct rb_located *l, struct rb_event event)
 {
-	struct rb_events *events = &l->world->events;
 	const int a = l->model->id_of[event.a], b = l->model->id_of[event.b];
 
 	event.a = a < b ? a : b;
@@ -20,13 +19,10 @@ static void keep(struct rb_located *l, struct rb_event event)
 		event.normal = rb_vec3_neg(event.normal);
 		event.impulse = rb_vec3_neg(event.impulse);
 	}
-	if (!rb_memory_reserve(&events->row, &events->capacity, events->count + 1,
-	                       sizeof *events->row)) {
-		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for %zu events",
-		                    events->count + 1);
-		return;
-	}
-	events->row[events->count++] = event;
+	const enum rb_status status = rb_world_add_event(l->world, &event, l->err);
+
+	if (l->status == RB_OK)
+		l->status = status;
 }
 
 void rb_record_impact(struct rb_located *l, double t, const struct rb_contact_point *m,
@@ -35,9 +31,6 @@ void rb_record_impact(struct rb_located *l, double t, const struct rb_contact_po
 	RB_ASSERT(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	RB_ASSERT_COSTLY(rb_vec3_finite(impulse));
 	RB_ASSERT_COSTLY(approach >= 0);
-	l->world->frame_counts.collisions++;
-	if (!l->world->options.keep_events && !l->world->hooks.collision)
-		return;
 	keep(l, (struct rb_event){.time_s = t,
 	                          .kind = RB_EVENT_COLLISION,
 	                          .a = m->a,
@@ -52,8 +45,6 @@ void rb_record_transition(struct rb_located *l, double t, enum rb_event_kind kin
                           const struct rb_contact_point *m)
 {
 	RB_ASSERT(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
-	if (!l->world->options.keep_events && !l->world->hooks.transition)
-		return;
 	keep(l, (struct rb_event){.time_s = t,
 	                          .kind = kind,
 	                          .a = m->a,

@@ -35,6 +35,8 @@ enum rb_status rb_joint_states_create(struct rb_world *world, struct rb_error *e
 		world->joint[k] = (struct rb_joint_state){.motor_speed = joint->motor_speed,
 		                                          .motor_max = joint->motor_max,
 		                                          .has_motor = joint->has_motor};
+		for (int i = 0; i < RB_JOINT_NOTED; i++)
+			world->joint[k].noted[i] = -1;
 	}
 	return RB_OK;
 }
