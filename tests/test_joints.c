@@ -217,8 +217,9 @@ static void mistakes_are_named(void **state)
 	def.damping = 1;
 	refused(def, "'damping' is of the angle of a hinge, or of the way of a slider");
 	def = hinge(0, 2);
-	def.limits[1] = 1;
-	refused(def, "'limits': only the stepped method has it");
+	def.motor_function = 0;
+	def.motor_max = 1;
+	refused(def, "a 'motor' that follows a function: only the stepped method has it");
 	/* by methods that have none */
 	struct lab lab;
 

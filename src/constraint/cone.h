@@ -7,7 +7,8 @@
  * constraint/row says of its set. CONE: u_n >= 0, push >= 0, one of them zero; across the normal no
  * velocity, or friction at the cone against it (`slide`: against `slip`, whatever it is; `given`:
  * the push is what it is, and friction is bounded by it). FREE: u = 0, always closed and sticking.
- * INTERVAL: u_n = 0 while its impulse is between its bounds. The two leave the problem convex.
+ * INTERVAL: u_n = 0 while its impulse is between its bounds (`given`: it is what it is). The two
+ * leave the problem convex.
  *
  * Solved on the bodies' velocities themselves, which only ever get increments, so that they are
  * right also where impulses nearly cancel (a light body between heavy ones). Arithmetic is free of
@@ -35,8 +36,14 @@ struct rb_cone_row {
 	struct rb_constraint base;
 	/* m/s^2, forces: of u what is not the bodies' accelerations at their points */
 	rb_vec3 bias;
-	rb_vec3 slip;      /* slide: a unit vector */
-	bool slide, given; /* CONE */
+	rb_vec3 slip; /* slide: a unit vector */
+	bool slide;   /* CONE */
+	bool given;   /* CONE, INTERVAL: the normal impulse is what it is */
+	/*
+	 * Impacts, of an INTERVAL [0, inf): a limit or a rope. Below `noise`, m/s, it does not
+	 * approach; out: m/s at its first impact, 0: it had none.
+	 */
+	double restitution, noise, approach;
 
 	/* scratch */
 	rb_along_across u;       /* less the target */

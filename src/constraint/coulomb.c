@@ -86,6 +86,8 @@ static rb_along_across step_of(const struct rb_cone *cone, struct rb_cone_row *r
 		return (rb_along_across){-row->u.n / row->bound_n,
 		                         rb_vec3_scale(-1 / row->bound_t, row->u.t)};
 	}
+	if (row->base.set == RB_CONSTRAINT_INTERVAL && row->given)
+		return step;
 	if (row->base.set == RB_CONSTRAINT_INTERVAL) {
 		const double wanted = j->n - row->u.n / row->bound_n;
 

@@ -122,7 +122,13 @@ struct rounds {
 	struct rb_simultaneous *joint;
 	bool *active; /* [contact_count]: takes part in this round */
 	int *crowd;   /* [body_count]: contacts of this round that a body has */
-	int *contact; /* [contact_count]: of the rows */
+	/*
+	 * [contact_count + joint_count]: of the rows, those of contacts first; and how many of
+	 * these
+	 */
+	int *which;
+	int contact_rows;
+	bool *stops;  /* [joint_count]: row of a joint that only pushes and takes part */
 	double first; /* m/s: largest approach of the first round */
 	double scale; /* m/s: largest speed */
 	struct rb_cone cone;
@@ -134,12 +140,33 @@ static struct rb_cone_row row_of(const struct rb_solver_contact *c)
 		.base = rb_contact_row(c->a, c->b, c->normal, c->arm_a, c->arm_b, c->friction)};
 }
 
+/* A limit or a rope: it only pushes. */
+static bool is_stop(const struct rb_cone_row *row)
+{
+	return rb_constraint_side(&row->base) > 0;
+}
+
+/* m/s: the largest that the velocity of a limit or a rope is a difference of. */
+static double stop_speeds(const struct rb_simultaneous *joint, const struct rb_cone_row *row)
+{
+	const struct rb_solver_body *a = &joint->body[row->base.a], *b = &joint->body[row->base.b];
+	const double bias = rb_vec3_length(row->bias);
+
+	if (row->base.couple)
+		return fmax(bias, row->base.arm_a.x * fmax(rb_vec3_length(a->angular),
+		                                           rb_vec3_length(b->angular)));
+	return fmax(bias, fmax(speed_bound(a, row->base.arm_a), speed_bound(b, row->base.arm_b)));
+}
+
 static double largest_speed(const struct rb_simultaneous *joint)
 {
 	double largest = 0;
 
 	for (int k = 0; k < joint->contact_count; k++)
 		largest = fmax(largest, speeds_of(joint, &joint->contact[k]));
+	for (int k = 0; k < joint->joint_count; k++)
+		if (is_stop(&joint->joint_row[k]))
+			largest = fmax(largest, stop_speeds(joint, &joint->joint_row[k]));
 	return largest;
 }
 
@@ -167,10 +194,17 @@ static void compress(struct rounds *all, const struct rb_solver_body *before)
 	rb_cone_resolve(cone, all->scale);
 }
 
-/* How many rows of this round are of contacts; those of joints follow. */
-static int contact_rows(const struct rounds *all)
+/* Restitution of a row: 0 of those of joints that may pull. */
+static double restitution_of(const struct rounds *all, int k)
 {
-	return all->cone.row_count - all->joint->joint_count;
+	return k < all->contact_rows ? all->joint->contact[all->which[k]].restitution
+	                             : all->cone.row[k].restitution;
+}
+
+/* Does a row rebound: is it a contact, a limit or a rope? */
+static bool rebounds(const struct rounds *all, int k)
+{
+	return k < all->contact_rows || is_stop(&all->cone.row[k]);
 }
 
 /*
@@ -181,22 +215,20 @@ static int contact_rows(const struct rounds *all)
 static void restore(struct rounds *all, double spare, rb_along_across *back, rb_along_across *after)
 {
 	struct rb_cone *const cone = &all->cone;
-	const int contacts = contact_rows(all);
+	const int contacts = all->contact_rows;
 	bool any_friction = contacts < cone->row_count;
 	double restitution_max = 0;
 
-	for (int k = 0; k < contacts; k++) {
-		const double restitution = all->joint->contact[all->contact[k]].restitution;
-
-		back[k] = (rb_along_across){restitution * cone->row[k].base.impulse.n, {0, 0, 0}};
-		after[k] = rb_cone_velocity(cone, &cone->row[k]);
-		if (cone->row[k].base.impulse.n > 0)
-			restitution_max = fmax(restitution_max, restitution);
-	}
-	for (int k = contacts; k < cone->row_count; k++) {
+	for (int k = 0; k < cone->row_count; k++)
+		if (rebounds(all, k) && cone->row[k].base.impulse.n > 0)
+			restitution_max = fmax(restitution_max, restitution_of(all, k));
+	for (int k = 0; k < cone->row_count; k++) {
 		const rb_along_across p = cone->row[k].base.impulse;
 
-		back[k] = (rb_along_across){restitution_max * p.n,
+		if (rebounds(all, k))
+			back[k] = (rb_along_across){restitution_of(all, k) * p.n, {0, 0, 0}};
+		else
+			back[k] = (rb_along_across){restitution_max * p.n,
 		                            rb_vec3_scale(restitution_max, p.t)};
 		after[k] = rb_cone_velocity(cone, &cone->row[k]);
 	}
@@ -225,9 +257,9 @@ static void restore(struct rounds *all, double spare, rb_along_across *back, rb_
 		}
 		rb_cone_apply_normal(cone, back);
 	}
-	for (int k = 0; k < contacts; k++) {
-		cone->row[k].given = true;
-		any_friction = any_friction || cone->row[k].base.friction > 0;
+	for (int k = 0; k < cone->row_count; k++) {
+		cone->row[k].given = rebounds(all, k);
+		any_friction = any_friction || (k < contacts && cone->row[k].base.friction > 0);
 	}
 	if (any_friction)
 		rb_cone_resolve(cone, all->scale);
@@ -238,7 +270,7 @@ static bool hit_together(struct rounds *all, bool with_restitution)
 {
 	struct rb_simultaneous *const joint = all->joint;
 	struct rb_cone *const cone = &all->cone;
-	const size_t rows = (size_t)cone->row_count, contacts = (size_t)contact_rows(all);
+	const size_t rows = (size_t)cone->row_count, contacts = (size_t)all->contact_rows;
 	const rb_arena_mark here = rb_arena_here(joint->arena);
 	rb_along_across *const before = rb_arena_take(joint->arena, rows, sizeof *before);
 	rb_along_across *const impulse = rb_arena_take(joint->arena, rows, sizeof *impulse);
@@ -260,21 +292,24 @@ static bool hit_together(struct rounds *all, bool with_restitution)
 
 		impulse[k] = cone->row[k].base.impulse;
 		sum[k] = (rb_along_across){u.n + before[k].n, rb_vec3_add(u.t, before[k].t)};
-		restitution = restitution || (k < contacts && impulse[k].n > 0 &&
-		                              joint->contact[all->contact[k]].restitution > 0);
+		restitution = restitution || (rebounds(all, (int)k) && impulse[k].n > 0 &&
+		                              restitution_of(all, (int)k) > 0);
 	}
 	/* change of kinetic energy: the sum of J.(u + u')/2 */
 	const double spare = -rb_cone_dot(cone, impulse, sum);
 	if (restitution && with_restitution)
 		restore(all, spare, impulse, sum);
 	for (size_t k = contacts; k < rows; k++) {
-		struct rb_constraint *const row = &joint->joint_row[k - contacts].base;
+		struct rb_cone_row *const row = &joint->joint_row[all->which[k]];
+		const rb_along_across p = cone->row[k].base.impulse;
 
-		row->impulse.n += cone->row[k].base.impulse.n;
-		row->impulse.t = rb_vec3_add(row->impulse.t, cone->row[k].base.impulse.t);
+		row->base.impulse.n += p.n;
+		row->base.impulse.t = rb_vec3_add(row->base.impulse.t, p.t);
+		if (is_stop(row) && p.n > 0 && row->approach == 0 && before[k].n < -row->noise)
+			row->approach = -before[k].n;
 	}
 	for (size_t k = 0; k < contacts; k++) {
-		struct rb_solver_contact *const c = &joint->contact[all->contact[k]];
+		struct rb_solver_contact *const c = &joint->contact[all->which[k]];
 		const struct rb_cone_row *const row = &cone->row[k];
 
 		c->impulse = rb_vec3_add(c->impulse, rb_constraint_impulse(&row->base));
@@ -291,6 +326,30 @@ static bool hit_together(struct rounds *all, bool with_restitution)
 static double noise_of(const struct rb_simultaneous *joint, const struct rb_solver_contact *c)
 {
 	return fmax(fmax(c->noise, joint->tolerance), 4 * DBL_EPSILON * speeds_of(joint, c));
+}
+
+/* The same of limits and ropes; adds how many approach. */
+static void find_active_stops(struct rounds *all, double *largest, double *restitution_max,
+                              int *count)
+{
+	const struct rb_simultaneous *const joint = all->joint;
+
+	for (int k = 0; k < joint->joint_count; k++) {
+		const struct rb_cone_row *row = &joint->joint_row[k];
+
+		all->stops[k] = false;
+		if (!is_stop(row))
+			continue;
+		const double approach = -rb_cone_velocity(&all->cone, row).n;
+		const double noise = fmax(fmax(row->noise, joint->tolerance),
+		                          4 * DBL_EPSILON * stop_speeds(joint, row));
+		all->stops[k] = row->restitution == 0 || approach > noise;
+		if (!(approach > noise))
+			continue;
+		++*count;
+		*largest = fmax(*largest, approach);
+		*restitution_max = fmax(*restitution_max, row->restitution);
+	}
 }
 
 /*
@@ -316,6 +375,7 @@ static int find_active(struct rounds *all, bool *only_tail)
 		largest = fmax(largest, approach);
 		restitution_max = fmax(restitution_max, c->restitution);
 	}
+	find_active_stops(all, &largest, &restitution_max, &count);
 	if (all->first == 0)
 		all->first = largest;
 	*only_tail = restitution_max < 1 && largest <= tail_share * all->first;
@@ -343,6 +403,8 @@ static bool run_round(struct rounds *all, bool with_restitution)
 	struct rb_simultaneous *const joint = all->joint;
 	struct rb_cone *const cone = &all->cone;
 
+	bool felt = false;
+
 	memset(all->crowd, 0, (size_t)joint->body_count * sizeof *all->crowd);
 	cone->row_count = 0;
 	for (int k = 0; k < joint->contact_count; k++) {
@@ -354,6 +416,8 @@ static bool run_round(struct rounds *all, bool with_restitution)
 		all->crowd[c->b] += rb_solver_is_dynamic(&joint->body[c->b]);
 	}
 	for (int k = 0; k < joint->joint_count; k++) {
+		if (is_stop(&joint->joint_row[k]) && !all->stops[k])
+			continue;
 		all->crowd[joint->joint_row[k].base.a] += 2;
 		all->crowd[joint->joint_row[k].base.b] += 2;
 	}
@@ -368,18 +432,26 @@ static bool run_round(struct rounds *all, bool with_restitution)
 				hit_alone(joint, c);
 			continue;
 		}
-		all->contact[cone->row_count] = k;
+		all->which[cone->row_count] = k;
 		cone->row[cone->row_count++] = row_of(c);
 	}
 	all->scale = largest_speed(joint);
-	if (cone->row_count == 0)
-		return true;
+	all->contact_rows = cone->row_count;
 	for (int k = 0; k < joint->joint_count; k++) {
-		struct rb_cone_row *const row = &cone->row[cone->row_count++];
+		const bool stop = is_stop(&joint->joint_row[k]);
 
+		felt = felt || (stop && all->stops[k]);
+		if (stop && !all->stops[k])
+			continue;
+		struct rb_cone_row *const row = &cone->row[cone->row_count];
+
+		all->which[cone->row_count++] = k;
 		*row = joint->joint_row[k];
 		rb_constraint_clear(&row->base);
 	}
+	/* joints alone have nothing to do */
+	if (all->contact_rows == 0 && !felt)
+		return true;
 	return hit_together(all, with_restitution);
 }
 
@@ -394,11 +466,14 @@ static bool take_rounds(struct rounds *all)
 	                             .tolerance = joint->tolerance,
 	                             .max = joint->products_max};
 	all->active = rb_arena_take(joint->arena, contacts, sizeof *all->active);
-	all->contact = rb_arena_take(joint->arena, contacts, sizeof *all->contact);
+	all->which = rb_arena_take(joint->arena, contacts + (size_t)joint->joint_count,
+	                           sizeof *all->which);
+	all->stops = rb_arena_take(joint->arena, (size_t)joint->joint_count + 1,
+	                           sizeof *all->stops);
 	all->crowd = rb_arena_take(joint->arena, (size_t)joint->body_count, sizeof *all->crowd);
 	all->cone.row = rb_arena_take(joint->arena, contacts + (size_t)joint->joint_count,
 	                              sizeof *all->cone.row);
-	return all->active && all->contact && all->crowd && all->cone.row;
+	return all->active && all->which && all->stops && all->crowd && all->cone.row;
 }
 
 bool rb_simultaneous_impact(struct rb_simultaneous *joint, int *rounds)
@@ -412,14 +487,18 @@ bool rb_simultaneous_impact(struct rb_simultaneous *joint, int *rounds)
 		joint->contact[k].impulse = (rb_vec3){0, 0, 0};
 		joint->contact[k].approach = 0;
 	}
-	for (int k = 0; k < joint->joint_count; k++)
+	for (int k = 0; k < joint->joint_count; k++) {
 		rb_constraint_clear(&joint->joint_row[k].base);
+		joint->joint_row[k].approach = 0;
+	}
 	const int max = ROUNDS + ROUNDS_PER_CONTACT * joint->contact_count;
 	while (converged && find_active(&all, &only_tail) > 0) {
 		const bool last = only_tail || round == max;
 
-		if (last)
+		if (last) {
 			memset(all.active, 1, (size_t)joint->contact_count * sizeof *all.active);
+			memset(all.stops, 1, (size_t)joint->joint_count * sizeof *all.stops);
+		}
 		if (!run_round(&all, !last) || rb_cone_is_over(&all.cone))
 			converged = false;
 		round++;

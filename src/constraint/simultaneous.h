@@ -72,8 +72,9 @@ struct rb_simultaneous {
 	int contact_count;
 	/*
 	 * Joints: FREE and INTERVAL rows, whose velocity (and bias, of forces and of impacts) is
-	 * held at the target in every round, without restitution. Out: base.impulse, of impacts
-	 * the sum over the rounds.
+	 * held at the target in every round, without restitution; INTERVAL [0, inf), limits and
+	 * ropes, are in rounds as contacts are, and have restitution. Out: base.impulse, of
+	 * impacts the sum over the rounds; approach.
 	 */
 	struct rb_cone_row *joint_row;
 	int joint_count;
@@ -116,7 +117,7 @@ static inline bool rb_simultaneous_is_over(const struct rb_simultaneous *joint)
  * (for which they get the largest e of the round, then what is left of their u is taken away, the
  * smallest change in the metric of kinetic energy) and after friction. All that is said of energy
  * then holds in the space of velocities that they allow; a contact on a jointed body is never
- * solved alone.
+ * solved alone. Limits and ropes are contacts without friction that may be couples.
  *
  * So a touching cradle does what one with vanishing gaps does, for every e, and e = 0 everywhere is
  * one round. Series of rounds that do not end (0 < e < 1: inelastic collapse) are followed to 1e-13

@@ -50,7 +50,7 @@ static bool make_rows(struct rb_located *l)
 	l->set = row(n, sizeof *l->set, &failed);
 	l->place = row(n, sizeof *l->place, &failed);
 	if (l->model->joints)
-		l->drive_mode = row((size_t)l->model->joints->count * RB_JOINT_DRIVES,
+		l->drive_mode = row((size_t)l->model->joints->count * RB_JOINT_PARTS_HELD,
 		                    sizeof *l->drive_mode, &failed);
 	l->plane_normal = row((size_t)l->model->static_count, sizeof *l->plane_normal, &failed);
 	if (l->world->state.orientation) {

@@ -268,7 +268,7 @@ void rb_freeze_pack(struct rb_located *l, struct rb_pack *pack)
 	rb_fields_pack(rb_located_fields(), l, 1, limits.high, pack);
 	pack_bodies(l, pack);
 	for (int k = 0;
-	     l->model->joints && !pack->failed && k < RB_JOINT_DRIVES * l->model->joints->count;
+	     l->model->joints && !pack->failed && k < RB_JOINT_PARTS_HELD * l->model->joints->count;
 	     k++) {
 		int mode = l->drive_mode[k];
 

@@ -478,6 +478,18 @@ static bool count_crept(struct rb_modes *w, double length, double natural_s)
 	return c->crept < CREPT_MAX;
 }
 
+/* Joints may end the piece before contacts do, of which then none changes its mode. */
+static double check_joints_within(struct rb_modes *w, double length, double *value)
+{
+	const double met = rb_check_stops_within(w, length, value);
+	const double within = rb_check_drives_within(w, met, value);
+
+	for (int k = 0; k < w->c->held_count && within < length; k++)
+		w->c->held[k].ending = false;
+	w->c->hits = w->c->hits && !(within < length);
+	return within;
+}
+
 static void run(struct rb_modes *w, const struct columns *columns)
 {
 	struct rb_located *l = w->l;
@@ -563,8 +575,8 @@ static void run(struct rb_modes *w, const struct columns *columns)
 		c->try_s = cut && c->piece.length_s >= tried ? fmax(c->try_s, try_s) : try_s;
 		length = c->held_count > 0 ? rb_check_change_within(w, columns->value)
 		                           : c->piece.length_s;
-		if (w->joints.count > 0)
-			length = rb_check_drives_within(w, length, columns->value);
+		if (w->joints.joint_count > 0)
+			length = check_joints_within(w, length, columns->value);
 		c->is_cut = length < c->piece.length_s;
 	} while (l->status == RB_OK && (rb_check_turns_aside(w, length, columns->value) ||
 	                                rb_check_turns_aside(w, 0.5 * length, columns->value)));

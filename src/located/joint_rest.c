@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/joint_rest.h"
 
+#include "located/joint_stops.h"
+
 bool rb_joint_rest_decide(struct rb_resolution *s)
 {
-	if (!rb_joint_rows_drive(&s->joints))
-		return true;
-	double *const multiplier = rb_slips_take(s, s->joints.count, sizeof *multiplier);
+	if (rb_joint_rows_drive(&s->joints)) {
+		double *const multiplier = rb_slips_take(s, s->joints.count, sizeof *multiplier);
 
-	if (!multiplier)
-		return false;
-	rb_joint_rows_read_problem(&s->joints, true, s->joint.joint_row, multiplier);
-	rb_joint_rows_decide_drives(&s->joints, multiplier);
-	return true;
+		if (!multiplier)
+			return false;
+		rb_joint_rows_read_problem(&s->joints, true, s->joint.joint_row, multiplier);
+		rb_joint_rows_decide_drives(&s->joints, multiplier);
+	}
+	rb_joint_stops_note(&s->joints, s->t);
+	return s->l->status == RB_OK;
 }
 
 /* Cause of forces of joints with ends that do not yield: 0 static, 1 driven; -1: no such end. */

@@ -5,7 +5,10 @@
 
 #include "located/slips.h"
 
-/* Once solved: motors and friction of joints, held or at their bounds. False: no memory. */
+/*
+ * Once solved: motors and friction of joints, held or at their bounds, and stops, held or open;
+ * records what has changed. False: no memory.
+ */
 bool rb_joint_rest_decide(struct rb_resolution *s);
 
 /*

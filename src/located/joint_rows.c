@@ -16,8 +16,8 @@
 
 /* Of corrections of positions: each squares what is left. */
 enum { POSITION_ROUNDS = 2 };
-/* Rounding of a rate, in ulp of the velocities that it is a difference of. */
-enum { DRIVE_ULP = 64 };
+/* Rounding of a rate and of a gap, in ulp of what they are differences of. */
+enum { DRIVE_ULP = 64, STOP_ULP = 16 };
 /* Share of its bound by which the solver may leave a force that is at it below. */
 static const double within_bound = 1e-11;
 
@@ -67,7 +67,7 @@ bool rb_joint_rows_collect(struct rb_joint_rows *rows)
 			rows->count += rb_linkage_row_count(joint->link.kind);
 		}
 	}
-	rows->count += RB_JOINT_DRIVES * rows->joint_count;
+	rows->count += RB_JOINT_PARTS_HELD * rows->joint_count;
 	rows->row = rb_arena_take(l->arena, (size_t)rows->count + 1, sizeof *rows->row);
 	return rows->row != NULL;
 }
@@ -90,6 +90,29 @@ static double own_acceleration(const struct rb_located *l, int body, rb_vec3 lin
 	       rb_vec3_dot(angular, rb_mechanics_turning(l, body, t));
 }
 
+/* Appends a row, of which what is not its own is given; the rest follows from the geometry. */
+static void add_row(struct rb_joint_rows *rows, int which, const struct rb_joint_row *own,
+                    const struct rb_linkage_row *found, double t)
+{
+	const struct rb_located *l = rows->l;
+	const struct rb_joint *joint = &l->model->joints->joint[which];
+	struct rb_joint_row *row = &rows->row[rows->count++];
+
+	*row = *own;
+	row->joint = which;
+	row->a = place_of(l, joint->a);
+	row->b = place_of(l, joint->b);
+	row->wrench = (struct rb_coupled_wrench){found->linear,
+	                                         rb_vec3_scale(row->scale, found->angular_a),
+	                                         rb_vec3_scale(row->scale, found->angular_b)};
+	row->bias = row->scale * found->bias;
+	if (row->a < 0)
+		row->bias += own_acceleration(l, joint->a, rb_vec3_neg(found->linear),
+		                              row->wrench.angular_a, t);
+	if (row->b < 0)
+		row->bias += own_acceleration(l, joint->b, found->linear, row->wrench.angular_b, t);
+}
+
 static void fill_joint(struct rb_joint_rows *rows, int which, double t)
 {
 	const struct rb_located *l = rows->l;
@@ -98,32 +121,23 @@ static void fill_joint(struct rb_joint_rows *rows, int which, double t)
 	const struct rb_pose pose_a = end_pose(rows, joint->a, a, t);
 	const struct rb_pose pose_b = end_pose(rows, joint->b, b, t);
 	struct rb_linkage_row found[RB_LINKAGE_ROWS_MAX];
-	const int count = rb_linkage_rows(&joint->link, &pose_a, &pose_b, found);
+	/* a rope's row is a stop */
+	const int count = joint->link.kind == RB_JOINT_ROPE
+	                          ? 0
+	                          : rb_linkage_rows(&joint->link, &pose_a, &pose_b, found);
 
 	for (int k = 0; k < count; k++) {
 		const bool couple = rb_linkage_row_is_couple(joint->link.kind, k);
 		const double scale = couple ? joint->size : 1;
-		struct rb_joint_row *row = &rows->row[rows->count++];
-
-		*row = (struct rb_joint_row){
-			.joint = which,
-			.row = k,
-			.drive = -1,
-			.a = a,
-			.b = b,
-			.wrench = {found[k].linear, rb_vec3_scale(scale, found[k].angular_a),
-		                   rb_vec3_scale(scale, found[k].angular_b)},
-			.scale = scale,
-			.error = scale * found[k].error,
-			.velocity = scale * rb_linkage_row_velocity(&found[k], &pose_a, &pose_b),
-			.bias = scale * found[k].bias,
-		};
-		if (a < 0)
-			row->bias += own_acceleration(l, joint->a, rb_vec3_neg(found[k].linear),
-			                              row->wrench.angular_a, t);
-		if (b < 0)
-			row->bias += own_acceleration(l, joint->b, found[k].linear,
-			                              row->wrench.angular_b, t);
+		add_row(rows, which,
+		        &(struct rb_joint_row){
+				.row = k,
+				.drive = -1,
+				.scale = scale,
+				.error = scale * found[k].error,
+				.velocity = scale *
+		                            rb_linkage_row_velocity(&found[k], &pose_a, &pose_b)},
+		        &found[k], t);
 	}
 }
 
@@ -131,7 +145,7 @@ static void fill_joint(struct rb_joint_rows *rows, int which, double t)
 
 static signed char *mode_of(const struct rb_joint_rows *rows, int joint, int kind)
 {
-	return &rows->l->drive_mode[RB_JOINT_DRIVES * joint + kind];
+	return &rows->l->drive_mode[RB_JOINT_PARTS_HELD * joint + kind];
 }
 
 static struct rb_linkage_free free_of(const struct rb_joint_rows *rows, int which, double t)
@@ -141,6 +155,49 @@ static struct rb_linkage_free free_of(const struct rb_joint_rows *rows, int whic
 	const struct rb_pose b = end_pose(rows, joint->b, place_of(rows->l, joint->b), t);
 
 	return rb_linkage_free(&joint->link, &a, &b);
+}
+
+struct rb_joint_stop rb_joint_rows_stop(const struct rb_joint_rows *rows, int which, int stop,
+                                        double t)
+{
+	const struct rb_located *l = rows->l;
+	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const struct rb_pose a = end_pose(rows, joint->a, place_of(l, joint->a), t);
+	const struct rb_pose b = end_pose(rows, joint->b, place_of(l, joint->b), t);
+	const double sign = stop == RB_STOP_LOW ? 1 : -1;
+	const double limit = stop == RB_STOP_LOW ? joint->low : joint->high;
+	const double spins = rb_vec3_length(a.spin) + rb_vec3_length(b.spin);
+	const double speeds = rb_vec3_length(a.velocity) + rb_vec3_length(b.velocity) +
+	                      spins * joint->size;
+	const bool turns = joint->link.kind == RB_JOINT_HINGE;
+	struct rb_joint_stop now;
+
+	RB_ASSERT_COSTLY(rb_joint_rows_has_stop(joint, stop));
+	if (joint->link.kind == RB_JOINT_ROPE) {
+		struct rb_linkage_row row[RB_LINKAGE_ROWS_MAX];
+
+		rb_linkage_rows(&joint->link, &a, &b, row);
+		now = (struct rb_joint_stop){.gap = -row[0].error,
+		                             .rate = -rb_linkage_row_velocity(&row[0], &a, &b),
+		                             .row = row[0]};
+	} else {
+		const struct rb_linkage_free free = rb_linkage_free(&joint->link, &a, &b);
+		const double value = rb_joint_state_angle(&l->world->joint[which], joint->link.kind,
+		                                          t, &free);
+
+		now = (struct rb_joint_stop){
+			.gap = sign * (value - limit), .rate = sign * free.rate, .row = free.row};
+	}
+	now.row.linear = rb_vec3_scale(sign, now.row.linear);
+	now.row.angular_a = rb_vec3_scale(sign, now.row.angular_a);
+	now.row.angular_b = rb_vec3_scale(sign, now.row.angular_b);
+	now.row.bias *= sign;
+	const double reach = turns ? fmax(fabs(limit), 1)
+	                           : joint->size + fmax(rb_vec3_max_abs(a.position),
+	                                                rb_vec3_max_abs(b.position));
+	now.band = STOP_ULP * DBL_EPSILON * (reach + t * fabs(now.rate));
+	now.noise = DRIVE_ULP * DBL_EPSILON * (turns ? spins : speeds);
+	return now;
 }
 
 static bool has_drive(const struct rb_located *l, int which)
@@ -163,11 +220,30 @@ static double noise_of(const struct rb_joint_rows *rows, int which, double t)
 	       (rb_vec3_length(a.velocity) + rb_vec3_length(b.velocity) + spin * joint->size);
 }
 
-void rb_joint_rows_begin_drives(const struct rb_joint_rows *rows, double t, bool anew)
+/* Of a stop: where it touches and neither parts nor approaches it may hold, as its force says. */
+static void begin_stop(const struct rb_joint_rows *rows, int which, int stop, double t, bool anew,
+                       double slack)
+{
+	const struct rb_joint *joint = &rows->l->model->joints->joint[which];
+	signed char *const mode = mode_of(rows, which, stop);
+
+	if (!rb_joint_rows_has_stop(joint, stop) || (*mode == RB_DRIVE_HELD && !anew))
+		return;
+	const struct rb_joint_stop now = rb_joint_rows_stop(rows, which, stop, t);
+	const double scale = joint->link.kind == RB_JOINT_HINGE ? joint->size : 1;
+	const bool touches = *mode == RB_DRIVE_REACHED || now.gap <= now.band;
+
+	*mode = touches && fabs(now.rate) <= now.noise + slack / scale ? RB_DRIVE_HELD
+	                                                               : RB_STOP_OPEN;
+}
+
+void rb_joint_rows_begin_drives(const struct rb_joint_rows *rows, double t, bool anew, double slack)
 {
 	for (int k = 0; k < rows->joint_count; k++) {
 		const int which = rows->joint[k];
 
+		for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++)
+			begin_stop(rows, which, stop, t, anew, slack);
 		for (int kind = 0; kind < RB_JOINT_DRIVES && has_drive(rows->l, which); kind++) {
 			signed char *const mode = mode_of(rows, which, kind);
 			const double v = free_of(rows, which, t).rate -
@@ -185,6 +261,8 @@ void rb_joint_rows_begin_drives(const struct rb_joint_rows *rows, double t, bool
 
 double rb_joint_rows_bound(const struct rb_joint_rows *rows, const struct rb_joint_row *row)
 {
+	if (rb_joint_rows_is_stop(row))
+		return (double)INFINITY;
 	return rb_joint_rows_drive_now(rows->l, row->joint, row->drive).max / row->scale;
 }
 
@@ -193,6 +271,8 @@ void rb_joint_rows_decide_drives(const struct rb_joint_rows *rows, const double 
 	for (int k = 0; k < rows->count; k++) {
 		const struct rb_joint_row *row = &rows->row[k];
 
+		if (rb_joint_rows_is_stop(row) && !(multiplier[k] > 0))
+			*mode_of(rows, row->joint, row->drive) = RB_STOP_OPEN;
 		if (row->drive < 0 ||
 		    fabs(multiplier[k]) < rb_joint_rows_bound(rows, row) * (1 - within_bound))
 			continue;
@@ -223,25 +303,41 @@ static void fill_drives(struct rb_joint_rows *rows, int which, double t)
 		if (!(drive.max > 0) || (mode != RB_DRIVE_HELD && mode != RB_DRIVE_REACHED))
 			continue;
 		const struct rb_linkage_free free = free_of(rows, which, t);
-		struct rb_joint_row *row = &rows->row[rows->count++];
+		add_row(rows, which,
+		        &(struct rb_joint_row){.row = -1,
+		                               .drive = kind,
+		                               .scale = scale,
+		                               .velocity = scale * (free.rate - drive.speed)},
+		        &free.row, t);
+	}
+}
 
-		*row = (struct rb_joint_row){.joint = which,
-		                             .row = -1,
-		                             .drive = kind,
-		                             .a = place_of(l, joint->a),
-		                             .b = place_of(l, joint->b),
-		                             .wrench = {free.row.linear,
-		                                        rb_vec3_scale(scale, free.row.angular_a),
-		                                        rb_vec3_scale(scale, free.row.angular_b)},
-		                             .scale = scale,
-		                             .velocity = scale * (free.rate - drive.speed),
-		                             .bias = scale * free.row.bias};
-		if (row->a < 0)
-			row->bias += own_acceleration(l, joint->a, rb_vec3_neg(free.row.linear),
-			                              row->wrench.angular_a, t);
-		if (row->b < 0)
-			row->bias += own_acceleration(l, joint->b, free.row.linear,
-			                              row->wrench.angular_b, t);
+/* Rows of stops that hold or, where those are wanted, that touch. */
+static void fill_stops(struct rb_joint_rows *rows, int which, double t)
+{
+	const struct rb_located *l = rows->l;
+	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const double scale = joint->link.kind == RB_JOINT_HINGE ? joint->size : 1;
+
+	for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++) {
+		const signed char mode = *mode_of(rows, which, stop);
+
+		if (!rb_joint_rows_has_stop(joint, stop) ||
+		    (mode != RB_DRIVE_HELD && !rows->touching))
+			continue;
+		const struct rb_joint_stop now = rb_joint_rows_stop(rows, which, stop, t);
+
+		if (mode == RB_STOP_OPEN && !(now.gap <= now.band))
+			continue;
+		add_row(rows, which,
+		        &(struct rb_joint_row){.row = -1,
+		                               .drive = stop,
+		                               .scale = scale,
+		                               .error = scale * now.gap,
+		                               .velocity = scale * now.rate,
+		                               .noise = scale * now.noise,
+		                               .restitution = joint->restitution},
+		        &now.row, t);
 	}
 }
 
@@ -252,6 +348,7 @@ void rb_joint_rows_fill(struct rb_joint_rows *rows, double t)
 		fill_joint(rows, rows->joint[k], t);
 		if (has_drive(rows->l, rows->joint[k]))
 			fill_drives(rows, rows->joint[k], t);
+		fill_stops(rows, rows->joint[k], t);
 	}
 }
 
@@ -609,134 +706,4 @@ void rb_joint_rows_correct(struct rb_joint_rows *rows, double t, struct rb_pose 
 		rb_joint_state_see(&l->world->joint[which], kind, t, &free);
 	}
 	rb_arena_back(l->arena, here);
-}
-
-/* ---- as rows of constraint/simultaneous ---- */
-
-/* How many of our rows one of the problem's is: three along the world's axes are one FREE row. */
-static int rows_of(const struct rb_joint_rows *rows, int k)
-{
-	const struct rb_joint_row *row = &rows->row[k];
-	const enum rb_joint_kind kind = rows->l->model->joints->joint[row->joint].link.kind;
-	const bool point = kind == RB_JOINT_FIXED || kind == RB_JOINT_BALL ||
-	                   kind == RB_JOINT_HINGE || kind == RB_JOINT_UNIVERSAL;
-
-	return point && row->drive < 0 && row->row == 0 ? 3 : 1;
-}
-
-/* What of u is not of the bodies that yield. */
-static double bias_of(const struct rb_joint_rows *rows, const struct rb_joint_row *row, bool forces)
-{
-	const struct rb_joint *joint = &rows->l->model->joints->joint[row->joint];
-	const int fixed = row->a < 0 ? joint->a : row->b < 0 ? joint->b : -1;
-	double sum = row->velocity;
-
-	if (forces)
-		return row->bias;
-	if (fixed < 0 || fixed >= rows->l->n)
-		return 0;
-	if (row->a >= 0)
-		sum -= rb_vec3_dot(row->wrench.angular_a, rows->pose[row->a].spin) -
-		       rb_vec3_dot(row->wrench.linear, rows->pose[row->a].velocity);
-	if (row->b >= 0)
-		sum -= rb_vec3_dot(row->wrench.linear, rows->pose[row->b].velocity) +
-		       rb_vec3_dot(row->wrench.angular_b, rows->pose[row->b].spin);
-	return sum;
-}
-
-static int place_or_copy(int place, struct rb_solver_body *body, int *bodies)
-{
-	if (place >= 0)
-		return place;
-	body[*bodies] = (struct rb_solver_body){.inverse_mass = 0};
-	return (*bodies)++;
-}
-
-/* An arm whose moment of the force l is m: all arms do that differ along it; this is across it. */
-static rb_vec3 arm_of(rb_vec3 linear, rb_vec3 moment)
-{
-	return rb_vec3_cross(linear, moment);
-}
-
-/* From moments of forces along x, y, z, the arm: m_x = (0, z, -y), m_y = (-z, 0, x). */
-static rb_vec3 point_arm(const struct rb_joint_row *row, bool is_b)
-{
-	const rb_vec3 x = is_b ? row[0].wrench.angular_b : rb_vec3_neg(row[0].wrench.angular_a);
-	const rb_vec3 y = is_b ? row[1].wrench.angular_b : rb_vec3_neg(row[1].wrench.angular_a);
-
-	return (rb_vec3){y.z, -x.z, x.y};
-}
-
-int rb_joint_rows_pose_problem(const struct rb_joint_rows *rows, bool forces,
-                               struct rb_cone_row *to, struct rb_solver_body *body, int *bodies)
-{
-	int count = 0;
-
-	for (int k = 0, used; k < rows->count; k += used) {
-		const struct rb_joint_row *row = &rows->row[k];
-		const struct rb_coupled_wrench *w = &row->wrench;
-
-		used = rows_of(rows, k);
-		/* a bounded force gives no impulse */
-		if (row->drive >= 0 && !forces)
-			continue;
-		struct rb_cone_row *const out = &to[count++];
-		struct rb_constraint *const base = &out->base;
-
-		*out = (struct rb_cone_row){.bias = {0, 0, 0}};
-		base->a = place_or_copy(row->a, body, bodies);
-		base->b = place_or_copy(row->b, body, bodies);
-		base->set = RB_CONSTRAINT_INTERVAL;
-		base->low = -(double)INFINITY;
-		base->high = (double)INFINITY;
-		if (row->drive >= 0) {
-			base->high = rb_joint_rows_bound(rows, row);
-			base->low = -base->high;
-		}
-		if (used == 3) {
-			base->set = RB_CONSTRAINT_FREE;
-			base->normal = (rb_vec3){1, 0, 0};
-			base->arm_a = point_arm(row, false);
-			base->arm_b = point_arm(row, true);
-			out->bias = (rb_vec3){bias_of(rows, &row[0], forces),
-			                      bias_of(rows, &row[1], forces),
-			                      bias_of(rows, &row[2], forces)};
-			continue;
-		}
-		if (rb_vec3_max_abs(w->linear) > 0) {
-			base->normal = w->linear;
-			base->arm_a = arm_of(w->linear, rb_vec3_neg(w->angular_a));
-			base->arm_b = arm_of(w->linear, w->angular_b);
-		} else {
-			const double lever = rb_vec3_length(w->angular_b);
-
-			base->couple = true;
-			base->normal = rb_vec3_unit(w->angular_b, (rb_vec3){1, 0, 0});
-			base->arm_a = (rb_vec3){lever, 0, 0};
-		}
-		out->bias = rb_vec3_scale(bias_of(rows, row, forces), base->normal);
-	}
-	return count;
-}
-
-void rb_joint_rows_read_problem(const struct rb_joint_rows *rows, bool forces,
-                                const struct rb_cone_row *from, double *multiplier)
-{
-	int count = 0;
-
-	for (int k = 0, used; k < rows->count; k += used) {
-		used = rows_of(rows, k);
-		multiplier[k] = 0;
-		if (rows->row[k].drive >= 0 && !forces)
-			continue;
-		const struct rb_constraint *base = &from[count++].base;
-		const rb_vec3 impulse = rb_constraint_impulse(base);
-
-		multiplier[k] = base->impulse.n;
-		if (used < 3)
-			continue;
-		multiplier[k] = impulse.x;
-		multiplier[k + 1] = impulse.y;
-		multiplier[k + 2] = impulse.z;
-	}
 }

@@ -9,7 +9,6 @@
 #ifndef RB_LOCATED_JOINT_ROWS_H
 #define RB_LOCATED_JOINT_ROWS_H
 
-#include "constraint/simultaneous.h"
 #include "located/coupled.h"
 #include "model/joints.h"
 #include "world/joint_state.h"
@@ -18,13 +17,15 @@
 /* A row at the poses. */
 struct rb_joint_row {
 	int joint, row; /* in the model's, of geom/linkage */
-	int drive;      /* enum rb_joint_drive_kind of one that is held; -1: a joint's own */
+	int drive;      /* enum rb_joint_part of one that is held; -1: a joint's own */
 	int a, b;       /* places of the ends that yield; -1: it does not */
 	struct rb_coupled_wrench wrench;
 	double scale;    /* 1, or the joint's size, m, of a couple */
 	double error;    /* m */
 	double velocity; /* m/s: of the error */
 	double bias;     /* m/s^2: with accelerations of ends that do not yield */
+	/* of stops: m/s, rounding of the velocity; of impacts */
+	double noise, restitution;
 };
 
 struct rb_joint_rows {
@@ -34,8 +35,36 @@ struct rb_joint_rows {
 	int body_count;
 	int *joint, joint_count; /* those with an end among the bodies */
 	struct rb_joint_row *row;
-	int count; /* 0: none of the bodies has a joint */
+	int count;     /* 0: none of the bodies has a joint, or none holds */
+	bool touching; /* stops that touch have rows, held or not, as in impacts */
 };
+
+/* Is the row that of a limit or a rope? It only pushes, away from the stop: multipliers >= 0. */
+static inline bool rb_joint_rows_is_stop(const struct rb_joint_row *row)
+{
+	return row->drive >= RB_STOP_LOW;
+}
+
+/* A limit of a free coordinate, or a rope, at the poses. */
+struct rb_joint_stop {
+	double gap;                /* m or rad, >= 0 apart from rounding */
+	double rate;               /* of it, m/s or rad/s */
+	double band;               /* rounding of the gap */
+	double noise;              /* rounding of the rate */
+	struct rb_linkage_row row; /* of the gap: a multiplier >= 0 widens it */
+};
+
+/* Has the joint that stop, RB_STOP_LOW or RB_STOP_HIGH (which a rope's length is)? */
+static inline bool rb_joint_rows_has_stop(const struct rb_joint *joint, int stop)
+{
+	if (joint->link.kind == RB_JOINT_ROPE)
+		return stop == RB_STOP_HIGH;
+	return rb_linkage_has_free(joint->link.kind) &&
+	       isfinite(stop == RB_STOP_LOW ? joint->low : joint->high);
+}
+
+struct rb_joint_stop rb_joint_rows_stop(const struct rb_joint_rows *rows, int joint, int stop,
+                                        double t);
 
 /* Motor or friction of a joint as it is now. */
 static inline struct rb_joint_drive rb_joint_rows_drive_now(const struct rb_located *l, int joint,
@@ -73,17 +102,19 @@ bool rb_joint_rows_collect(struct rb_joint_rows *rows);
 
 /*
  * Before the rows are filled at a moment when modes are decided: whether motors and friction keep
- * their speeds, by the velocities. `anew`: velocities have jumped.
+ * their speeds, and stops hold, by the poses. `anew`: velocities have jumped, and round by `slack`,
+ * m/s.
  */
-void rb_joint_rows_begin_drives(const struct rb_joint_rows *rows, double t, bool anew);
+void rb_joint_rows_begin_drives(const struct rb_joint_rows *rows, double t, bool anew,
+                                double slack);
 
-/* From multipliers of a solution: those at their bounds are held no more. */
+/* From multipliers of a solution: those at their bounds, and stops that do not push, let go. */
 void rb_joint_rows_decide_drives(const struct rb_joint_rows *rows, const double *multiplier);
 
-/* N: the largest multiplier of a row of a drive. */
+/* N: the largest multiplier of a row of a drive; INFINITY of a stop. */
 double rb_joint_rows_bound(const struct rb_joint_rows *rows, const struct rb_joint_row *row);
 
-/* Is one of the rows that of a motor or friction? */
+/* Is one of the rows that of a motor, of friction or of a stop? */
 bool rb_joint_rows_drive(const struct rb_joint_rows *rows);
 
 /* Fills the rows at the poses as they are, and at `t` of ends that do not yield. */
@@ -145,19 +176,6 @@ void rb_joint_rows_correct(struct rb_joint_rows *rows, double t, struct rb_pose 
  */
 void rb_joint_rows_wrenches(const struct rb_joint_rows *rows, const double *multiplier, double t,
                             struct rb_wrench *wrench);
-
-/*
- * The rows as those of a problem in which bodies are by place: at most rows->count of them, and
- * ends that do not yield as copies of their own, with no velocity, from *bodies on, at most two for
- * each row. Biases are those of accelerations, or of velocities by ends that move on their own.
- * Returns their number.
- */
-int rb_joint_rows_pose_problem(const struct rb_joint_rows *rows, bool forces,
-                               struct rb_cone_row *to, struct rb_solver_body *body, int *bodies);
-
-/* Multipliers (or impulses), [count], from solved rows of that problem. */
-void rb_joint_rows_read_problem(const struct rb_joint_rows *rows, bool forces,
-                                const struct rb_cone_row *from, double *multiplier);
 
 /*
  * What a multiplier (or impulse) of a row does to the momentum of bodies that yield, and what a

@@ -54,6 +54,7 @@
 #include "force/gravitation.h"
 #include "math/gauss.h"
 #include "math/top.h"
+#include "model/joints.h"
 #include "world/world.h"
 
 #include <math.h>
@@ -241,7 +242,7 @@ struct rb_located {
 	size_t cluster_capacity;
 	rb_vec3 *plane_normal; /* [statics]: of planes and rectangles */
 
-	/* [joints][RB_JOINT_DRIVES]: enum rb_drive_mode; NULL without joints */
+	/* [joints][RB_JOINT_PARTS_HELD]: enum rb_drive_mode; NULL without joints */
 	signed char *drive_mode;
 
 	struct rb_queue *queue; /* [n] bodies, [n] clusters, 1 switch of forces */
@@ -276,8 +277,20 @@ struct rb_located {
 
 RB_FIELDS_DECLARE(rb_located_fields);
 
-/* Motor or friction of a joint: at a bound, keeping its speed, or having just come to it. */
-enum rb_drive_mode { RB_DRIVE_LOW = -1, RB_DRIVE_HELD, RB_DRIVE_HIGH, RB_DRIVE_REACHED };
+/* What of a joint may hold or let go: drives, and stops of the free coordinate, or of a rope. */
+enum rb_joint_part { RB_STOP_LOW = RB_JOINT_DRIVES, RB_STOP_HIGH, RB_JOINT_PARTS_HELD };
+
+/*
+ * Motor or friction of a joint: at a bound, keeping its speed, or having just come to it. Of stops:
+ * open, holding, or having just come to touch.
+ */
+enum rb_drive_mode {
+	RB_DRIVE_LOW = -1,
+	RB_STOP_OPEN = RB_DRIVE_LOW,
+	RB_DRIVE_HELD,
+	RB_DRIVE_HIGH,
+	RB_DRIVE_REACHED
+};
 
 /* Values of a body in a piece: x, v and, where bodies turn, q, w. */
 enum { RB_PIECE_POSITION = 0, RB_PIECE_VELOCITY = 3, RB_PIECE_ORIENTATION = 6, RB_PIECE_SPIN = 10 };

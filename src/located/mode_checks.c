@@ -21,7 +21,7 @@
 static const double clear = 1e-11;
 /* A piece cut within 1/1024 of its length was cut at once. */
 enum { AT_ONCE = 1024 };
-enum { SAMPLES = 8, BISECTIONS = 80, HIT_ULP = 8 };
+enum { SAMPLES = 8, GAP_SAMPLES = 16, BISECTIONS = 80, HIT_ULP = 8 };
 
 bool rb_check_holds_otherwise(struct rb_modes *w, double t)
 {
@@ -263,7 +263,156 @@ bool rb_check_turns_aside(struct rb_modes *w, double s, double *value)
 	return any;
 }
 
-/* ---- motors and friction of joints ---- */
+/* ---- limits and ropes of joints ---- */
+
+/* A stop that is open, as it was at the sample before. */
+struct seen_stop {
+	int joint, stop;
+	double gap, rate;
+};
+
+static struct rb_joint_stop stop_now(const struct rb_modes *w, const struct seen_stop *seen,
+                                     double s)
+{
+	return rb_joint_rows_stop(&w->joints, seen->joint, seen->stop, w->origin_s + s);
+}
+
+static struct rb_joint_stop stop_at(struct rb_modes *w, const struct seen_stop *seen, double s,
+                                    double *value)
+{
+	rb_gauss_values(&w->c->piece, s, value);
+	rb_rates_poses(w, value);
+	return stop_now(w, seen, s);
+}
+
+/* Where a rate that falls before and rises after changes its sign, s. */
+static double turning_point(struct rb_modes *w, const struct seen_stop *seen, double low,
+                            double high, double *value)
+{
+	for (int round = 0; round < BISECTIONS; round++) {
+		const double middle = low + 0.5 * (high - low);
+
+		if (middle <= low || middle >= high)
+			break;
+		if (stop_at(w, seen, middle, value).rate < 0)
+			low = middle;
+		else
+			high = middle;
+	}
+	return high;
+}
+
+/* Where the gap closes, s: the first moment at which it is found to be negative. */
+static double closing_time(struct rb_modes *w, const struct seen_stop *seen, double good,
+                           double bad, double *value)
+{
+	for (int round = 0; round < BISECTIONS; round++) {
+		const double middle = good + 0.5 * (bad - good);
+
+		if (middle <= good || middle >= bad)
+			break;
+		if (stop_at(w, seen, middle, value).gap < 0)
+			bad = middle;
+		else
+			good = middle;
+	}
+	return bad;
+}
+
+/*
+ * May the gap close between two samples: is it closed at the second one, or does it dip below zero
+ * where the tangents meet?
+ */
+static bool may_close(const struct seen_stop *before, const struct rb_joint_stop *now, double time)
+{
+	const double low = before->rate, high = now->rate;
+
+	if (now->gap < -now->band)
+		return true;
+	if (!(low < 0) || !(high > 0))
+		return false;
+	return before->gap + low * (now->gap - before->gap - high * time) / (low - high) < 0;
+}
+
+/* Where it closes within (from, to], s; INFINITY: nowhere beyond rounding. */
+static double closed_within(struct rb_modes *w, const struct seen_stop *before,
+                            const struct rb_joint_stop *now, double from, double to, double *value)
+{
+	if (now->gap < -now->band)
+		return closing_time(w, before, from, to, value);
+	const double least_s = turning_point(w, before, from, to, value);
+	const struct rb_joint_stop least = stop_at(w, before, least_s, value);
+
+	return least.gap < -least.band ? closing_time(w, before, from, least_s, value)
+	                               : (double)INFINITY;
+}
+
+/* Stops that are open; NULL and l->status: no memory. */
+static struct seen_stop *open_stops(const struct rb_modes *w, int *count)
+{
+	struct rb_located *l = w->l;
+	struct seen_stop *const seen = rb_arena_take(
+		l->arena, 2 * (size_t)w->joints.joint_count + 1, sizeof *seen);
+
+	*count = 0;
+	if (!seen)
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for joints");
+	for (int k = 0; seen && k < w->joints.joint_count; k++)
+		for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++) {
+			const int joint = w->joints.joint[k];
+
+			if (rb_joint_rows_has_stop(&l->model->joints->joint[joint], stop) &&
+			    l->drive_mode[RB_JOINT_PARTS_HELD * joint + stop] != RB_DRIVE_HELD)
+				seen[(*count)++] = (struct seen_stop){.joint = joint, .stop = stop};
+		}
+	return seen;
+}
+
+double rb_check_stops_within(struct rb_modes *w, double length, double *value)
+{
+	const rb_arena_mark here = rb_arena_here(w->l->arena);
+	int count;
+	struct seen_stop *const seen = open_stops(w, &count);
+	double end = (double)INFINITY;
+
+	for (int k = 0; k <= GAP_SAMPLES && count > 0 && isinf(end); k++) {
+		const double before = length * (k - 1) / GAP_SAMPLES;
+		const double s = k < GAP_SAMPLES ? length * k / GAP_SAMPLES : length;
+
+		rb_gauss_values(&w->c->piece, s, value);
+		rb_rates_poses(w, value);
+		for (int i = 0; i < count; i++) {
+			const struct rb_joint_stop now = stop_now(w, &seen[i], s);
+			const bool near = k > 0 && may_close(&seen[i], &now, s - before);
+
+			if (near)
+				end = fmin(end, closed_within(w, &seen[i], &now, before, s, value));
+			if (near) {
+				rb_gauss_values(&w->c->piece, s, value);
+				rb_rates_poses(w, value);
+			}
+			seen[i].gap = now.gap;
+			seen[i].rate = now.rate;
+		}
+	}
+	rb_arena_back(w->l->arena, here);
+	return fmin(end, length);
+}
+
+/* ---- what of joints holds ---- */
+
+/* N: forces of a stop below this share of it are rounding. */
+static double weight_of(const struct rb_modes *w, const struct rb_joint_row *row)
+{
+	const double *const inverse = w->l->model->inverse_mass;
+	const double a = row->a >= 0 ? inverse[w->c->member[row->a]] : 0;
+	const double b = row->b >= 0 ? inverse[w->c->member[row->b]] : 0;
+	double most = w->max / (a + b);
+
+	for (int k = 0; k < w->joints.count; k++)
+		most = fmax(most, fabs(w->multiplier[k]));
+	return most;
+}
 
 /* The mode that a drive has no more at this state, and what it has then; NULL: all hold. */
 static signed char *broken_drive(struct rb_modes *w, signed char *then)
@@ -272,12 +421,17 @@ static signed char *broken_drive(struct rb_modes *w, signed char *then)
 
 	for (int k = 0; k < w->joints.count; k++) {
 		const struct rb_joint_row *row = &w->joints.row[k];
+		const bool stop = rb_joint_rows_is_stop(row);
 
-		if (row->drive < 0 ||
+		if (stop && w->multiplier[k] < -clear * weight_of(w, row)) {
+			*then = RB_STOP_OPEN;
+			return &l->drive_mode[RB_JOINT_PARTS_HELD * row->joint + row->drive];
+		}
+		if (row->drive < 0 || stop ||
 		    fabs(w->multiplier[k]) <= rb_joint_rows_bound(&w->joints, row) * (1 + clear))
 			continue;
 		*then = w->multiplier[k] > 0 ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
-		return &l->drive_mode[RB_JOINT_DRIVES * row->joint + row->drive];
+		return &l->drive_mode[RB_JOINT_PARTS_HELD * row->joint + row->drive];
 	}
 	for (int k = 0; k < w->joints.joint_count; k++) {
 		const int which = w->joints.joint[k];
@@ -287,7 +441,8 @@ static signed char *broken_drive(struct rb_modes *w, signed char *then)
 			continue;
 		for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
 			const struct rb_joint_drive drive = rb_joint_rows_drive_now(l, which, kind);
-			signed char *const mode = &l->drive_mode[RB_JOINT_DRIVES * which + kind];
+			signed char *const mode =
+				&l->drive_mode[RB_JOINT_PARTS_HELD * which + kind];
 			const double v = spring.row.velocity - drive.speed;
 
 			*then = RB_DRIVE_REACHED;
@@ -305,11 +460,25 @@ static signed char *broken_drive_at(struct rb_modes *w, double s, double *value,
 	return rb_rates_evaluate(w, w->origin_s + s, value) ? broken_drive(w, then) : NULL;
 }
 
+/* Is there a drive, or a stop that holds? */
+static bool has_held(const struct rb_modes *w)
+{
+	bool any = rb_joint_rows_drive(&w->joints);
+
+	for (int k = 0; k < w->joints.joint_count && !any; k++)
+		for (int kind = 0; kind < RB_JOINT_DRIVES; kind++)
+			any = any ||
+			      rb_joint_rows_drive_now(w->l, w->joints.joint[k], kind).max > 0;
+	return any;
+}
+
 double rb_check_drives_within(struct rb_modes *w, double length, double *value)
 {
 	double good = 0, bad = length;
 	signed char *which = NULL, then = 0;
 
+	if (!has_held(w))
+		return length;
 	for (int k = 1; k <= SAMPLES && !which; k++) {
 		bad = k < SAMPLES ? length * k / SAMPLES : length;
 		which = broken_drive_at(w, bad, value, &then);

@@ -30,9 +30,12 @@ double rb_check_change_within(struct rb_modes *w, double *value);
 /* Does a slip that was taken for straight turn aside within [0, s]? */
 bool rb_check_turns_aside(struct rb_modes *w, double s, double *value);
 
+/* The same of joints that come to a limit, and ropes that come taut: within `length` seconds. */
+double rb_check_stops_within(struct rb_modes *w, double length, double *value);
+
 /*
  * The same of motors and friction of joints, within `length` seconds: until one leaves its bounds,
- * or comes to its speed. Returns how long that is.
+ * or comes to its speed; and of stops that hold, until one would pull. Returns how long that is.
  */
 double rb_check_drives_within(struct rb_modes *w, double length, double *value);
 

@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "located/external_force.h"
+#include "located/joint_problem.h"
 #include "located/set.h"
 
 /* Rounds for creeping slips and for refinement; noises that a slip may have aside. */

@@ -137,6 +137,12 @@ static bool count_inspection(struct rb_modes *w)
 	return l->status == RB_OK;
 }
 
+void rb_rates_poses(struct rb_modes *w, const double *value)
+{
+	for (int k = 0; k < w->c->member_count; k++)
+		read_pose(w, k, value);
+}
+
 /* Poses, forces of contacts and accelerations at `t`. */
 bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 {
@@ -145,8 +151,7 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 	double external;
 
 	w->time_s = t;
-	for (int k = 0; k < c->member_count; k++)
-		read_pose(w, k, value);
+	rb_rates_poses(w, value);
 	if (!rb_rates_external(w, t, &external))
 		return false;
 	for (int k = 0; k < c->held_count; k++) {

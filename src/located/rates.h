@@ -14,6 +14,9 @@
  */
 bool rb_rates_external(struct rb_modes *w, double t, double *max);
 
+/* Poses from the values of the piece, w->pose. */
+void rb_rates_poses(struct rb_modes *w, const double *value);
+
 /*
  * Poses from the values of the piece; forces of contacts, w->force, and accelerations at `t`.
  * False: as above.

@@ -16,6 +16,7 @@
 #include "located/cluster.h"
 #include "located/integrate.h"
 #include "located/joint_rest.h"
+#include "located/joint_stops.h"
 #include "located/rest_rates.h"
 #include "located/mechanics.h"
 #include "located/past.h"
@@ -201,7 +202,7 @@ static void keep_what_lasts(struct rb_resolution *s)
 		          !parts(s, &s->contact_point[k]) && !opens_anew(s, k);
 	}
 	rb_drift(&drift);
-	rb_joint_rows_begin_drives(&s->joints, s->t, s->after_impact || s->l->starting);
+	rb_joint_rows_begin_drives(&s->joints, s->t, s->after_impact || s->l->starting, s->slack);
 	rb_joint_rows_correct(&s->joints, s->t, s->pose, s->after_impact || s->l->starting);
 	for (int k = 0; k < s->contact_point_count; k++) {
 		rb_drift_point(s->l, s->pose, &s->contact_point[k]);
@@ -738,7 +739,8 @@ static bool resolve_once(struct rb_resolution *s, bool inspects, bool may_seize)
 	if (!begin(s))
 		return false;
 	s->hit = inspects ? find_hit(s) : -1;
-	if (s->hit >= 0)
+	s->hit_joint = inspects && s->hit < 0 ? rb_joint_stops_hit(&s->joints, s->t) : -1;
+	if (s->hit >= 0 || s->hit_joint >= 0)
 		return false;
 	keep_what_lasts(s);
 	s->moves = is_moving(s);
@@ -772,12 +774,15 @@ bool rb_resolve_contacts(struct rb_located *l, double t, bool after_impact, doub
 		                          .t = t,
 		                          .slack = slack,
 		                          .after_impact = after_impact || round > 0,
-		                          .hit = -1};
+		                          .hit = -1,
+		                          .hit_joint = -1};
 
 		again = resolve_once(&s, hit && round == 0, round <= l->set_count) &&
 		        l->status == RB_OK;
-		const bool is_hit = s.hit >= 0;
-		if (is_hit) {
+		const bool is_hit = s.hit >= 0 || s.hit_joint >= 0;
+		if (s.hit_joint >= 0) {
+			hit[0] = hit[1] = rb_joint_stops_body(l, s.hit_joint);
+		} else if (is_hit) {
 			hit[0] = s.contact_point[s.hit].a;
 			hit[1] = s.contact_point[s.hit].b;
 		}

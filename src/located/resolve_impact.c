@@ -15,7 +15,7 @@
 #include "base/memory.h"
 #include "constraint/contact_row.h"
 #include "located/account.h"
-#include "located/joint_rows.h"
+#include "located/joint_stops.h"
 #include "located/mechanics.h"
 #include "located/external_force.h"
 #include "located/resolve_contacts.h"
@@ -306,8 +306,11 @@ static bool build(struct impact *s)
 	struct rb_located *l = s->l;
 
 	s->pose = rb_arena_take(l->arena, (size_t)l->set_count + 1, sizeof *s->pose);
-	s->joints = (struct rb_joint_rows){
-		.l = l, .body = l->set, .pose = s->pose, .body_count = l->set_count};
+	s->joints = (struct rb_joint_rows){.l = l,
+	                                   .body = l->set,
+	                                   .pose = s->pose,
+	                                   .body_count = l->set_count,
+	                                   .touching = true};
 	if (!rb_joint_rows_collect(&s->joints))
 		return false;
 	s->joint.body = rb_arena_take(
@@ -346,6 +349,8 @@ static bool build(struct impact *s)
 	rb_joint_rows_fill(&s->joints, s->t);
 	s->joint.joint_count = rb_joint_rows_pose_problem(&s->joints, false, s->joint.joint_row,
 	                                                  s->joint.body, &s->joint.body_count);
+	for (int k = 0; k < s->joints.count; k++)
+		s->slack = fmax(s->slack, s->joints.row[k].noise);
 	return true;
 }
 
@@ -689,9 +694,11 @@ static void enter_joints(struct impact *s)
 		return;
 	}
 	rb_joint_rows_read_problem(&s->joints, false, s->joint.joint_row, impulse);
+	rb_joint_stops_enter(&s->joints, &s->joint, impulse, s->t);
 	for (int k = 0; k < s->joints.count; k++)
 		rb_joint_rows_enter(&s->joints, &s->joints.row[k], impulse[k], s->t, &e);
-	rb_ledger_enter(&s->l->world->ledger, &e);
+	if (s->l->account_s)
+		rb_ledger_enter(&s->l->world->ledger, &e);
 }
 
 /* Enters the work of the impulses. */
@@ -700,8 +707,27 @@ static void enter_impulses(struct impact *s, const rb_vec3 *approach)
 	for (int k = 0; approach && k < s->contact_point_count; k++)
 		rb_work_impact(s->l, &s->contact_point[k], s->joint.contact[k].impulse, approach[k],
 		               velocity_after(s, k));
-	if (approach && s->joints.count > 0)
+	if (s->joints.count > 0)
 		enter_joints(s);
+}
+
+/*
+ * Solves the impact; anew where rebounds at stops would go on within rounding: each time at least
+ * one of these has no restitution any more.
+ */
+static bool solve_impact(struct impact *s, int *rounds)
+{
+	bool settled, more;
+
+	do {
+		settled = rb_simultaneous_impact(&s->joint, rounds);
+		more = settled && rb_joint_stops_end(&s->joints, &s->joint, s->t);
+		for (int k = 0; k < s->l->set_count && more; k++) {
+			s->joint.body[k].linear = s->pose[k].velocity;
+			s->joint.body[k].angular = s->pose[k].spin;
+		}
+	} while (more && s->l->status == RB_OK);
+	return settled;
 }
 
 /* Solves the impact, ends series, anchors the members. */
@@ -714,7 +740,7 @@ static void collide(struct impact *s)
 	if (l->status != RB_OK)
 		return;
 	s->joint.products_max = rb_located_products(l, s->contact_point_count);
-	const bool converged = rb_simultaneous_impact(&s->joint, &rounds);
+	const bool converged = solve_impact(s, &rounds);
 	rb_located_count(l, s->joint.products, s->contact_point_count);
 	if (rb_simultaneous_is_over(&s->joint)) {
 		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
@@ -748,8 +774,9 @@ static double collide_once(struct rb_located *l, int a, int b, double t)
 
 	rb_set_add(l, a);
 	rb_set_add(l, b);
-	l->come_a = a;
-	l->come_b = b;
+	/* a joint's own limit or rope is met by no pair */
+	l->come_a = a == b ? -1 : a;
+	l->come_b = a == b ? -1 : b;
 	s.contact_point_count = rb_set_grow(l, t, 0, rb_set_touching, &s.contact_point);
 	if (s.contact_point_count < 0 || !build(&s))
 		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for an impact of %d bodies",
@@ -762,7 +789,7 @@ static double collide_once(struct rb_located *l, int a, int b, double t)
 
 void rb_resolve_impacts(struct rb_located *l, int a, int b, double t)
 {
-	RB_ASSERT(rb_located_is_body(l, a) && rb_located_is_body(l, b) && a != b);
+	RB_ASSERT(rb_located_is_body(l, a) && rb_located_is_body(l, b));
 
 	int hit[2] = {a, b};
 	bool more = true;

@@ -11,6 +11,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "located/joint_problem.h"
 #include "located/mechanics.h"
 
 /* Length of a slip that has ended, ulp of the size; rounding of accelerations aside, ulp. */

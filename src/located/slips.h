@@ -22,7 +22,7 @@ struct rb_resolution {
 	bool moves;   /* some body of it does, or may soon */
 	bool after_impact; /* an impact has just happened */
 	int hit;           /* contact that approaches though it has lasted, -1: none */
-	/* [contact_point_count], sorted by (a, b, parts, key) */
+	int hit_joint;     /* joint that has come to a limit, or its rope taut, -1: none */
 	struct rb_contact_point *contact_point;
 	int contact_point_count;
 	struct rb_held *before; /* [contact_point_count]: what was held of each, a < 0: nothing */

@@ -140,13 +140,7 @@ static bool needs_axis(int kind)
 /* What of the joint locating does not have yet, only steps have; NULL: nothing. */
 static const char *only_stepped(const struct rb_joint_def *def)
 {
-	if (def->kind == RB_JOINT_ROPE)
-		return "kind 'rope'";
-	if (!isnan(def->limits[0]) || !isnan(def->limits[1]))
-		return "'limits'";
-	if (def->motor_function >= 0)
-		return "a 'motor' that follows a function";
-	return NULL;
+	return def->motor_function >= 0 ? "a 'motor' that follows a function" : NULL;
 }
 
 static bool ends_fault(const struct rb_scene *scene, const struct rb_joint_def *def,

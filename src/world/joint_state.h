@@ -17,15 +17,15 @@
 /* What lasts of a joint and is told when it changes: drives that hold, by kind; a taut rope. */
 enum { RB_JOINT_TAUT = RB_JOINT_DRIVES, RB_JOINT_NOTED };
 
-#define RB_JOINT_STATE_FIELDS(X)                                                                 \
-	X(double, angle, , "rad, m", "free coordinate, turns counted, at `seen_s`", RB_FINITE)   \
-	X(double, speed, , "rad/s, m/s", "of it then", RB_FINITE)                                \
-	X(double, seen_s, , "s", "when it was seen last", RB_FINITE)                             \
-	X(double, motor_speed, , "rad/s, m/s", "NAN: the motor follows its function", RB_NUMBER) \
-	X(double, motor_max, , "N m, N", "most that it exerts, >= 0", RB_FINITE)                 \
-	X(int, noted, [RB_JOINT_NOTED], "",                                                      \
+#define RB_JOINT_STATE_FIELDS(X)                                                                  \
+	X(double, angle, , "rad, m", "free coordinate, turns counted, at `seen_s`", RB_FINITE)    \
+	X(double, speed, , "rad/s, m/s", "of it then", RB_FINITE)                                 \
+	X(double, seen_s, , "s", "when it was seen last", RB_FINITE)                              \
+	X(double, motor_speed, , "rad/s, m/s", "NAN: the motor follows its function", RB_NUMBER)  \
+	X(double, motor_max, , "N m, N", "most that it exerts, >= 0", RB_FINITE)                  \
+	X(int, noted, [RB_JOINT_NOTED], "",                                                       \
 	  "1, 0: what lasts does or does not, as was last told; -1: not known", RB_WITHIN(-1, 1)) \
-	X(bool, has_motor, , "", "", RB_FLAG)                                                    \
+	X(bool, has_motor, , "", "", RB_FLAG)                                                     \
 	X(bool, released, , "", "it holds no more", RB_FLAG)
 struct rb_joint_state {
 	RB_JOINT_STATE_FIELDS(RB_FIELD_MEMBER)

@@ -105,7 +105,7 @@ exits 0 follow.lua --quiet -o follow.h5
 exits 0 auto.lua --quiet -o auto.h5
 exits 0 diff -q follow.h5 auto.h5
 exits 0 check auto.lua
-says out 'auto        by steps: locating has no ropes'
+says out 'auto        by steps: locating has no motors that follow a function'
 sed 's/method = "stepped"/method = "located"/' follow.lua >wrong.lua
 exits 65 wrong.lua --no-record --quiet
 says err "joint: .*a 'motor' that follows a function: only the stepped method"

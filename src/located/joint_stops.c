@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/joint_stops.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "located/arc.h"
+#include "located/external_force.h"
+#include "world/joint_events.h"
+
+/* Height of the smallest rebound in ulp of the joint's size. */
+enum { SMALLEST_ULP = 8 };
+
+int rb_joint_stops_hit(const struct rb_joint_rows *rows, double t)
+{
+	for (int k = 0; k < rows->joint_count; k++) {
+		const int which = rows->joint[k];
+		const signed char *mode = &rows->l->drive_mode[RB_JOINT_PARTS_HELD * which];
+
+		for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++) {
+			if (!rb_joint_rows_has_stop(&rows->l->model->joints->joint[which], stop) ||
+			    (mode[stop] == RB_DRIVE_HELD && !rows->l->starting))
+				continue;
+			const struct rb_joint_stop now = rb_joint_rows_stop(rows, which, stop, t);
+
+			if (now.gap <= now.band && now.rate < -now.noise)
+				return which;
+		}
+	}
+	return -1;
+}
+
+int rb_joint_stops_body(const struct rb_located *l, int which)
+{
+	const struct rb_joint *joint = &l->model->joints->joint[which];
+
+	return rb_located_fixed(l, joint->a) ? joint->b : joint->a;
+}
+
+/* ---- rebounds that end ---- */
+
+static bool fail_memory(const struct rb_joint_rows *rows)
+{
+	rows->l->status = RB_FAIL(rows->l->err, RB_ERR_MEMORY,
+	                          "no memory for the joints of %d bodies", rows->body_count);
+	return false;
+}
+
+/* Accelerations by place at the rows' poses, by all that acts but contacts. */
+static bool accelerate(struct rb_joint_rows *rows, double t, rb_vec3 *linear, rb_vec3 *angular)
+{
+	const struct rb_force_query view = {
+		.pose = rows->pose, .time_s = t, .active_s = t, .attracted = true};
+
+	rb_external_attract(rows->l, &view);
+	for (int p = 0; p < rows->body_count; p++)
+		rb_external_force_at(rows->l, rows->body[p], &rows->pose[p], &view, &linear[p],
+		                     &angular[p]);
+	rb_joint_rows_begin_drives(rows, t, true, 0);
+	rb_joint_rows_fill(rows, t);
+	rb_joint_rows_add_springs(rows, t, linear, angular);
+	return rows->count == 0 || rb_joint_rows_accelerate(rows, linear, angular);
+}
+
+/* The row of that part of that joint; NULL: it has none. */
+static const struct rb_joint_row *row_like(const struct rb_joint_rows *rows,
+                                           const struct rb_joint_row *like)
+{
+	for (int k = 0; k < rows->count; k++)
+		if (rows->row[k].joint == like->joint && rows->row[k].drive == like->drive)
+			return &rows->row[k];
+	return NULL;
+}
+
+/* Does the series of rebounds that begins with the row's velocity end within rounding? */
+static bool ends_here(const struct rb_joint_rows *after, const struct rb_joint_row *row,
+                      const rb_vec3 *linear, const rb_vec3 *angular)
+{
+	const struct rb_joint *joint = &after->l->model->joints->joint[row->joint];
+	const struct rb_coupled_row coupled = rb_joint_rows_coupled(row);
+	const double closing = -(rb_coupled_felt(&coupled, linear, angular) + row->bias);
+
+	return row->velocity > 0 && closing > 0 &&
+	       row->velocity * row->velocity <=
+	               2 * closing * SMALLEST_ULP * DBL_EPSILON * joint->size;
+}
+
+/* Index of the problem's row for each of ours that is a stop, in their order. */
+static struct rb_cone_row *next_stop(const struct rb_simultaneous *joint, int *at)
+{
+	while (*at < joint->joint_count && rb_constraint_side(&joint->joint_row[*at].base) <= 0)
+		++*at;
+	return *at < joint->joint_count ? &joint->joint_row[(*at)++] : NULL;
+}
+
+static bool end_rebounds(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint,
+                         double t)
+{
+	struct rb_arena *arena = rows->l->arena;
+	const size_t bodies = (size_t)rows->body_count;
+	struct rb_pose *const pose = rb_arena_take(arena, bodies + 1, sizeof *pose);
+	rb_vec3 *const linear = rb_arena_take(arena, 2 * bodies + 1, sizeof *linear);
+	struct rb_joint_rows after = *rows;
+	int at = 0;
+	bool any = false;
+
+	after.pose = pose;
+	after.touching = false;
+	if (!pose || !linear || !rb_joint_rows_collect(&after))
+		return fail_memory(rows);
+	for (size_t p = 0; p < bodies; p++) {
+		pose[p] = rows->pose[p];
+		pose[p].velocity = joint->body[p].linear;
+		pose[p].spin = joint->body[p].angular;
+	}
+	if (!accelerate(&after, t, linear, linear + bodies))
+		return false;
+	after.touching = true;
+	rb_joint_rows_fill(&after, t);
+	for (int k = 0; k < rows->count; k++) {
+		if (!rb_joint_rows_is_stop(&rows->row[k]))
+			continue;
+		struct rb_cone_row *const stop = next_stop(joint, &at);
+		const struct rb_joint_row *row = row_like(&after, &rows->row[k]);
+
+		if (!(stop->approach > 0) || !(stop->restitution > 0) || !row ||
+		    !ends_here(&after, row, linear, linear + bodies))
+			continue;
+		stop->restitution = 0;
+		any = true;
+	}
+	return any;
+}
+
+bool rb_joint_stops_end(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint,
+                        double t)
+{
+	const rb_arena_mark here = rb_arena_here(rows->l->arena);
+	bool met = false;
+
+	for (int k = 0; k < joint->joint_count; k++)
+		met = met ||
+		      (joint->joint_row[k].approach > 0 && joint->joint_row[k].restitution > 0);
+	met = met && end_rebounds(rows, joint, t);
+	rb_arena_back(rows->l->arena, here);
+	return met;
+}
+
+/* ---- what is told ---- */
+
+static struct rb_pose pose_of(const struct rb_joint_rows *rows, int body, double t)
+{
+	if (body < 0)
+		return rb_linkage_world();
+	if (body < rows->l->n && rows->l->place[body] >= 0)
+		return rows->pose[rows->l->place[body]];
+	return rb_arc_pose(rows->l, body, t);
+}
+
+static void add(const struct rb_joint_rows *rows, enum rb_event_kind kind, int which,
+                double impulse, double approach, double t)
+{
+	struct rb_located *l = rows->l;
+	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const struct rb_joint_moment moment = {.joint = which,
+	                                       .time_s = t,
+	                                       .a = pose_of(rows, joint->a, t),
+	                                       .b = pose_of(rows, joint->b, t)};
+	const struct rb_event event = rb_joint_event(l->model, kind, &moment, impulse, approach);
+	const enum rb_status status = rb_world_add_event(l->world, &event, l->err);
+
+	if (l->status == RB_OK)
+		l->status = status;
+}
+
+void rb_joint_stops_enter(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint,
+                          const double *impulse, double t)
+{
+	struct rb_located *l = rows->l;
+	struct rb_entries e = {0};
+	int at = 0;
+
+	for (int k = 0; k < rows->count; k++) {
+		const struct rb_joint_row *row = &rows->row[k];
+
+		if (!rb_joint_rows_is_stop(row))
+			continue;
+		const struct rb_cone_row *stop = next_stop(joint, &at);
+		const struct rb_solver_bodies bodies = rb_simultaneous_bodies(joint);
+		const rb_vec3 u = rb_vec3_add(rb_constraint_velocity(&bodies, &stop->base),
+		                              stop->bias);
+		const double after = rb_vec3_dot(u, stop->base.normal);
+		const bool rope = l->model->joints->joint[row->joint].link.kind == RB_JOINT_ROPE;
+		const double sign = row->drive == RB_STOP_LOW ? 1 : -1;
+
+		rb_entries_energy(&e, RB_ENERGY_IMPACTS,
+		                  -0.5 * impulse[k] * (row->velocity + after));
+		if (stop->approach > 0)
+			add(rows, rope ? RB_EVENT_TAUT : RB_EVENT_LIMIT, row->joint,
+			    sign * impulse[k] * row->scale, stop->approach / row->scale, t);
+	}
+	if (l->account_s)
+		rb_ledger_enter(&l->world->ledger, &e);
+}
+
+void rb_joint_stops_note(const struct rb_joint_rows *rows, double t)
+{
+	const struct rb_located *l = rows->l;
+
+	for (int k = 0; k < rows->joint_count; k++) {
+		const int which = rows->joint[k];
+		const signed char *mode = &l->drive_mode[RB_JOINT_PARTS_HELD * which];
+		struct rb_joint_state *const state = &l->world->joint[which];
+		enum rb_event_kind kind;
+
+		for (int drive = 0; drive < RB_JOINT_DRIVES; drive++)
+			if (rb_joint_rows_drive_now(l, which, drive).max > 0 &&
+			    rb_joint_event_notes(state, drive, mode[drive] == RB_DRIVE_HELD, &kind))
+				add(rows, kind, which, 0, 0, t);
+		if (rb_joint_rows_has_stop(&l->model->joints->joint[which], RB_STOP_HIGH) &&
+		    l->model->joints->joint[which].link.kind == RB_JOINT_ROPE &&
+		    rb_joint_event_notes(state, RB_JOINT_TAUT, mode[RB_STOP_HIGH] == RB_DRIVE_HELD,
+		                         &kind))
+			add(rows, kind, which, 0, 0, t);
+	}
+}

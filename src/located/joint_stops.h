@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Stops: limits of free coordinates, and ropes, which are a limit of a length. While they hold they
+ * are rows of located/joint_rows; here is how they come to touch, and what their impacts leave.
+ */
+#ifndef RB_LOCATED_JOINT_STOPS_H
+#define RB_LOCATED_JOINT_STOPS_H
+
+#include "constraint/simultaneous.h"
+#include "located/joint_problem.h"
+
+/* The first of the rows' joints of which a stop touches and approaches beyond rounding; -1. */
+int rb_joint_stops_hit(const struct rb_joint_rows *rows, double t);
+
+/* A body of the joint that yields. */
+int rb_joint_stops_body(const struct rb_located *l, int joint);
+
+/*
+ * After an impact, whose bodies are by place and whose rows of joints are `rows`: stops of which
+ * infinitely many rebounds would follow within rounding lose their restitution in the problem.
+ * True: there are some, and the impact is to be taken anew. Drives and stops are left in the modes
+ * that the new velocities say. l->status: no memory.
+ */
+bool rb_joint_stops_end(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint,
+                        double t);
+
+/*
+ * After an impact, before poses have its velocities: enters what stops have taken, given impulses
+ * [rows->count], and records those that were met.
+ */
+void rb_joint_stops_enter(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint,
+                          const double *impulse, double t);
+
+/* Records drives and ropes that have begun or ended to hold, by their modes. */
+void rb_joint_stops_note(const struct rb_joint_rows *rows, double t);
+
+#endif
