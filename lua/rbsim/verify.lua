@@ -25,6 +25,7 @@
 -- back(p), back_vector(v)                         from the world's to the case's
 -- sphere { }, box { }, capsule { }, cylinder { }, hull { }, body { }, plane { }
 --                                                 as the calls of these names, with keys in the case's coordinates
+-- joint { }                                       the same; at_a, and at_b of a body, are in object coordinates as ever
 -- position(body), velocity(body), spin(body)      in the case's coordinates
 -- gravity()                                       in the case's coordinates
 -- rounding                                        m: how far turn and shift round coordinates; 0 without them
@@ -193,6 +194,12 @@ function verify.plane(keys)
 	end
 	if keys.size and not keys.axis and not keys.orientation then all.axis = verify.vector {1, 0, 0} end
 	return plane(all)
+end
+
+function verify.joint(keys)
+	local all = copied(keys, {at = verify.point, axis = verify.vector, axis_b = verify.vector})
+	if not keys.b and keys.at_b then all.at_b = verify.point(keys.at_b) end
+	return joint(all)
 end
 
 function verify.position(body) return verify.back(body.position) end
