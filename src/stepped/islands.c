@@ -18,8 +18,11 @@
 #include "stepped/pivot.h"
 #include "world/joint_state.h"
 
-/* (h w)^2 of turning under the pull of joints, up to which steps resolve it. */
-static const double resolved_max = 0.25;
+/*
+ * (h w)^2 of turning under the pull of joints, up to which steps are stable: 4, over what inertia
+ * is overestimated by (pull_of) in a chain of rods whose links turn to and fro by turns, 2.2.
+ */
+static const double resolved_max = 4 / 2.2;
 
 /* ---- bodies ---- */
 
@@ -248,14 +251,40 @@ static void place_joints(struct rb_solver *solver, const struct rb_world *world)
 	}
 }
 
+/* Adds `scale` times what a unit of mass at r has of inertia: r.r - r r^T. */
+static void add_about(rb_mat3 *sum, double scale, rb_vec3 r)
+{
+	const double x[3] = {r.x, r.y, r.z}, square = rb_vec3_dot(r, r);
+
+	for (int k = 0; k < 9; k++)
+		sum->m[k / 3][k % 3] += scale * ((k % 4 == 0) * square - x[k / 3] * x[k % 3]);
+}
+
+static double trace(const rb_mat3 *x)
+{
+	return x->m[0][0] + x->m[1][1] + x->m[2][2];
+}
+
+/* 1/kg: a bound of how a body yields at a point `arm` m from its centre of mass; -1: the world. */
+static double yield_at(const struct rb_model *model, int i, double arm)
+{
+	if (i < 0 || i >= model->body_count)
+		return 0;
+	const double scalar = model->inverse_inertia_scalar[i];
+
+	return model->inverse_mass[i] +
+	       arm * arm * (isnan(scalar) ? trace(&model->inverse_inertia[i]) : scalar);
+}
+
 /*
  * What the pull of a body's joints does to its turning in the step: a point at r that is pulled by
  * F goes on being pulled by it where turning by t has brought it, with a torque of -(F.r) t across
  * r. At the end of the step that is h^2 F.r of inertia, where the step does not resolve it: light
- * links that carry heavy bodies (Tournier, Nesme, Gilles, Faure, ACM TOG 34(4):132 (2015)).
+ * links that carry heavy bodies (Tournier, Nesme, Gilles, Faure, ACM TOG 34(4):132 (2015)). Turning
+ * also moves what is joined at r, or the body about it: `joined`, kg m^2, the mass of both there.
  */
 static rb_mat3 geometric_stiffness(const struct rb_solver *solver, const struct rb_world *world,
-                                   int i)
+                                   int i, rb_mat3 *joined)
 {
 	const struct rb_joints *joints = world->model->joints;
 	const rb_quat q = rb_world_orientation_at(world, &world->state, i);
@@ -265,19 +294,20 @@ static rb_mat3 geometric_stiffness(const struct rb_solver *solver, const struct 
 		const struct rb_joint *joint = &joints->joint[joints->of[e]];
 		const double *force = solver->joint[joints->of[e]].last.force;
 		const bool is_a = joint->a == i;
-		const rb_vec3 r = rb_quat_rotate(q, is_a ? joint->link.at_a : joint->link.at_b);
+		const rb_vec3 arm = is_a ? joint->link.at_a : joint->link.at_b;
+		const rb_vec3 other = is_a ? joint->link.at_b : joint->link.at_a;
+		const double yield = yield_at(world->model, is_a ? joint->b : joint->a,
+		                              rb_vec3_length(other));
+		const rb_vec3 r = rb_quat_rotate(q, arm);
 		const rb_vec3 f = {force[0], force[1], force[2]};
 		const double along = (is_a ? -1 : 1) * rb_vec3_dot(f, r);
 		const double square = rb_vec3_dot(r, r);
-		const double x[3] = {r.x, r.y, r.z};
 
-		if (!rb_step_joint_rows_have_point(joint->link.kind) || !(along > 0) ||
-		    !(square > 0))
+		if (!rb_step_joint_rows_have_point(joint->link.kind) || !(square > 0))
 			continue;
-		const double share = solver->h_s * solver->h_s * along;
-		for (int k = 0; k < 9; k++)
-			sum.m[k / 3][k % 3] += share *
-			                       ((k % 4 == 0) - x[k / 3] * x[k % 3] / square);
+		add_about(joined, 1 / (solver->dense.bodies.body[i].inverse_mass + yield), r);
+		if (along > 0)
+			add_about(&sum, solver->h_s * solver->h_s * along / square, r);
 	}
 	return sum;
 }
@@ -291,16 +321,22 @@ static void stiffen(struct rb_solver *solver, const struct rb_world *world, int 
 	if (!solver->before || !(body->inverse_mass > 0) || body->inverse_inertia == 0 ||
 	    world->model->joints->first[i] == world->model->joints->first[i + 1])
 		return;
-	const rb_mat3 stiffness = geometric_stiffness(solver, world, i);
+	rb_mat3 whole = {{{0}}}, inertia, stiffened, inverse_whole;
+	const rb_mat3 stiffness = geometric_stiffness(solver, world, i, &whole);
 	const double scalar = body->inverse_inertia;
 	const rb_mat3 inverse = isnan(scalar) ? solver->tensor[i]
 	                                      : rb_mat3_diagonal(scalar, scalar, scalar);
-	const double trace = inverse.m[0][0] + inverse.m[1][1] + inverse.m[2][2];
-	rb_mat3 inertia, stiffened;
 
-	if (!(trace * fmax(stiffness.m[0][0], fmax(stiffness.m[1][1], stiffness.m[2][2])) >
-	      resolved_max) ||
+	if (!(trace(&inverse) * trace(&stiffness) > resolved_max) ||
 	    !rb_mat3_inverse(&inverse, &inertia))
+		return;
+	for (int k = 0; k < 9; k++)
+		whole.m[k / 3][k % 3] += inertia.m[k / 3][k % 3];
+	if (!rb_mat3_inverse(&whole, &inverse_whole))
+		return;
+	/* the trace bounds the largest eigenvalue */
+	const rb_mat3 share = rb_mat3_multiply(&inverse_whole, &stiffness);
+	if (!(trace(&share) > resolved_max))
 		return;
 	const rb_vec3 momentum = rb_mat3_apply(&inertia, body->angular);
 	for (int k = 0; k < 9; k++)
@@ -552,6 +588,19 @@ static void set_arms(const struct pass *pass, struct rb_constraint *row, int num
 	}
 }
 
+void rb_islands_meet(const struct rb_solver *solver, const struct rb_world *world,
+                     struct rb_constraint *row)
+{
+	if (!is_dynamic(solver, row->b))
+		return;
+	const rb_vec3 from = rb_vec3_add(rb_world_row3(world->state.position, row->a),
+	                                 rb_constraint_arm_a(row));
+	const rb_vec3 to = rb_vec3_add(rb_world_row3(world->state.position, row->b),
+	                               rb_constraint_arm_b(row));
+
+	rb_constraint_meet(row, rb_vec3_sub(to, from));
+}
+
 static void fill_row(const struct pass *pass, struct rb_constraint *row, int number)
 {
 	const struct rb_solver *const solver = pass->solver;
@@ -571,6 +620,8 @@ static void fill_row(const struct pass *pass, struct rb_constraint *row, int num
 	RB_ASSERT_COSTLY(point->normal_impulse >= 0 && point->friction >= 0 && solver->h_s > 0);
 	row->impulse.t = rb_constraint_within(row->impulse.t, row->friction * row->impulse.n);
 	set_arms(pass, row, number);
+	if (solver->joint)
+		rb_islands_meet(solver, pass->world, row);
 	rb_effective_mass_fill(&solver->dense.bodies, row);
 }
 

@@ -110,6 +110,14 @@ static inline bool rb_rest_holds(const struct rb_solver *solver, int i, const do
 RB_CHECKED enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
                                           struct rb_step_points *points, struct rb_error *err);
 
+/*
+ * Of a contact of two bodies that both yield: the impulse acts at one point, as they stand now. A
+ * gap leaves two points, a matter of the tolerance among contacts alone; with joints it is more,
+ * since friction at what is foreseen to touch, and rebounds, are large there.
+ */
+void rb_islands_meet(const struct rb_solver *solver, const struct rb_world *world,
+                     struct rb_constraint *row);
+
 /* How joints of the step under way are asked for their rows. */
 struct rb_joint_query rb_islands_joints(const struct rb_solver *solver,
                                         const struct rb_world *world);

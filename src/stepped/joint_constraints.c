@@ -419,7 +419,18 @@ bool rb_step_joint_rows_rebound(const struct rb_joint_query *query, int k,
 	const int rows = list_parts(joint, part);
 	bool any = false;
 
+	const struct rb_pose a = pose_of(query->world, NULL, joint->a);
+	const struct rb_pose b = pose_of(query->world, NULL, joint->b);
+	const bool round = is_turned_round(query->world->model, joint);
+	const rb_vec3 way = rb_vec3_scale(round ? -1 : 1, rb_vec3_sub(b.position, a.position));
+
 	for (int r = 0; r < rows; r++) {
+		/* bodies have moved since its arms were made */
+		if (!row[r].couple) {
+			rb_constraint_meet(
+				&row[r], rb_vec3_add(way, rb_vec3_sub(row[r].arm_b, row[r].arm_a)));
+			rb_effective_mass_fill(query->bodies, &row[r]);
+		}
 		const rb_vec3 now = rb_constraint_velocity(query->bodies, &row[r]);
 		const bool rope = joint->link.kind == RB_JOINT_ROPE && part[r] == 0;
 		const bool low = part[r] == RB_JOINT_LOW;

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "constraint/effective_mass.h"
 #include "stepped/energy.h"
 #include "stepped/strategies.h"
 
@@ -372,6 +373,11 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 		if (row->set != RB_CONSTRAINT_CONE)
 			continue;
 		const struct rb_step_point *point = &points->row[solver->point[k]];
+
+		if (solver->joint) { /* bodies have moved since */
+			rb_islands_meet(solver, world, row);
+			rb_effective_mass_fill(&solver->dense.bodies, row);
+		}
 		const double now = rb_vec3_dot(rb_constraint_velocity(&solver->dense.bodies, row),
 		                               row->normal);
 
