@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* One folder for all tests of a program: cmocka_run_group_tests(tests, make_folder, remove_folder). */
+/* One folder for all tests of a program, made and removed as the fixture of their group. */
 #ifndef RB_TESTS_OWN_FOLDER_H
 #define RB_TESTS_OWN_FOLDER_H
 
