@@ -90,7 +90,7 @@ static void next_from(struct course *c, double t)
 
 	rb_gauss_values(&c->piece, t, value);
 	for (int i = 0; i < c->problem.n; i++)
-		rest[i] = rb_gauss_rest(&c->piece, i, c->problem.rate_row[i], t);
+		rb_gauss_rests(&c->piece, i, 1, &c->problem.rate_row[i], t, &rest[i]);
 	memcpy(c->value, value, sizeof value);
 	memcpy(c->rest, rest, sizeof rest);
 	c->problem.guess = (struct rb_gauss_guess){c->coefficient, c->piece.length_s, t};

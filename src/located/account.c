@@ -164,7 +164,8 @@ void rb_account_cluster(struct rb_located *l, int cluster, double t)
 	if (!l->account_s)
 		return;
 	cluster_entries(&l->cluster[cluster], t, &e);
-	rb_ledger_enter(&l->world->ledger, &e);
+	if (e.causes != 0)
+		rb_ledger_enter(&l->world->ledger, &e);
 	l->cluster[cluster].account_s = t;
 }
 

@@ -250,8 +250,10 @@ bool rb_check_turns_aside(struct rb_modes *w, double s, double *value)
 
 	for (int k = 0; k < w->c->held_count; k++)
 		any = any || w->c->held[k].straight;
+	if (!any)
+		return false;
 	rb_gauss_values(&w->c->piece, s, value);
-	if (!any || !rb_rates_evaluate(w, w->origin_s + s, value))
+	if (!rb_rates_evaluate(w, w->origin_s + s, value))
 		return false;
 	any = false;
 	for (int k = 0; k < w->c->held_count; k++) {

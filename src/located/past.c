@@ -33,13 +33,12 @@ void rb_past_keep(const struct rb_located *l, int i, double t)
 	past->origin_s = p->origin_s;
 	past->length_s = p->piece.length_s;
 	past->left_s = t;
-	rb_gauss_some(&p->piece, p->first, rows, s, past->value);
-	for (int m = 0; m < rows; m++) {
-		const bool moves = m < RB_PIECE_VELOCITY;
+	int rate_row[RB_PAST_ROWS];
 
-		past->rest[m] = rb_gauss_rest(&p->piece, p->first + m,
-		                              moves ? p->first + RB_PIECE_VELOCITY + m : -1, s);
-	}
+	for (int m = 0; m < rows; m++)
+		rate_row[m] = m < RB_PIECE_VELOCITY ? p->first + RB_PIECE_VELOCITY + m : -1;
+	rb_gauss_some(&p->piece, p->first, rows, s, past->value);
+	rb_gauss_rests(&p->piece, p->first, rows, rate_row, s, past->rest);
 	const rb_vec3 way = rb_vec3_from(past->value + RB_PIECE_POSITION);
 	past->position = rb_vec3_add(p->base, way);
 	past->left_out = rb_vec3_lost(p->base, way, past->position);

@@ -464,7 +464,10 @@ int rb_predict(struct rb_located *l, int i, double now, int except)
 	RB_ASSERT_COSTLY(now >= l->arc[i].anchor_s);
 	if (l->n >= MANY)
 		look_ahead(l);
-	open(&s, l, i, now, except);
+	if (l->model->features & RB_FEATURE_CONTACT)
+		open(&s, l, i, now, except);
+	else /* the end of a driven body's piece is all that may come */
+		s = (struct seer){.l = l, .i = i, .now = now};
 	s.next = (struct rb_next){.touch_s = HUGE_VAL, .partner = -1, .wall_s = HUGE_VAL};
 	next_wall(&s);
 	if (l->model->features & RB_FEATURE_CONTACT) {

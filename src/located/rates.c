@@ -67,7 +67,6 @@ static void are_at_rest(struct rb_modes *w, double external)
 		w->linear[k] = w->angular[k] = (rb_vec3){0, 0, 0};
 }
 
-/* External accelerations of the members, and the largest. */
 bool rb_rates_external(struct rb_modes *w, double t, double *max)
 {
 	struct rb_located *l = w->l;
@@ -77,12 +76,15 @@ bool rb_rates_external(struct rb_modes *w, double t, double *max)
 	                                    .parts = w->parts,
 	                                    .attracted = true};
 
-	*max = 0;
 	rb_external_attract(l, &view);
 	for (int k = 0; k < w->c->member_count; k++)
 		rb_external_force_at(l, w->c->member[k], &w->pose[k], &view, &w->linear[k],
 		                     &w->angular[k]);
-	rb_joint_rows_add_springs(&w->joints, t, w->linear, w->angular);
+	if (w->joints.joint_count > 0)
+		rb_joint_rows_add_springs(&w->joints, t, w->linear, w->angular);
+	if (!max)
+		return l->status == RB_OK;
+	*max = 0;
 	for (int k = 0; k < w->c->member_count; k++)
 		*max = fmax(*max, rb_vec3_max_abs(w->linear[k]));
 	return l->status == RB_OK;
@@ -113,10 +115,10 @@ static bool count_inspection(struct rb_modes *w)
 	struct rb_located *l = w->l;
 	const struct rb_cluster *c = w->c;
 
-	if (!rb_modes_move(w))
-		return true;
 	/* a piece that nothing has cut is as long as motion allows: it is no crowd */
 	if (rb_located_gravitates(l) && w->goes_on)
+		return true;
+	if (!rb_modes_move(w))
 		return true;
 	if (rb_located_gravitates(l))
 		l->products += RB_LOCATED_ATTRACTION * (uint64_t)c->member_count *
@@ -148,12 +150,15 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 {
 	struct rb_located *l = w->l;
 	const struct rb_cluster *c = w->c;
+	const bool flies = c->held_count == 0 && w->joints.joint_count == 0;
 	double external;
 
 	w->time_s = t;
 	rb_rates_poses(w, value);
-	if (!rb_rates_external(w, t, &external))
+	if (!rb_rates_external(w, t, flies ? NULL : &external))
 		return false;
+	if (flies)
+		return count_inspection(w);
 	for (int k = 0; k < c->held_count; k++) {
 		const struct rb_held *held = &c->held[k];
 		const int a = rb_modes_place(w, held->a), b = rb_modes_place(w, held->b);

@@ -40,7 +40,8 @@ struct attempt {
 	const double *start, *rest;
 	double *first, *value, *size, *g[1 + NODES];
 	uint64_t *calls;
-	bool shows; /* problem->visited is called */
+	bool shows;   /* problem->visited is called */
+	bool guesses; /* values at nodes to come are guessed from those before */
 	struct rb_error *err;
 };
 
@@ -96,7 +97,8 @@ static enum rb_status rates_at(const struct attempt *a, double part, double *row
 		const int v = rate_row(p, (size_t)i);
 
 		if (v >= 0) {
-			row[i] = h * value[v];
+			if (a->guesses)
+				row[i] = h * value[v];
 			continue;
 		}
 		const double now = h * rate[i];
@@ -149,10 +151,9 @@ static void value_at(const struct attempt *a, int at)
 			continue;
 		}
 		const double sum = weighted(square[at], g, (size_t)v), way = h * start[v];
+		const double low = node_low[at] * way + h * (node[at] * rest[v] + sum);
 
-		value[i] = start[i] +
-		           (rest[i] + (node[at] * way +
-		                       (node_low[at] * way + h * (node[at] * rest[v] + sum))));
+		value[i] = start[i] + (rest[i] + (node[at] * way + low));
 	}
 }
 
@@ -245,8 +246,10 @@ static enum rb_status converge(struct attempt *a, double *rate, int *sweeps, dou
 	*left = 0;
 	enum rb_status status = RB_OK;
 	const bool near = guess(a);
+	a->guesses = !near;
 	if (!near) {
 		status = sweep(a, true, rate, &before);
+		a->guesses = false;
 		if (status != RB_OK || !isfinite(before))
 			return status;
 	}
@@ -403,6 +406,8 @@ static void coefficients(const struct attempt *a, double *coefficient)
 		for (size_t i = 0; i < n; i++) {
 			double sum = 0, low = 0;
 
+			if (rate_row(a->problem, i) >= 0)
+				continue;
 			/* from the ends to the middle, so that even and odd parts are not mixed */
 			for (int j = 0; j < NODES / 2; j++) {
 				const double both = k % 2 ? a->g[1 + j][i] - a->g[NODES - j][i]
@@ -470,6 +475,7 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 	double change = 0, left;
 	int sweeps;
 
+	a.guesses = true;
 	for (size_t j = 0; j <= NODES; j++)
 		a.g[j] = rate + (5 + j) * n;
 	if (!(*try_s > 0) || !isfinite(*try_s))
@@ -613,26 +619,36 @@ static void add_product(struct sum *s, double a, double b)
 	s->low += fma(a, b, -product);
 }
 
-double rb_gauss_rest(const struct rb_gauss_piece *piece, int i, int rate_row, double t)
+/* What rounding leaves out of component i where the polynomials are `weight`. */
+static double left_out(const struct rb_gauss_piece *piece, size_t i, int rate_row,
+                       const double weight[NODES])
 {
-	const size_t n = (size_t)piece->n, at = (size_t)i;
+	const size_t n = (size_t)piece->n;
 	const double *const c = piece->coefficient, h = piece->length_s;
-	struct sum s = {piece->start[at], piece->rest ? piece->rest[at] : 0};
-	double weight[NODES];
+	struct sum s = {piece->start[i], piece->rest ? piece->rest[i] : 0};
 
-	integrals(part_of(piece, t), weight);
 	for (size_t k = 0; k < NODES; k++)
-		add_product(&s, weight[k], c[k * n + at]);
+		add_product(&s, weight[k], c[k * n + i]);
 	if (rate_row >= 0) {
 		const double *const v = c + rate_row;
 		const double rest = piece->rest ? piece->rest[rate_row] : 0;
-		struct sum lost = {-c[at], 0};
+		struct sum lost = {-c[i], 0};
 
 		add_product(&lost, h, piece->start[rate_row]);
 		add_product(&lost, h, rest + (0.5 * v[0] - v[n] / 6));
 		s.low += weight[0] * (lost.high + lost.low);
 	}
-	return (s.high - value_of(piece, at, weight)) + s.low;
+	return (s.high - value_of(piece, i, weight)) + s.low;
+}
+
+void rb_gauss_rests(const struct rb_gauss_piece *piece, int first, int count, const int *rate_row,
+                    double t, double *rest)
+{
+	double weight[NODES];
+
+	integrals(part_of(piece, t), weight);
+	for (int i = 0; i < count; i++)
+		rest[i] = left_out(piece, (size_t)(first + i), rate_row[i], weight);
 }
 
 /* P_0 .. P_(count - 1) on [0, 1] */
