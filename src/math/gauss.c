@@ -183,15 +183,18 @@ static enum rb_status sweep(const struct attempt *a, bool first, double *rate, d
 
 static void polynomials(int count, double x, double *weight);
 
+/* The small coefficients, which are n apart, first. */
+static inline double series(const double w[NODES], const double *c, size_t n)
+{
+	return 0.0 + w[7] * c[7 * n] + w[6] * c[6 * n] + w[5] * c[5 * n] + w[4] * c[4 * n] +
+	       w[3] * c[3 * n] + w[2] * c[2 * n] + w[1] * c[n] + w[0] * c[0];
+}
+
 /* Component i of the rates that a guess has where its polynomials are `weight`, x the length. */
 static double guessed(const struct attempt *a, const double *weight, size_t i)
 {
-	const size_t n = (size_t)a->problem->n;
-	double sum = 0;
-
-	for (size_t k = NODES; k-- > 0;)
-		sum += weight[k] * a->guess.coefficient[k * n + i];
-	return a->h_s / a->guess.length_s * sum;
+	return a->h_s / a->guess.length_s *
+	       series(weight, a->guess.coefficient + i, (size_t)a->problem->n);
 }
 
 /*
@@ -402,22 +405,25 @@ static void coefficients(const struct attempt *a, double *coefficient)
 {
 	const size_t n = (size_t)a->problem->n;
 
-	for (size_t k = 0; k < NODES; k++)
-		for (size_t i = 0; i < n; i++) {
-			double sum = 0, low = 0;
+	for (size_t i = 0; i < n; i++) {
+		double both[2][NODES / 2], low[2] = {0, 0};
 
-			if (rate_row(a->problem, i) >= 0)
-				continue;
-			/* from the ends to the middle, so that even and odd parts are not mixed */
-			for (int j = 0; j < NODES / 2; j++) {
-				const double both = k % 2 ? a->g[1 + j][i] - a->g[NODES - j][i]
-				                          : a->g[1 + j][i] + a->g[NODES - j][i];
-
-				sum += legendre[k][j] * both;
-				low += k < 2 ? legendre_low[k][j] * both : 0;
-			}
-			coefficient[k * n + i] = sum + low;
+		if (rate_row(a->problem, i) >= 0)
+			continue;
+		/* from the ends to the middle, so that even and odd parts are not mixed */
+		for (int j = 0; j < NODES / 2; j++) {
+			both[0][j] = a->g[1 + j][i] + a->g[NODES - j][i];
+			both[1][j] = a->g[1 + j][i] - a->g[NODES - j][i];
+			low[0] += legendre_low[0][j] * both[0][j];
+			low[1] += legendre_low[1][j] * both[1][j];
 		}
+		for (size_t k = 0; k < NODES; k++) {
+			const double *const w = legendre[k], *const x = both[k % 2];
+
+			coefficient[k * n + i] = 0.0 + w[0] * x[0] + w[1] * x[1] + w[2] * x[2] +
+			                         w[3] * x[3] + (k < 2 ? low[k] : 0);
+		}
+	}
 	for (size_t i = 0; i < n; i++)
 		if (rate_row(a->problem, i) >= 0)
 			integrated(a, i, (size_t)rate_row(a->problem, i), coefficient);
@@ -557,15 +563,9 @@ static double part_of(const struct rb_gauss_piece *piece, double t)
 	return piece->length_s > 0 ? t / piece->length_s : 0;
 }
 
-/* The small coefficients first. */
 static double sum_of(const struct rb_gauss_piece *piece, size_t i, const double weight[NODES])
 {
-	const size_t n = (size_t)piece->n;
-	double sum = 0;
-
-	for (size_t k = NODES; k-- > 0;)
-		sum += weight[k] * piece->coefficient[k * n + i];
-	return sum;
+	return series(weight, piece->coefficient + i, (size_t)piece->n);
 }
 
 static double value_of(const struct rb_gauss_piece *piece, size_t i, const double weight[NODES])
