@@ -279,6 +279,32 @@ static void steps_keep_linear_and_angular_momentum(void **state)
 	lab_close(&lab);
 }
 
+/* Whoever sums it, each body has its own sum. */
+static void many_attract_each_other_alike_by_one_thread_and_by_three(void **state)
+{
+	enum { COUNT = 300 };
+	struct lab lab[2];
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		open_attracting(&lab[k], 0.25, 4);
+		for (int i = 0; i < COUNT; i++)
+			lab_sphere(&lab[k], 1e-6, 1.0 / COUNT,
+			           (rb_vec3){rb_random_unit(5, 0, 3 * (uint64_t)i),
+			                     rb_random_unit(5, 0, 3 * (uint64_t)i + 1),
+			                     rb_random_unit(5, 0, 3 * (uint64_t)i + 2)},
+			           none);
+		lab[k].scene.world.gravitation.softening_m = 0.25;
+		lab_seal(&lab[k], k ? 3 : 1);
+		step_all(&lab[k]);
+	}
+	for (int i = 0; i < COUNT; i++)
+		lab_assert_vector(position(&lab[0], i), position(&lab[1], i), 0, "position",
+		                  __FILE__, __LINE__);
+	for (int k = 0; k < 2; k++)
+		lab_close(&lab[k]);
+}
+
 int main(void)
 {
 	static const struct CMUnitTest tests[] = {
@@ -288,6 +314,7 @@ int main(void)
 		cmocka_unit_test(the_ledger_knows_who_does_not_yield_and_who_does_not_answer),
 		cmocka_unit_test(what_rests_on_a_fixed_centre_stands_and_the_ledger_holds),
 		cmocka_unit_test(steps_keep_linear_and_angular_momentum),
+		cmocka_unit_test(many_attract_each_other_alike_by_one_thread_and_by_three),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -11,6 +11,7 @@
 
 #include <rbsim/model.h>
 
+#include "base/team.h"
 #include "math/attract.h"
 
 struct rb_gravitation {
@@ -56,6 +57,8 @@ static inline rb_vec3 rb_gravitation_position(const struct rb_gravitation *gravi
 
 /* Accelerations of all moving bodies, from where all are. */
 void rb_gravitation_find(struct rb_gravitation *gravitation);
+/* The same, to the bit, by a team, which shares the bodies where there are many. */
+void rb_gravitation_find_by(struct rb_gravitation *gravitation, struct rb_team *team);
 /* Of one of them as found; m/s^2. */
 static inline rb_vec3 rb_gravitation_found(const struct rb_gravitation *gravitation, int i)
 {

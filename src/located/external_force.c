@@ -244,7 +244,7 @@ void rb_external_attract(struct rb_located *l, const struct rb_force_query *view
 			                     rb_arc_position(l, i, view->time_s), none);
 		}
 	}
-	rb_gravitation_find(&l->gravitation);
+	rb_gravitation_find_by(&l->gravitation, l->world->team);
 }
 
 /* Attraction by all others. */
