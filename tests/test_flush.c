@@ -92,7 +92,8 @@ static void there_is_a_point_and_all_lie_on_both_boxes(void **slot)
 		if (k % 2 == 0)
 			rb_manifold_of(&m, &c.at_a, &c.at_b, c.band);
 		else
-			rb_manifold_with_nearest(&m, &c.at_a, &c.at_b, c.band, fine);
+			rb_manifold_with_nearest(&m, &c.at_a, &c.at_b, c.band, fine,
+			                         (double)INFINITY);
 		if (m.count < 1)
 			fail_msg("sample %d: no point", k / 2);
 		for (int i = 0; i < m.count; i++) {
@@ -116,7 +117,7 @@ static void the_lowest_point_has_the_gap(void **slot)
 		couple c;
 
 		couple_up(&c, k);
-		rb_manifold_with_nearest(&m, &c.at_a, &c.at_b, c.band, 0);
+		rb_manifold_with_nearest(&m, &c.at_a, &c.at_b, c.band, 0, (double)INFINITY);
 		if (least_gap(&m) > m.gap + fine || least_gap(&m) < m.gap - c.band)
 			fail_msg("sample %d: gap %.17g, lowest of %d points %.3g above, band %.3g",
 			         k, m.gap, m.count, least_gap(&m) - m.gap, c.band);
@@ -142,8 +143,8 @@ static void the_order_of_the_boxes_does_not_matter(void **slot)
 		couple c;
 
 		couple_up(&c, k);
-		rb_manifold_with_nearest(&m, &c.at_a, &c.at_b, c.band, 0);
-		rb_manifold_with_nearest(&n, &c.at_b, &c.at_a, c.band, 0);
+		rb_manifold_with_nearest(&m, &c.at_a, &c.at_b, c.band, 0, (double)INFINITY);
+		rb_manifold_with_nearest(&n, &c.at_b, &c.at_a, c.band, 0, (double)INFINITY);
 		if (fabs(m.gap - n.gap) > 2 * noise)
 			fail_msg("sample %d: gaps %.17g and %.17g", k, m.gap, n.gap);
 		/* sides that cross do so at an angle above the band, and move by what the view along n shifts over it */

@@ -456,7 +456,7 @@ static void a_disc_that_tilts_within_a_wide_band_has_its_lowest_point_too(void *
 	const rb_placed disc = {&drum.core, {0, 0, 0.25}, lean};
 	const rb_placed below[2] = {plane, {&block.core, {0.2, 0.1, -0.1}, shapes_upright}};
 	for (int k = 0; k < 2; k++) {
-		rb_manifold_with_nearest(&m, &disc, &below[k], wide, 1e-9);
+		rb_manifold_with_nearest(&m, &disc, &below[k], wide, 1e-9, (double)INFINITY);
 		assert_near(lowest_of(&m), m.gap, 1e-9);
 		const int count = m.count;
 		rb_manifold_of(&m, &disc, &below[k], wide);

@@ -160,7 +160,7 @@ static void search(find *f, double depth, double fine)
 }
 
 void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
-                              double band, double fine)
+                              double band, double fine, double max)
 {
 	RB_ASSERT_COSTLY(!(band < 0) && !(fine < 0));
 
@@ -169,9 +169,12 @@ void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const r
 	const double ra = a->core->radius, rb = b->core->radius;
 
 	start(&f, a, b);
-	search(&f, fmax(band, f.s.noise), fine);
 	manifold->normal = f.s.normal;
 	manifold->gap = f.s.gap - (ra + rb);
+	manifold->count = 0;
+	if (manifold->gap > max)
+		return;
+	search(&f, fmax(band, f.s.noise), fine);
 	manifold->count = f.count;
 	for (int i = 0; i < f.count; i++) {
 		const rb_overlay_point *p = &f.point[i];
@@ -193,5 +196,5 @@ void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const r
 
 void rb_manifold_of(rb_manifold *manifold, const rb_placed *a, const rb_placed *b, double band)
 {
-	rb_manifold_with_nearest(manifold, a, b, band, (double)INFINITY);
+	rb_manifold_with_nearest(manifold, a, b, band, (double)INFINITY, (double)INFINITY);
 }

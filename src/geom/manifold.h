@@ -25,7 +25,7 @@ typedef struct {
 typedef struct {
 	rb_vec3 normal; /* unit, from a to b */
 	double gap;     /* m: the bodies' */
-	int count;      /* at least 1 */
+	int count;      /* at least 1, but for a gap beyond what was asked for */
 	rb_manifold_point point[RB_MANIFOLD_MAX];
 } rb_manifold;
 
@@ -38,9 +38,10 @@ void rb_manifold_of(rb_manifold *manifold, const rb_placed *a, const rb_placed *
 /*
  * For wide bands. Corners of what lies within a band need not be lowest: a disc that tilts, or
  * lines that cross at a small angle, come lower between them. Where they do by more than `fine`, m,
- * their nearest points are there too.
+ * their nearest points are there too. Where the bodies are farther apart than `max`, m, no points
+ * are looked for: there are none then.
  */
 void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
-                              double band, double fine);
+                              double band, double fine, double max);
 
 #endif

@@ -362,7 +362,7 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 				clue->is_close = false;
 				continue;
 			}
-			rb_manifold_with_nearest(&manifold, pa, pb, band, fine);
+			rb_manifold_with_nearest(&manifold, pa, pb, band, fine, slack);
 			clue->axis = manifold.normal;
 			clue->is_close = manifold.gap <= slack;
 			/* as if it had been seen at once: what is known decides cost only */
