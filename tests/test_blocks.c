@@ -174,6 +174,42 @@ static void work_is_told_and_limited(void **state)
 	rb_arena_release(&s.arena);
 }
 
+/* Neighbours in a lattice, as of a heap: 27 times 27 by `layers`. Returns the pairs. */
+static int lattice(int (*pair)[2], int layers)
+{
+	enum { SIDE = 27 };
+	const int step[3] = {1, SIDE, SIDE * SIDE};
+	int count = 0;
+
+	for (int i = 0; i < SIDE * SIDE * layers; i++) {
+		const bool has[3] = {i % SIDE + 1 < SIDE, i / SIDE % SIDE + 1 < SIDE,
+		                     i / (SIDE * SIDE) + 1 < layers};
+
+		for (int k = 0; k < 3; k++) {
+			if (!has[k])
+				continue;
+			pair[count][0] = i;
+			pair[count++][1] = i + step[k];
+		}
+	}
+	return count;
+}
+
+static void an_order_that_is_given_up_takes_memory_by_bodies_not_by_their_square(void **slot)
+{
+	enum { LAYERS = 30, LARGE = 27 * 27 * LAYERS };
+	static int pair[3 * LARGE][2];
+	struct rb_arena arena = {0};
+	struct rb_blocks blocks;
+
+	(void)slot;
+	assert_false(rb_blocks_plan(&blocks, LARGE, (const int(*)[2])pair, lattice(pair, LAYERS),
+	                            1e7, &arena));
+	/* some 20 numbers for each body and its neighbours, and what the first thousands add */
+	assert_true(arena.high_water < (size_t)200 * LARGE);
+	rb_arena_release(&arena);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -181,6 +217,8 @@ int main(void)
 		cmocka_unit_test(blocks_are_there_for_pairs_and_bodies_and_in_one_place),
 		cmocka_unit_test(a_matrix_that_is_not_positive_is_refused),
 		cmocka_unit_test(work_is_told_and_limited),
+		cmocka_unit_test(
+			an_order_that_is_given_up_takes_memory_by_bodies_not_by_their_square),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,80 +3,96 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
 
-enum { WORD = 64 };
-
 /* ---- order of elimination ---- */
 
+/*
+ * Lists, not a matrix of bits: of a heap of 20,000 bodies that had 50 MB, of 200,000 five GB, for
+ * an order that is given up after the first few thousand.
+ */
 struct graph {
-	int count, words;
-	uint64_t *bit; /* [count][words]: neighbours that are left, and the body itself */
-	int *degree;   /* -1: eliminated */
-	int *order;    /* [count]: body at each place */
+	int count;
+	int **list;         /* [count]: ascending: neighbours that are left, and the body itself */
+	int *length, *room; /* [count] of each, and what fits in */
+	uint64_t *least;    /* [2 count]: a tournament: the least of two below is at half */
+	int *order;         /* [count]: body at each place */
+	int *joined;        /* [count]: scratch */
+	struct rb_arena *arena;
 };
 
-static uint64_t *row_of(const struct graph *graph, int i)
+static void play(struct graph *graph, size_t at)
 {
-	return graph->bit + (size_t)i * (size_t)graph->words;
+	const uint64_t left = graph->least[2 * at], right = graph->least[2 * at + 1];
+
+	graph->least[at] = left < right ? left : right;
 }
 
-static int count_bits(const uint64_t *row, int words)
+/* Degrees are compared first, then bodies; eliminated ones come last. */
+static void enter(struct graph *graph, int i, bool is_left)
 {
-	int count = 0;
+	size_t at = (size_t)graph->count + (size_t)i;
 
-	for (int w = 0; w < words; w++)
-		count += __builtin_popcountll(row[w]);
-	return count;
-}
-
-static void set_bit(uint64_t *row, int i)
-{
-	RB_ASSERT_COSTLY(i >= 0);
-	row[i / WORD] |= (uint64_t)1 << (i % WORD);
-}
-
-static void clear_bit(uint64_t *row, int i)
-{
-	row[i / WORD] &= ~((uint64_t)1 << (i % WORD));
-}
-
-/* Joins the neighbours of `k` to each other and takes k out. */
-static void eliminate(struct graph *graph, int k)
-{
-	const uint64_t *mine = row_of(graph, k);
-
-	RB_ASSERT_COSTLY(k >= 0 && k < graph->count);
-	for (int w = 0; w < graph->words; w++)
-		for (uint64_t left = mine[w]; left; left &= left - 1) {
-			const int i = w * WORD + __builtin_ctzll(left);
-			uint64_t *other = row_of(graph, i);
-
-			if (i == k)
-				continue;
-			for (int x = 0; x < graph->words; x++)
-				other[x] |= mine[x];
-			clear_bit(other, k);
-			graph->degree[i] = count_bits(other, graph->words);
-		}
-	graph->degree[k] = -1;
+	graph->least[at] = is_left ? (uint64_t)graph->length[i] << 32 | (uint64_t)i : UINT64_MAX;
+	for (at /= 2; at > 0; at /= 2)
+		play(graph, at);
 }
 
 static int least_degree(const struct graph *graph)
 {
-	int best = -1;
+	RB_ASSERT_COSTLY(graph->least[1] != UINT64_MAX);
+	return (int)(graph->least[1] & UINT32_MAX);
+}
 
-	for (int i = 0; i < graph->count; i++)
-		if (graph->degree[i] >= 0 && (best < 0 || graph->degree[i] < graph->degree[best]))
-			best = i;
-	return best;
+/* The union of the lists of i and k without k; returns its length. */
+static int join(const struct graph *graph, int i, int k)
+{
+	const int *x = graph->list[i], *y = graph->list[k];
+	const int *const x_end = x + graph->length[i], *const y_end = y + graph->length[k];
+	int count = 0;
+
+	while (x < x_end || y < y_end) {
+		const int next = y == y_end || (x < x_end && *x <= *y) ? *x : *y;
+
+		x += x < x_end && *x == next;
+		y += y < y_end && *y == next;
+		if (next != k)
+			graph->joined[count++] = next;
+	}
+	return count;
+}
+
+/* Joins the neighbours of `k` to each other and takes k out; false: no memory. */
+static bool eliminate(struct graph *graph, int k)
+{
+	RB_ASSERT_COSTLY(k >= 0 && k < graph->count);
+	for (int n = 0; n < graph->length[k]; n++) {
+		const int i = graph->list[k][n];
+
+		if (i == k)
+			continue;
+		const int count = join(graph, i, k);
+		if (count > graph->room[i]) {
+			graph->room[i] = 2 * count;
+			graph->list[i] = rb_arena_take(graph->arena, 2 * (size_t)count,
+			                               sizeof(int));
+			if (!graph->list[i])
+				return false;
+		}
+		memcpy(graph->list[i], graph->joined, (size_t)count * sizeof(int));
+		graph->length[i] = count;
+		enter(graph, i, true);
+	}
+	enter(graph, k, false);
+	return true;
 }
 
 /*
- * Orders all; the rows of eliminated bodies keep what was left of their neighbours then. Returns
- * blocks, 0: too much.
+ * Orders all; the lists of eliminated bodies keep what was left of their neighbours then. Returns
+ * blocks, 0: too much, or no memory.
  */
 static int order_all(struct graph *graph, struct rb_blocks *blocks, double max)
 {
@@ -86,17 +102,69 @@ static int order_all(struct graph *graph, struct rb_blocks *blocks, double max)
 	blocks->work = 0;
 	for (int place = 0; place < graph->count; place++) {
 		const int k = least_degree(graph);
-		const double degree = graph->degree[k];
+		const double degree = graph->length[k];
 
 		blocks->work += 0.5 * cube * degree * (degree + 1);
 		if (blocks->work > max)
 			return 0;
-		total += graph->degree[k];
+		total += graph->length[k];
 		graph->order[place] = k;
 		blocks->place[k] = place;
-		eliminate(graph, k);
+		if (!eliminate(graph, k))
+			return 0;
 	}
 	return total;
+}
+
+static int by_number(const void *x, const void *y)
+{
+	const int a = *(const int *)x, b = *(const int *)y;
+
+	return (a > b) - (a < b);
+}
+
+/* Neighbours as the pairs say, each once; false: no memory. */
+static bool make_graph(struct graph *graph, const int (*pair)[2], int pair_count)
+{
+	const size_t n = (size_t)graph->count;
+	int *all = rb_arena_take(graph->arena, n + 2 * (size_t)pair_count, sizeof *all);
+
+	graph->list = rb_arena_take(graph->arena, n, sizeof *graph->list);
+	graph->length = rb_arena_take(graph->arena, 4 * n, sizeof *graph->length);
+	graph->least = rb_arena_take(graph->arena, 2 * n, sizeof *graph->least);
+	if (!all || !graph->list || !graph->length || !graph->least)
+		return false;
+	graph->room = graph->length + n;
+	graph->order = graph->room + n;
+	graph->joined = graph->order + n;
+	for (int i = 0; i < graph->count; i++)
+		graph->room[i] = 1;
+	for (int p = 0; p < 2 * pair_count; p++)
+		graph->room[pair[p / 2][p % 2]]++;
+	for (int i = 0; i < graph->count; i++) {
+		graph->list[i] = all;
+		graph->list[i][0] = i;
+		graph->length[i] = 1;
+		all += graph->room[i];
+	}
+	for (int p = 0; p < 2 * pair_count; p++) {
+		const int i = pair[p / 2][p % 2];
+
+		graph->list[i][graph->length[i]++] = pair[p / 2][1 - p % 2];
+	}
+	for (int i = 0; i < graph->count; i++) {
+		int *list = graph->list[i], kept = 0;
+
+		qsort(list, (size_t)graph->length[i], sizeof *list, by_number);
+		for (int k = 0; k < graph->length[i]; k++)
+			if (kept == 0 || list[kept - 1] != list[k])
+				list[kept++] = list[k];
+		graph->length[i] = kept;
+		graph->least[n + (size_t)i] = (uint64_t)kept << 32 | (uint64_t)i;
+	}
+	for (size_t at = n; at-- > 1;)
+		play(graph, at);
+	return true;
 }
 
 static void sort_places(int *row, int count)
@@ -116,13 +184,11 @@ static void fill_columns(const struct graph *graph, struct rb_blocks *blocks)
 	int at = 0;
 
 	for (int place = 0; place < graph->count; place++) {
-		const uint64_t *mine = row_of(graph, graph->order[place]);
-		const int begin = at;
+		const int k = graph->order[place], begin = at;
 
 		blocks->first[place] = at;
-		for (int w = 0; w < graph->words; w++)
-			for (uint64_t left = mine[w]; left; left &= left - 1)
-				blocks->row[at++] = blocks->place[w * WORD + __builtin_ctzll(left)];
+		for (int n = 0; n < graph->length[k]; n++)
+			blocks->row[at++] = blocks->place[graph->list[k][n]];
 		sort_places(blocks->row + begin, at - begin);
 	}
 	blocks->first[graph->count] = at;
@@ -131,27 +197,15 @@ static void fill_columns(const struct graph *graph, struct rb_blocks *blocks)
 bool rb_blocks_plan(struct rb_blocks *blocks, int count, const int (*pair)[2], int pair_count,
                     double max, struct rb_arena *arena)
 {
-	struct graph graph = {.count = count, .words = (count + WORD - 1) / WORD};
-	const size_t n = (size_t)count, words = n * (size_t)graph.words;
+	struct graph graph = {.count = count, .arena = arena};
+	const size_t n = (size_t)count;
 
 	RB_ASSERT(count > 0 && pair_count >= 0 && max > 0);
 	*blocks = (struct rb_blocks){.count = count};
 	blocks->place = rb_arena_take(arena, n, sizeof *blocks->place);
 	blocks->first = rb_arena_take(arena, n + 1, sizeof *blocks->first);
-	graph.bit = rb_arena_take(arena, words, sizeof *graph.bit);
-	graph.degree = rb_arena_take(arena, n, sizeof *graph.degree);
-	graph.order = rb_arena_take(arena, n, sizeof *graph.order);
-	if (!blocks->place || !blocks->first || !graph.bit || !graph.degree || !graph.order)
+	if (!blocks->place || !blocks->first || !make_graph(&graph, pair, pair_count))
 		return false;
-	memset(graph.bit, 0, words * sizeof *graph.bit);
-	for (int i = 0; i < count; i++)
-		set_bit(row_of(&graph, i), i);
-	for (int p = 0; p < pair_count; p++) {
-		set_bit(row_of(&graph, pair[p][0]), pair[p][1]);
-		set_bit(row_of(&graph, pair[p][1]), pair[p][0]);
-	}
-	for (int i = 0; i < count; i++)
-		graph.degree[i] = count_bits(row_of(&graph, i), graph.words);
 	const int total = order_all(&graph, blocks, max);
 	if (total == 0)
 		return false;
