@@ -3,10 +3,12 @@
  * Surfaces for VTK's XML readers, in world coordinates: NAME.pvd lists times, NAME-vtk/K.vtp has
  * the triangles of frame K, with the id of the body of each, and colours and normals of corners.
  * Values stand behind the XML as they are in memory of a little-endian machine (appended, raw).
+ * Contacts, which are few, are text in NAME-vtk/K-contacts.vtp: a vertex each.
  */
 #include "app/exported.h"
 
 #include <inttypes.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -176,31 +178,117 @@ static void put_frame(const struct surfaces *surfaces, const struct rb_exported 
 	fputs("\n</AppendedData>\n</VTKFile>\n", file);
 }
 
+/* Begins an array of numbers in text; its end is fputs(array_end). */
+static void begin_array(FILE *file, const char *type, const char *name, int width)
+{
+	fprintf(file,
+	        "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" "
+	        "format=\"ascii\">\n",
+	        type, name, width);
+}
+static const char array_end[] = "</DataArray>\n";
+
+/* A column of all contacts, `width` doubles at `offset` of each. */
+static void put_column(const struct rb_frame *frame, const char *name, size_t offset, int width,
+                       FILE *file)
+{
+	double values[3];
+
+	begin_array(file, "Float64", name, width);
+	for (int i = 0; i < frame->contact_count; i++) {
+		memcpy(values, (const char *)&frame->contacts[i] + offset,
+		       (size_t)width * sizeof *values);
+		for (int k = 0; k < width; k++) {
+			rb_exported_number(file, values[k]);
+			putc(k + 1 < width ? ' ' : '\n', file);
+		}
+	}
+	fputs(array_end, file);
+}
+
+/* A column of ids at `offset`; with `first` >= 0 the numbers from there on. */
+static void put_integers(const struct rb_frame *frame, const char *name, size_t offset, int first,
+                         FILE *file)
+{
+	begin_array(file, "Int32", name, 1);
+	for (int i = 0; i < frame->contact_count; i++) {
+		int value = i + first;
+		if (first < 0)
+			memcpy(&value, (const char *)&frame->contacts[i] + offset, sizeof value);
+		fprintf(file, "%d\n", value);
+	}
+	fputs(array_end, file);
+}
+
+/* The contacts that last at a frame, with their forces. */
+static void put_contacts(const struct rb_frame *frame, FILE *file)
+{
+	fprintf(file,
+	        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\">\n<PolyData>\n"
+	        "<Piece NumberOfPoints=\"%d\" NumberOfVerts=\"%d\" NumberOfLines=\"0\" "
+	        "NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<Points>\n",
+	        frame->contact_count, frame->contact_count);
+	put_column(frame, "Points", offsetof(struct rb_frame_contact, point), 3, file);
+	fputs("</Points>\n<PointData Vectors=\"force\">\n", file);
+	put_column(frame, "force", offsetof(struct rb_frame_contact, force), 3, file);
+	put_column(frame, "normal", offsetof(struct rb_frame_contact, normal), 3, file);
+	put_column(frame, "gap", offsetof(struct rb_frame_contact, gap), 1, file);
+	put_integers(frame, "a", offsetof(struct rb_frame_contact, a), -1, file);
+	put_integers(frame, "b", offsetof(struct rb_frame_contact, b), -1, file);
+	fputs("</PointData>\n<Verts>\n", file);
+	put_integers(frame, "connectivity", 0, 0, file);
+	put_integers(frame, "offsets", 0, 1, file);
+	fputs("</Verts>\n</Piece>\n</PolyData>\n</VTKFile>\n", file);
+}
+
 /* What stands before the ending, and the folder of the frames, both from where the .pvd is. */
 struct names {
 	char stem[RB_EXPORT_NAME_SIZE]; /* with its folder */
 	const char *base;               /* without, in stem */
 };
 
-static enum rb_status write_frame(struct rb_exported *exported, const struct surfaces *surfaces,
-                                  const struct names *names, const struct rb_frame *frame,
-                                  struct rb_error *err)
+/* Writes one file of a frame: its surfaces, or (NULL) its contacts. */
+static enum rb_status write_part(struct rb_exported *exported, const struct surfaces *surfaces,
+                                 const struct names *names, const struct rb_frame *frame,
+                                 struct rb_error *err)
 {
 	char name[RB_EXPORT_NAME_SIZE + 64];
 	struct rb_outfile out;
 
-	snprintf(name, sizeof name, "%s-vtk/%06" PRIu64 ".vtp", names->stem, frame->index);
+	snprintf(name, sizeof name, "%s-vtk/%06" PRIu64 "%s.vtp", names->stem, frame->index,
+	         surfaces ? "" : "-contacts");
 	const enum rb_status status = rb_exported_begin(exported, &out, name, err);
 	if (status)
 		return status;
-	put_frame(surfaces, exported, frame, out.file);
+	if (surfaces)
+		put_frame(surfaces, exported, frame, out.file);
+	else
+		put_contacts(frame, out.file);
 	return rb_exported_publish(exported, &out, name, false, err);
+}
+
+/* An entry of the list of times. */
+static void list_part(const struct names *names, const struct rb_frame *frame, bool contacts,
+                      FILE *list)
+{
+	fputs("<DataSet timestep=\"", list);
+	rb_exported_number(list, frame->time_s);
+	fprintf(list, "\" part=\"%d\" name=\"%s\" file=\"", contacts,
+	        contacts ? "contacts" : "surfaces");
+	for (const char *c = names->base; *c; c++) { /* as an attribute of XML */
+		if (strchr("&<>\"", *c) || (unsigned char)*c < ' ')
+			fprintf(list, "&#%d;", (unsigned char)*c);
+		else
+			putc(*c, list);
+	}
+	fprintf(list, "-vtk/%06" PRIu64 "%s.vtp\"/>\n", frame->index, contacts ? "-contacts" : "");
 }
 
 /* Writes all frames, and their list. */
 static enum rb_status write_all(struct rb_exported *exported, const struct surfaces *surfaces,
                                 const struct names *names, FILE *list, struct rb_error *err)
 {
+	const bool contacts = exported->reading->fields & RB_FIELD_CONTACTS;
 	struct rb_frame frame;
 	char first[RB_EXPORT_NAME_SIZE + 64];
 
@@ -212,19 +300,13 @@ static enum rb_status write_all(struct rb_exported *exported, const struct surfa
 	for (uint64_t row = 0; row < exported->reading->frame_count && !status; row++) {
 		status = exported->module->reader_frame(exported->reader, row, &frame, err);
 		if (!status)
-			status = write_frame(exported, surfaces, names, &frame, err);
-		if (status)
-			break;
-		fputs("<DataSet timestep=\"", list);
-		rb_exported_number(list, frame.time_s);
-		fputs("\" file=\"", list);
-		for (const char *c = names->base; *c; c++) { /* as an attribute of XML */
-			if (strchr("&<>\"", *c) || (unsigned char)*c < ' ')
-				fprintf(list, "&#%d;", (unsigned char)*c);
-			else
-				putc(*c, list);
-		}
-		fprintf(list, "-vtk/%06" PRIu64 ".vtp\"/>\n", frame.index);
+			status = write_part(exported, surfaces, names, &frame, err);
+		if (!status)
+			list_part(names, &frame, false, list);
+		if (!status && contacts)
+			status = write_part(exported, NULL, names, &frame, err);
+		if (!status && contacts)
+			list_part(names, &frame, true, list);
 	}
 	fputs("</Collection>\n</VTKFile>\n", list);
 	return status;

@@ -94,7 +94,10 @@ exits 0 export run.h5 --to vtk
 python3 - <<'END' || fail "other surfaces"
 import re, struct, xml.etree.ElementTree as tree, os
 sets = tree.parse("run.pvd").getroot().findall("Collection/DataSet")
-assert len(sets) == 21 and float(sets[-1].get("timestep")) == 1 and len(os.listdir("run-vtk")) == 21
+assert len(sets) == 42 and float(sets[-1].get("timestep")) == 1 and len(os.listdir("run-vtk")) == 42
+forces = [s for s in sets if s.get("name") == "contacts"]
+sets = [s for s in sets if s.get("name") == "surfaces"]
+assert len(forces) == len(sets) == 21
 for one in sets:
     data = open(one.get("file"), "rb").read()
     head, rest = data.split(b'<AppendedData encoding="raw">\n_', 1)
@@ -114,6 +117,19 @@ for one in sets:
 corners = {c for k, i in enumerate(found["id"]) if i == 4 for c in found["connectivity"][3 * k:3 * k + 3]}
 middle = [sum(found["Points"][3 * c + k] for c in corners) / len(corners) for k in range(3)]
 import csv
+contacts = list(csv.DictReader(open("run-contacts.csv")))
+at = 0
+for one in forces:
+    piece = tree.parse(one.get("file")).getroot().find("PolyData/Piece")
+    column = {a.get("Name"): a.text.split() for a in piece.iter("DataArray")}
+    count = int(piece.get("NumberOfVerts"))
+    assert column["offsets"] == [str(i + 1) for i in range(count)]
+    for i, c in enumerate(contacts[at:at + count]):
+        assert [float(v) for v in column["force"][3 * i:3 * i + 3]] == [float(c["f" + k]) for k in "xyz"]
+        assert [float(v) for v in column["Points"][3 * i:3 * i + 3]] == [float(c["p" + k]) for k in "xyz"]
+        assert (column["a"][i], column["b"][i], float(column["gap"][i])) == (c["a"], c["b"], float(c["gap"]))
+    at += count
+assert at == len(contacts) > 0
 row = [r for r in csv.DictReader(open("run-bodies.csv")) if r["id"] == "4"][-1]
 assert all(abs(middle[k] - float(row["xyz"[k]])) < 1e-5 for k in range(3)), (middle, row)
 END
