@@ -48,6 +48,20 @@ local links, joints = chain.links { count = 4, from = {-30, 0, 5}, to = {-30, 3,
 assert(#links == 4 and #joints == 5 and links[4].name == "link_4" and joints[1].kind == "hinge" and joints[5].b == nil)
 assert((links[1].point {0, 0, -0.625} - {-30, 0, 5}):length() < 1e-12 and (links[4].point {0, 0, 0.625} - {-30, 3, 1}):length() < 1e-12)
 
+local wheel, net = require "rbsim.wheel", require "rbsim.net"
+local cart = cylinder { radius = 0.2, length = 0.2, position = {-40, 0, 9}, velocity = {2, 0, 0} }
+local fixed = wheel.fixed { body = cart, at = {-40.4, 0.5, 9}, radius = 0.2, width = 0.1, speed = 2, mass = 2 }
+local sprung = wheel.sprung { body = cart, at = {-39.6, 0.5, 9}, radius = 0.2, width = 0.1, speed = 2, stiffness = 100, rest = -0.01,
+	travel = {-0.1, 0.1}, motor = {speed = 10, torque = 1}, name = "left" }
+assert(fixed.wheel.mass == 2 and fixed.axle.kind == "hinge" and fixed.axle.a == cart and not fixed.hub)
+assert(sprung.strut.kind == "slider" and sprung.axle.a == sprung.hub and sprung.axle.b == sprung.wheel and sprung.hub.mass == 5)
+-- on ground below it would roll: its lowest point stands still
+assert((fixed.wheel.angular_velocity - {0, 10, 0}):length() < 1e-12)
+local knots, ties = net.sheet { count = {3, 4}, from = {-46, 0, 9}, along = {2, 0, 0}, across = {0, 3, 0}, name = "knot",
+	hung = function(i, k) return k == 1 and i ~= 2 end, keys = { mass = 0.02 } }
+assert(#knots == 3 and #knots[1] == 4 and #ties == 2 * 4 + 3 * 3 + 2 and knots[3][4].name == "knot_3_4")
+assert(knots[3][4].position == vec3(-44, 3, 9) and ties[1].kind == "ball" and ties[2].kind == "rope" and knots[2][2].mass == 0.02)
+
 local stack = require "rbsim.stack"
 local tower = stack.tower { count = 3, size = {1, 1, 0.5}, at = {0, 0, 2} }
 assert(#tower == 3 and tower[3].position == vec3(0, 0, 3.25))
@@ -95,6 +109,9 @@ bad 'require "rbsim.chain".row { count = 2.5, keys = { radius = 1 } }' "chain.ro
 bad 'require "rbsim.chain".links { count = 2, from = {0, 0, 0}, to = {0, 0, 0} }' "chain.links: 'from' and 'to' must be apart"
 bad 'require "rbsim.chain".links { count = 2, from = {0, 0, 0}, to = {1, 0, 0}, keys = { radius = 0.3 } }' 'chain.links: links are wider than long'
 bad 'require "rbsim.chain".links { count = 2, from = {0, 0, 0}, to = {1, 0, 0}, kind = "rod" }' "chain.links: 'kind' must be"
+bad 'require "rbsim.net".sheet { count = {1, 2}, along = {1, 0, 0}, across = {0, 1, 0} }' "net.sheet: 'count' must be {columns, rows}"
+bad 'require "rbsim.net".sheet { count = {2, 2}, along = {0, 0, 0}, across = {0, 1, 0} }' "net.sheet: 'along' and 'across' must have"
+bad 'require "rbsim.wheel".fixed { body = "x", at = {0, 0, 0}, radius = 1, width = 1, rest = 1 }' "wheel.fixed: unknown option 'rest'"
 bad 'require "rbsim.path".through { {0, {0, 0, 0}}, {0, {1, 0, 0}} }' 'path.through: times must grow'
 bad 'return require "rbsim.units".furlong' "units: no unit 'furlong'"
 bad 'require "rbsim.chain".row { count = 2, keys = { radius = 1, raduis = 3 } }' 'sphere (in rbsim.chain:'
