@@ -273,7 +273,7 @@ static enum rb_status commit(struct rb_world *world, struct rb_error *err)
 	}
 	if (!keep_contacts(world) || !keep_events(world, &first))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
-	return rb_world_report_collisions(world, first, err);
+	return rb_world_report_events(world, first, err);
 }
 
 /* Enters the ledger in the order of blocks and groups. */

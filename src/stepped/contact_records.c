@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "world/joint_events.h"
 
 /* From the centre of mass of a to where the impulse acts, m. */
 static rb_vec3 lever_of(const struct rb_step_point *point)
@@ -276,7 +277,7 @@ enum rb_status rb_record_impacts(struct rb_world *world, struct rb_cohort *cohor
 	return status;
 }
 
-/* Events by time, then by ids: independent of the order in which groups were solved. */
+/* By time, then by ids, joints and kinds: independent of the order in which groups were solved. */
 static int by_time(const void *left, const void *right)
 {
 	const struct rb_event *x = left, *y = right;
@@ -285,7 +286,11 @@ static int by_time(const void *left, const void *right)
 		return x->time_s < y->time_s ? -1 : 1;
 	if (x->a != y->a)
 		return x->a < y->a ? -1 : 1;
-	return (x->b > y->b) - (x->b < y->b);
+	if (x->b != y->b)
+		return x->b < y->b ? -1 : 1;
+	if (x->joint != y->joint)
+		return x->joint < y->joint ? -1 : 1;
+	return (x->kind > y->kind) - (x->kind < y->kind);
 }
 
 bool rb_record_reserve(struct rb_world *world, size_t count)
@@ -301,12 +306,13 @@ enum rb_status rb_record_all(struct rb_world *world, struct rb_error *err)
 	struct rb_events *reported = &world->stepped->reported, *events = &world->events;
 	const size_t first = events->count, count = reported->count;
 
+	enum rb_status status = RB_OK;
+
 	reported->count = 0;
-	world->frame_counts.collisions += count;
-	if (count == 0 || (!world->hooks.collision && !world->options.keep_events))
+	if (count == 0)
 		return RB_OK;
 	qsort(reported->row, count, sizeof *reported->row, by_time);
-	memcpy(events->row + first, reported->row, count * sizeof *reported->row);
-	events->count += count;
-	return rb_world_report_collisions(world, first, err);
+	for (size_t k = 0; k < count && status == RB_OK; k++)
+		status = rb_world_add_event(world, &reported->row[k], err);
+	return status == RB_OK ? rb_world_report_events(world, first, err) : status;
 }

@@ -29,6 +29,7 @@
 
 #include "constraint/row.h"
 #include "model/joints.h"
+#include "world/joint_state.h"
 #include "world/world.h"
 
 /* Parts of a joint: the rows of its linkage, then these. */
@@ -64,9 +65,10 @@ struct rb_joint_work {
 
 /* A joint while it is stepped. */
 struct rb_step_joint {
-	struct rb_joint_memory last;   /* as the step under way began */
-	struct rb_joint_memory before; /* as the step that was tried first began */
-	int first_row;                 /* of the try; -1: its group rests, or is not asked about */
+	struct rb_joint_memory last;      /* as the step under way began */
+	struct rb_joint_memory before;    /* as the step that was tried first began */
+	int noted_before[RB_JOINT_NOTED]; /* as of rb_joint_state, then */
+	int first_row; /* of the try; -1: its group rests, or is not asked about */
 	/* m, rad: where a motor that follows is to be at the end of the step; NAN: it does not */
 	double wanted;
 	double bend[RB_LINKAGE_ROWS_MAX]; /* m, rad */

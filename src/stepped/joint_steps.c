@@ -46,7 +46,7 @@ static int next(const struct rb_world *world, const struct rb_cohort *cohort, st
 	return -1;
 }
 
-static struct rb_pose pose_of(const struct rb_world *world, int i)
+struct rb_pose rb_joints_pose(const struct rb_world *world, int i)
 {
 	return i < 0 ? rb_linkage_world() : rb_world_pose(world, &world->state, i);
 }
@@ -54,7 +54,8 @@ static struct rb_pose pose_of(const struct rb_world *world, int i)
 /* The free coordinate as bodies stand; turns are those nearest to `guess`. */
 static double way_of(const struct rb_world *world, const struct rb_joint *joint, double guess)
 {
-	const struct rb_pose a = pose_of(world, joint->a), b = pose_of(world, joint->b);
+	const struct rb_pose a = rb_joints_pose(world, joint->a);
+	const struct rb_pose b = rb_joints_pose(world, joint->b);
 
 	if (!rb_linkage_has_free(joint->link.kind))
 		return 0;
@@ -87,6 +88,7 @@ void rb_joints_begin(struct rb_world *world)
 			of->first_row = -1;
 		}
 		of->before = of->last;
+		memcpy(of->noted_before, world->joint[k].noted, sizeof of->noted_before);
 		of->sum[0] = of->sum[1] = (rb_vec3){0, 0, 0};
 		of->elapsed_s = 0;
 	}
@@ -100,6 +102,7 @@ void rb_joints_go_back(struct rb_world *world, const struct rb_cohort *cohort)
 		struct rb_step_joint *of = &world->stepped->solver.joint[k];
 
 		of->last = of->before;
+		memcpy(world->joint[k].noted, of->noted_before, sizeof of->noted_before);
 		of->sum[0] = of->sum[1] = (rb_vec3){0, 0, 0};
 		of->elapsed_s = 0;
 	}

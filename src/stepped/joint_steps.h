@@ -43,6 +43,9 @@ void rb_joints_keep(struct rb_world *world, const struct rb_cohort *cohort, doub
 /* m, rad: the free coordinate as bodies stand, h_s after the joint's was kept; 0: it has none. */
 double rb_joints_way(const struct rb_world *world, int joint, double h_s);
 
+/* Where it stands, and how it moves; -1: the world. */
+struct rb_pose rb_joints_pose(const struct rb_world *world, int body);
+
 /* N, N m about b's point: what the joint has exerted on b, the mean of the whole step. */
 void rb_joints_load(const struct rb_stepped *stepped, int joint, rb_vec3 *reaction, rb_vec3 *twist);
 

@@ -22,6 +22,7 @@
 #include "stepped/depth.h"
 #include "stepped/driven_bodies.h"
 #include "stepped/enter.h"
+#include "stepped/joint_records.h"
 #include "stepped/joint_steps.h"
 #include "stepped/judge.h"
 #include "stepped/sleep.h"
@@ -209,6 +210,8 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 		local->steps[part->body[k]]++;
 	s->reported.count = 0;
 	enum rb_status status = rb_record_impacts(world, part, time, before, NULL, err);
+	if (status == RB_OK)
+		status = rb_joint_records_add(world, part, time, h, NULL, err);
 	if (status == RB_OK &&
 	    !rb_memory_reserve(&local->event, &local->event_capacity,
 	                       local->event_count + s->reported.count + 1, sizeof *local->event))
@@ -538,14 +541,17 @@ static enum rb_status join_impulses(struct rb_world *world, double dt, struct rb
 	return RB_OK;
 }
 
-static enum rb_status join_impacts(struct rb_world *world, double end, struct rb_error *err)
+static enum rb_status join_impacts(struct rb_world *world, double end, double dt,
+                                   struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	const struct rb_local_rollback *local = s->local;
 
 	s->reported.count = 0;
-	const enum rb_status status = rb_record_impacts(world, &s->all, end, &world->contacts,
-	                                                local->swept.failed, err);
+	enum rb_status status = rb_record_impacts(world, &s->all, end, &world->contacts,
+	                                          local->swept.failed, err);
+	if (status == RB_OK)
+		status = rb_joint_records_add(world, &s->all, end, dt, local->swept.failed, err);
 	if (status != RB_OK)
 		return status;
 	if (!rb_memory_reserve(&s->reported.row, &s->reported.capacity,
@@ -643,7 +649,7 @@ enum rb_status rb_local_rollback_step(struct rb_world *world, double start, doub
 	if (status == RB_OK)
 		status = count_steps(world, dt, outcome, err);
 	if (status == RB_OK)
-		status = join_impacts(world, start + dt, err);
+		status = join_impacts(world, start + dt, dt, err);
 	if (status == RB_OK)
 		status = join_contacts(world, dt, err);
 	if (status == RB_OK && s->tally)

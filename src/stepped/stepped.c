@@ -18,6 +18,7 @@
 #include "stepped/contact_records.h"
 #include "stepped/enter.h"
 #include "stepped/impact_pass.h"
+#include "stepped/joint_records.h"
 #include "stepped/joint_steps.h"
 #include "stepped/judge.h"
 #include "stepped/local_rollback.h"
@@ -217,6 +218,8 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 	counts->slip_m = fmax(counts->slip_m, outcome->slip);
 	s->reported.count = 0;
 	enum rb_status status = rb_record_impacts(world, &s->all, end, &world->contacts, NULL, err);
+	if (status == RB_OK)
+		status = rb_joint_records_add(world, &s->all, end, h, NULL, err);
 	/* if everything sleeps and nothing touches, the lists stay as they are */
 	if (status == RB_OK && !(s->sleep.unchanged && s->all.points.count == 0))
 		status = keep_contacts(world, h, err);

@@ -234,16 +234,20 @@ double rb_world_element_energy(const struct rb_world *world)
 
 /* ---- changes by callbacks ---- */
 
-enum rb_status rb_world_report_collisions(struct rb_world *world, size_t first,
-                                          struct rb_error *err)
+enum rb_status rb_world_report_events(struct rb_world *world, size_t first, struct rb_error *err)
 {
 	const size_t count = world->events.count;
 	enum rb_status status = RB_OK;
 
-	for (size_t k = first; k < count && world->hooks.collision && status == RB_OK; k++) {
+	for (size_t k = first; k < count && status == RB_OK; k++) {
 		const struct rb_event event = world->events.row[k]; /* the rows may move */
+		const struct rb_world_hooks *const hooks = &world->hooks;
+		const bool impact = rb_event_is_impact(event.kind);
 
-		status = world->hooks.collision(world->hooks.user, world, &event, err);
+		if (!(impact ? hooks->collision : hooks->transition))
+			continue;
+		status = impact ? hooks->collision(hooks->user, world, &event, err)
+		                : hooks->transition(hooks->user, world, &event, err);
 		world->moment++;
 	}
 	if (!world->options.keep_events)

@@ -182,11 +182,12 @@ static inline rb_vec3 rb_world_row3(const double *column, int index)
 RB_FIELDS_DECLARE(rb_world_fields);
 
 /*
- * Calls on_collision for each event from `first` on that there is by now (callbacks may append
- * changes of their own), in order. Nothing is left of the events where none are kept.
+ * Calls on_collision or on_transition for each event from `first` on that there is by now
+ * (callbacks may append changes of their own), in order. Nothing is left of the events where none
+ * are kept.
  */
-RB_CHECKED enum rb_status rb_world_report_collisions(struct rb_world *world, size_t first,
-                                                     struct rb_error *err);
+RB_CHECKED enum rb_status rb_world_report_events(struct rb_world *world, size_t first,
+                                                 struct rb_error *err);
 
 /*
  * What callbacks push with: in a step what the state has, else what they have pushed with in the
