@@ -294,20 +294,28 @@ static bool is_above(const struct rb_located *l, int i, int plane, double from, 
 	       1.001 * reach + 1e-12 * (rb_vec3_max_abs(x) + rb_vec3_max_abs(d));
 }
 
-/* The same of bodies of which one is on a piece, without evaluating that. */
-static bool keeps_off(const struct rb_located *l, int a, int b, double from, double until)
+bool rb_pair_keeps_off(const struct rb_located *l, int a, int b, const struct rb_parabola *at_a,
+                       double from, double until)
 {
-	const struct rb_parabola at_a = rb_relative_parabola(l, a, from);
 	const double reach_a = rb_pair_extent(l, a), reach_b = rb_pair_extent(l, b);
 
 	if (isfinite(reach_a) && isfinite(reach_b)) {
 		const struct rb_parabola at_b = rb_relative_parabola(l, b, from);
 
-		return rb_relative_stay_apart(&at_a, &at_b, until - from, reach_a + reach_b);
+		return rb_relative_stay_apart(at_a, &at_b, until - from, reach_a + reach_b);
 	}
 	return b >= l->n && isfinite(reach_a) && l->model->shape[b].kind == RB_SHAPE_PLANE &&
-	       rb_relative_stays_above(&at_a, l->model->position[b], l->plane_normal[b - l->n],
+	       rb_relative_stays_above(at_a, l->model->position[b], l->plane_normal[b - l->n],
 	                               until - from, reach_a);
+}
+
+/* The same of bodies of which one is on a piece; statics come last. */
+static bool keeps_off(const struct rb_located *l, int a, int b, double from, double until)
+{
+	const int first = a < b ? a : b, second = a < b ? b : a;
+	const struct rb_parabola at_first = rb_relative_parabola(l, first, from);
+
+	return rb_pair_keeps_off(l, first, second, &at_first, from, until);
 }
 
 bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double from, double until)
@@ -318,8 +326,7 @@ bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double fr
 	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
 	RB_ASSERT_COSTLY(a != b);
 	RB_ASSERT_COSTLY(until >= from);
-	/* statics come last */
-	if (on_pieces && keeps_off(l, a < b ? a : b, a < b ? b : a, from, until))
+	if (on_pieces && keeps_off(l, a, b, from, until))
 		return true;
 	if (!isfinite(sum))
 		return is_above(l, a, b, from, until) || is_above(l, b, a, from, until);

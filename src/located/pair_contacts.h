@@ -9,9 +9,17 @@
 #define RB_LOCATED_PAIR_CONTACTS_H
 
 #include "located/convex_contact.h"
+#include "located/relative.h"
 
 /* Farthest point of a body from its centre of mass, m; of planes INFINITY. */
 double rb_pair_extent(const struct rb_located *l, int i);
+
+/*
+ * Does b stay farther from a than they could touch at, from `from` to `until`, by the parabolas of
+ * their centres? a moves, that is its parabola at `from`. False: not known.
+ */
+bool rb_pair_keeps_off(const struct rb_located *l, int a, int b, const struct rb_parabola *at_a,
+                       double from, double until);
 
 /* The point at which they are nearest to each other. */
 struct rb_contact_point rb_contact_point_at(const struct rb_located *l, int a, int b, double t);

@@ -26,6 +26,8 @@ struct seer {
 	bool general; /* filters or driven bodies: pairs are tested one by one */
 	bool quick;   /* also under gravity alone, without filters */
 	bool falls;   /* it has an acceleration */
+	bool follows; /* it is on a piece, near `parabola` */
+	struct rb_parabola parabola;
 	rb_vec3 position, velocity, acceleration; /* now */
 	double reach, speed; /* largest coordinate or radius; largest component */
 	int touching;
@@ -302,7 +304,8 @@ static void see_body(struct seer *s, int j)
 	double until = fmin(s->until, s->next.touch_s);
 	if (rb_located_on_piece(l, j))
 		until = fmin(until, l->piece[j].until_s);
-	if (rb_contact_point_is_far(l, s->i, j, s->now, until))
+	if ((s->follows && rb_pair_keeps_off(l, s->i, j, &s->parabola, s->now, until)) ||
+	    rb_contact_point_is_far(l, s->i, j, s->now, until))
 		return;
 	if (rb_pair_has_features(l, s->i, j)) {
 		const struct rb_approach found = rb_approach_find(l, s->i, j, s->now, until);
@@ -312,8 +315,8 @@ static void see_body(struct seer *s, int j)
 		see(s, j, found.touch_s, found.again);
 		return;
 	}
-	if (s->except != j && !(rb_located_on_piece(l, s->i) &&
-	                        rb_contact_point_is_far(l, s->i, j, s->now, s->now))) {
+	if (s->except != j &&
+	    !(s->follows && rb_contact_point_is_far(l, s->i, j, s->now, s->now))) {
 		const struct rb_contact_point m = rb_contact_point_at(l, s->i, j, s->now);
 
 		s->touching += m.gap <= rb_contact_point_band(l, &m, s->now);
@@ -359,6 +362,9 @@ static inline void open(struct seer *s, struct rb_located *l, int i, double now,
 	s->radius = s->quick ? l->arc[i].plain_radius : l->model->shape[i].radius;
 	find_self(s, l, i, now);
 	s->falls = largest(s->acceleration) > 0;
+	s->follows = rb_located_on_piece(l, i);
+	if (s->follows)
+		s->parabola = rb_relative_parabola(l, i, now);
 	s->reach = larger(s->radius, largest(s->position));
 	s->speed = largest(s->velocity);
 }

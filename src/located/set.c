@@ -99,11 +99,13 @@ bool rb_set_touches_another(const struct rb_located *l, int i, int except, doubl
 {
 	const int near = i < l->n ? rb_set_near(l, i) : 0;
 	const int count = i < l->n ? near + l->model->static_count : 0;
+	const struct rb_parabola here = rb_relative_parabola(l, i, t);
 
 	for (int k = 0; k < count; k++) {
 		const int j = k < near ? l->near[k] : l->n + k - near;
 
 		if (j == except || !rb_pair_can_touch(l, i, j) ||
+		    rb_pair_keeps_off(l, i, j, &here, t, t) ||
 		    rb_contact_point_is_far(l, i, j, t, t))
 			continue;
 		if (rb_pair_has_features(l, i, j))
