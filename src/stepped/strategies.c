@@ -277,9 +277,13 @@ static double aim_of(const struct rb_solver *solver, const struct rb_island *isl
 	if (solver->before && island->row_count < HEAP_ROWS && !sweeper->central)
 		external = sqrt(rb_strategies_external(solver, member, island->member_count,
 		                                       (double)INFINITY));
-	return external > 0 ? fmin(fmax(external_share * external, close_share * solver->tolerance),
-	                           solver->tolerance)
-	                    : solver->tolerance;
+	if (external == 0)
+		return solver->tolerance;
+	/* errors of what is faster than forces make it in a step are beside its speed */
+	const double speed = sweeper->wide ? 0
+	                                   : sqrt(fastest(solver, island, true, (double)INFINITY));
+	return fmin(fmax(external_share * fmax(external, speed), close_share * solver->tolerance),
+	            solver->tolerance);
 }
 
 /* Whether the group hardly moved when the step began, and nothing moves under it. */
