@@ -37,6 +37,24 @@ for method in $METHODS; do
 		--param seconds=600 --time-step 0.01 --method "$method"
 done
 
+# stacks that are let fall by a millimetre each, over the tolerance in half edges
+for method in $METHODS; do
+	for count in 20 50; do
+		for rate in 60 240; do
+			for tolerance in 1e-6 1e-4 1e-2; do
+				name="$method, stack of $count let fall, 1/$rate s, $tolerance r"
+				timeout "${LIMIT:-120}" "$RBSIM" run "$BENCH_SCENES/fall.lua" --no-record --param count=$count \
+					--param rate=$rate --method "$method" --tolerance "$(calc "0.5 * $tolerance")" \
+					--threads 1 --json >out 2>err </dev/null || [ $? -eq 1 ] || continue
+				result "$name" "fastest after 2 s" "$(calc "$(measured "fastest after 2 s")")" m/s 0
+				result "$name" "top below its place" "$(calc "$(measured "top below its place")")" m \
+					"$(calc "0.5 * $tolerance * $count")"
+				result "$name" "time for 20 s" "$(calc "$(value wall_time)")" s 1
+			done
+		done
+	done
+done
+
 # of CASE TEXT UNIT BAR SCENE ARGUMENT...: what an expectation of a case measures
 of()
 {
