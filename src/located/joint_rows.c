@@ -237,6 +237,17 @@ static void begin_stop(const struct rb_joint_rows *rows, int which, int stop, do
 	                                                               : RB_STOP_OPEN;
 }
 
+/*
+ * Has the piece come to its end, at which a drive is at its speed? Something else may have cut it.
+ */
+static bool has_ended(const struct rb_located *l, int which, double t)
+{
+	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const int body = rb_located_fixed(l, joint->a) ? joint->b : joint->a;
+
+	return !rb_located_on_piece(l, body) || t >= l->piece[body].until_s;
+}
+
 void rb_joint_rows_begin_drives(const struct rb_joint_rows *rows, double t, bool anew, double slack)
 {
 	for (int k = 0; k < rows->joint_count; k++) {
@@ -249,7 +260,8 @@ void rb_joint_rows_begin_drives(const struct rb_joint_rows *rows, double t, bool
 			const double v = free_of(rows, which, t).rate -
 			                 rb_joint_rows_drive_now(rows->l, which, kind).speed;
 
-			if (*mode == RB_DRIVE_REACHED || (*mode == RB_DRIVE_HELD && !anew))
+			if (!anew && (*mode == RB_DRIVE_HELD ||
+			              (*mode == RB_DRIVE_REACHED && has_ended(rows->l, which, t))))
 				*mode = RB_DRIVE_HELD;
 			else if (fabs(v) <= noise_of(rows, which, t))
 				*mode = RB_DRIVE_HELD;

@@ -73,13 +73,17 @@ static const struct rb_joint_row *row_like(const struct rb_joint_rows *rows,
 	return NULL;
 }
 
-/* Does the series of rebounds that begins with the row's velocity end within rounding? */
+/*
+ * Does the series of rebounds that begins with the row's velocity end within rounding? `pressed`,
+ * m/s^2: what contacts may close the gap with, whose forces are not known yet.
+ */
 static bool ends_here(const struct rb_joint_rows *after, const struct rb_joint_row *row,
-                      const rb_vec3 *linear, const rb_vec3 *angular)
+                      const rb_vec3 *linear, const rb_vec3 *angular, double pressed)
 {
 	const struct rb_joint *joint = &after->l->model->joints->joint[row->joint];
 	const struct rb_coupled_row coupled = rb_joint_rows_coupled(row);
-	const double closing = -(rb_coupled_felt(&coupled, linear, angular) + row->bias);
+	const double closing = fmax(-(rb_coupled_felt(&coupled, linear, angular) + row->bias),
+	                            pressed);
 
 	return row->velocity > 0 && closing > 0 &&
 	       row->velocity * row->velocity <=
@@ -102,6 +106,7 @@ static bool end_rebounds(const struct rb_joint_rows *rows, const struct rb_simul
 	struct rb_pose *const pose = rb_arena_take(arena, bodies + 1, sizeof *pose);
 	rb_vec3 *const linear = rb_arena_take(arena, 2 * bodies + 1, sizeof *linear);
 	struct rb_joint_rows after = *rows;
+	double pressed = 0;
 	int at = 0;
 	bool any = false;
 
@@ -116,6 +121,8 @@ static bool end_rebounds(const struct rb_joint_rows *rows, const struct rb_simul
 	}
 	if (!accelerate(&after, t, linear, linear + bodies))
 		return false;
+	for (size_t p = 0; p < bodies && joint->contact_count > 0; p++)
+		pressed = fmax(pressed, rb_vec3_max_abs(linear[p]));
 	after.touching = true;
 	rb_joint_rows_fill(&after, t);
 	for (int k = 0; k < rows->count; k++) {
@@ -125,7 +132,7 @@ static bool end_rebounds(const struct rb_joint_rows *rows, const struct rb_simul
 		const struct rb_joint_row *row = row_like(&after, &rows->row[k]);
 
 		if (!(stop->approach > 0) || !(stop->restitution > 0) || !row ||
-		    !ends_here(&after, row, linear, linear + bodies))
+		    !ends_here(&after, row, linear, linear + bodies, pressed))
 			continue;
 		stop->restitution = 0;
 		any = true;
@@ -137,14 +144,13 @@ bool rb_joint_stops_end(const struct rb_joint_rows *rows, const struct rb_simult
                         double t)
 {
 	const rb_arena_mark here = rb_arena_here(rows->l->arena);
-	bool met = false;
+	bool any = false;
 
-	for (int k = 0; k < joint->joint_count; k++)
-		met = met ||
-		      (joint->joint_row[k].approach > 0 && joint->joint_row[k].restitution > 0);
-	met = met && end_rebounds(rows, joint, t);
+	for (int k = 0; k < rows->count; k++)
+		any = any || rb_joint_rows_is_stop(&rows->row[k]);
+	any = any && end_rebounds(rows, joint, t);
 	rb_arena_back(rows->l->arena, here);
-	return met;
+	return any;
 }
 
 /* ---- what is told ---- */

@@ -201,8 +201,9 @@ static void keep_what_lasts(struct rb_resolution *s)
 		          !rb_slips_is_after_impact(s, &s->contact_point[k]) &&
 		          !parts(s, &s->contact_point[k]) && !opens_anew(s, k);
 	}
-	rb_drift(&drift);
+	/* what no longer holds must not while contacts are put right */
 	rb_joint_rows_begin_drives(&s->joints, s->t, s->after_impact || s->l->starting, s->slack);
+	rb_drift(&drift);
 	rb_joint_rows_correct(&s->joints, s->t, s->pose, s->after_impact || s->l->starting);
 	for (int k = 0; k < s->contact_point_count; k++) {
 		rb_drift_point(s->l, s->pose, &s->contact_point[k]);

@@ -695,8 +695,14 @@ static void enter_joints(struct impact *s)
 	}
 	rb_joint_rows_read_problem(&s->joints, false, s->joint.joint_row, impulse);
 	rb_joint_stops_enter(&s->joints, &s->joint, impulse, s->t);
-	for (int k = 0; k < s->joints.count; k++)
-		rb_joint_rows_enter(&s->joints, &s->joints.row[k], impulse[k], s->t, &e);
+	for (int k = 0; k < s->joints.count; k++) {
+		const struct rb_joint_row *row = &s->joints.row[k];
+
+		/* of the mean of J V before and after: 0, but of what a scene begins with */
+		if (!rb_joint_rows_is_stop(row))
+			rb_entries_energy(&e, RB_ENERGY_IMPACTS, -0.5 * impulse[k] * row->velocity);
+		rb_joint_rows_enter(&s->joints, row, impulse[k], s->t, &e);
+	}
 	if (s->l->account_s)
 		rb_ledger_enter(&s->l->world->ledger, &e);
 }
