@@ -100,6 +100,47 @@ static void a_ball_joint_is_a_ball(void **state)
 	studio_close(&studio);
 }
 
+/* From a point that is fixed to a to b's, in one line of pieces, however far it is stretched. */
+static void a_slider_on_a_spring_is_a_coil(void **state)
+{
+	struct rb_joint_piece piece[RB_JOINT_PIECES_MAX];
+	struct rb_joint_def *def;
+	struct studio studio;
+	double first[2];
+
+	(void)state;
+	def = open_pair(&studio, RB_JOINT_SLIDER);
+	def->axis = (rb_vec3){1, 0, 0};
+	def->stiffness = 10;
+	def->radius_m = 0.02;
+	studio_seal(&studio);
+	assert_int_equal(rb_joint_piece_count(studio.lab.model, 0), RB_COIL_PIECES);
+	for (int n = 0; n < 2; n++) {
+		const double way = 0.3 * n;
+		rb_vec3 end = {0};
+
+		studio.frame.position[3] = 1 + way;
+		assert_true(rb_joint_pieces(studio.lab.model, &studio.frame, 0, piece));
+		for (int k = 0; k < RB_COIL_PIECES; k++) {
+			const rb_vec3 half = rb_quat_rotate(piece[k].pose.orientation,
+			                                    (rb_vec3){0, 0, 0.5 * piece[k].length});
+			const rb_vec3 from = rb_vec3_sub(piece[k].pose.position, half);
+
+			if (k > 0)
+				assert_true(rb_vec3_length(rb_vec3_sub(from, end)) < 1e-12);
+			else
+				first[n] = from.x;
+			end = rb_vec3_add(piece[k].pose.position, half);
+		}
+		/* the middle of its last turn is at b's point, 20 radii from its first at rest */
+		assert_near(end.x, way, 1e-12);
+		assert_near(hypot(end.y, end.z - 1), 2.5 * 0.02, 1e-12);
+	}
+	assert_near(first[0], -20 * 0.02, 1e-12);
+	assert_near(first[1], first[0], 1e-12);
+	studio_close(&studio);
+}
+
 static void wire_models_show_rods_as_lines(void **state)
 {
 	struct studio studio;
@@ -170,6 +211,7 @@ int main(void)
 		cmocka_unit_test(a_released_joint_is_not_drawn),
 		cmocka_unit_test(a_hinge_is_a_pin_along_its_axis),
 		cmocka_unit_test(a_ball_joint_is_a_ball),
+		cmocka_unit_test(a_slider_on_a_spring_is_a_coil),
 		cmocka_unit_test(wire_models_show_rods_as_lines),
 		cmocka_unit_test(arrows_show_what_joints_exert),
 		cmocka_unit_test(a_slack_rope_sags),

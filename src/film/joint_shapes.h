@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What joints look like: capsules. A rod is one, a rope a chain of them, a hinge a pin along its
- * axis, a ball joint a ball, a universal joint a cross, a slider a rail along its axis. A fixed
- * joint has none: its bodies are one to look at.
+ * axis, a ball joint a ball, a universal joint a cross, a slider a rail along its axis, on a spring
+ * a coil. A fixed joint has none: its bodies are one to look at.
  *
  * Pure functions.
  */
@@ -12,7 +12,7 @@
 #include "film/view.h"
 #include "flow/joint_view.h"
 
-enum { RB_JOINT_PIECES_MAX = RB_ROPE_PIECES };
+enum { RB_COIL_PIECES = 64, RB_JOINT_PIECES_MAX = RB_COIL_PIECES };
 
 struct rb_joint_piece {
 	rb_pose pose;          /* of the middle; its segment lies along local z */

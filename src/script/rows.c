@@ -359,7 +359,8 @@ static const struct rb_row joint_rows[] = {
 	{"collides", RB_ROW_BOOLEAN, 0, 0, AT(rb_joint_def, collides), NULL, NULL, "false", "",
          "whether a and b touch each other"},
 	{"visible", RB_ROW_BOOLEAN, 0, 0, AT(rb_joint_def, visible), NULL, NULL, "true", "",
-         "drawn by cameras: rods as bars, ropes as cords, hinges and other joints as pins"},
+         "drawn by cameras: rods as bars, ropes as cords, sliders on springs as coils, hinges and "
+         "other joints as pins"},
 	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_joint_def, radius_m), NULL, NULL,
          "from the sizes of its bodies", "m", "of what is drawn"},
 	{"color", RB_ROW_COLOR, 0, 0, AT(rb_joint_def, color), NULL, NULL, "grey; ropes: brown", "",
