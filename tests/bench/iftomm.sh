@@ -3,7 +3,7 @@
 # Problems of the IFToMM's library of benchmarks (Gonzalez, Dopico, Lugris, Cuadrado, Multibody Syst. Dyn. 16 (2006) 179), located
 # and by steps: what places miss, energy, processor time.
 #   A01  pendulum of 1 m and 1 kg from the horizontal, 10 s
-#   A02  1, 10 and 40 windows of rods of 1 m and 1 kg, upright at 30 m/s, 10 s: every half turn all of them lie in one line
+#   A02  1 and 10 windows of rods of 1 m and 1 kg, upright at 30 m/s, 10 s: every half turn all of them lie in one line
 #   A03  Andrews' squeezing mechanism, 0.03 s (Hairer and Wanner, Solving Ordinary Differential Equations II, VII.7)
 # A01 and A02 have one freedom, angle'' = b sin(angle); their reference is that equation by Runge and Kutta's method with steps of
 # 1e-5 s, here. A03's is published. A run that does not end well is shown as its exit status.
@@ -117,7 +117,7 @@ place=$(reference 9.81 -1.5707963267948966 0)
 set -- --param x="${place% *}" --param z="${place#* }"
 try A01 A01.lua located '' m "$@"
 for h in 0.001 0.0001; do try A01 A01.lua stepped $h m "$@"; done
-for n in 1 10 40; do
+for n in 1 10; do
 	place=$(reference "$(awk -v n=$n 'BEGIN { printf "%.17g", 9.81 * ((n + 1) / 2 + n) / ((n + 1) / 3 + n) }')" 0 30)
 	set -- --param x="${place% *}" --param z="${place#* }" --param windows=$n
 	try "A02 with $n windows" A02.lua located '' m "$@"

@@ -10,6 +10,8 @@ RUNS=${RUNS:-3}
 PYTHON=${PYTHON:-python3}
 case ${OUT:=} in '' | /*) ;; *) OUT=$PWD/$OUT ;; esac
 . "$(dirname "$0")/functions"
+# threads of its linear algebra would wait for each other
+export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 
 cat >chain.lua <<'END'
 local n = param("links", 1, "of the chain", {min = 1})
