@@ -200,13 +200,19 @@ static double turned(const struct rb_candidates *candidates, const struct rb_wor
 	return pi * sqrt(w * w + x * x + y * y + z * z);
 }
 
-/* True unless body i is a driven plane that `ahead` rad more would turn beyond its margin. */
+/*
+ * True unless body i is a driven plane that has turned beyond its margin, or would in the step if
+ * it is not `over`. Few bodies are planes; scenes without driven bodies do not ask (built_turn).
+ */
 static bool is_turn_within(const struct rb_candidates *candidates, const struct rb_world *world,
-                           int i, double ahead)
+                           int i, bool over)
 {
+	if (!is_plane(world->model, i))
+		return true;
+	const double ahead = over ? 0 : turn_ahead(candidates, world, i);
+
 	/* written so that NaN asks for new boxes */
-	return !is_plane(world->model, i) ||
-	       turned(candidates, world, i) + ahead <= candidates->turn_margin[i];
+	return turned(candidates, world, i) + ahead <= candidates->turn_margin[i];
 }
 
 /*
@@ -453,7 +459,7 @@ enum rb_status rb_candidates_find(struct rb_candidates *candidates, struct rb_wo
 		/* written so that NaN asks for new boxes */
 		if (!(from_built(candidates, world, i) + candidates->reach[i] <=
 		      candidates->margin[i]) ||
-		    !is_turn_within(candidates, world, i, turn_ahead(candidates, world, i)))
+		    (candidates->built_turn && !is_turn_within(candidates, world, i, false)))
 			candidates->valid = false;
 	}
 	return candidates->valid ? RB_OK : build(candidates, world, err);
@@ -464,7 +470,7 @@ bool rb_candidates_holds(const struct rb_candidates *candidates, const struct rb
 {
 	for (int k = 0; k < count; k++)
 		if (!(from_built(candidates, world, body[k]) <= candidates->margin[body[k]]) ||
-		    !is_turn_within(candidates, world, body[k], 0))
+		    (candidates->built_turn && !is_turn_within(candidates, world, body[k], true)))
 			return false;
 	return true;
 }
