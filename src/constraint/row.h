@@ -69,7 +69,7 @@ typedef struct {
 struct rb_constraint {
 	int a, b; /* bodies of the problem */
 	enum rb_constraint_set set;
-	bool central;   /* arms are along the normal, and inertias multiples of one */
+	bool central;   /* arms are along the normal, inertias multiples of one; CONE alone */
 	bool couple;    /* turns only: arm_a.x is its lever; neither central nor a CONE */
 	rb_vec3 normal; /* unit, from a to b; FREE: any unit vector */
 	/* m, from the centres of mass; central: x is the length along the normal */

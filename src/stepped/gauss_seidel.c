@@ -200,7 +200,7 @@ bool rb_sweep_take(struct rb_sweep *sweep, struct rb_arena *arena)
 
 	sweep->trace = rb_arena_take(arena, rows, sizeof *sweep->trace);
 	sweep->inverse = NULL;
-	for (int k = 0; k < dense->row_count && sweep->trace; k++) {
+	for (int k = 0; !sweep->central && k < dense->row_count && sweep->trace; k++) {
 		if (dense->row[k].set != RB_CONSTRAINT_FREE)
 			continue;
 		if (!sweep->inverse)

@@ -25,6 +25,7 @@ struct rb_sweep {
 	const struct rb_row_system *dense;
 	double tolerance; /* m/s: stops when no row's velocity changes by more */
 	int max;          /* sweeps */
+	bool central;     /* all rows are known to be central: contacts */
 	/* [rows]: scratch, rb_sweep_take; inverse: of K of FREE rows, NULL: there are none */
 	struct rb_sweep_trace *trace;
 	rb_mat3 *inverse;

@@ -94,9 +94,10 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 	sweeper->central = is_central(sweeper->dense);
 	sweeper->wide = sweeper->dense->row_count >=
 	                        (sweeper->central ? RB_WIDE_CENTRAL_ROWS : RB_WIDE_ROWS) &&
-	                rb_row_system_is_of_contacts(sweeper->dense);
+	                (sweeper->central || rb_row_system_is_of_contacts(sweeper->dense));
 	if (!sweeper->wide) {
-		sweeper->one = (struct rb_sweep){.dense = sweeper->dense};
+		sweeper->one = (struct rb_sweep){.dense = sweeper->dense,
+		                                 .central = sweeper->central};
 		sweeper->impulses = rb_arena_take(arena, (size_t)sweeper->member_count + 1,
 		                                  sizeof *sweeper->impulses);
 		return sweeper->impulses && rb_sweep_take(&sweeper->one, arena);
