@@ -48,3 +48,6 @@ sed -n '/^```lua$/,/^```$/p' "$TOP/README.md" | sed '/^```/d' >drop.lua
 [ -s drop.lua ] || fail "README.md has no scene"
 exits 0 drop.lua --no-record
 exits 0 drop.lua --no-record --param e=0.5
+
+# the gallery is what its script makes of the scenes' first lines
+(cd "$TOP" && tools/gallery --text) | diff "$TOP/docs/gallery.md" - >&2 || fail "docs/gallery.md is behind: tools/gallery makes it"
