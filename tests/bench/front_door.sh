@@ -1,0 +1,56 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# How far it is to a first result: from a clone to a film, to a plot in Python; which examples run; who opens a recording.
+# RBSIM is the program; CLONE=0 leaves out the build of a clone, which takes some minutes.
+set -eu
+cd "$(dirname "$0")/../.."
+top=$PWD
+rbsim=$(realpath "${RBSIM:-build/release/rbsim}")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+now() { date +%s.%N; }
+# since START WHAT: prints seconds
+since() { awk "BEGIN { printf \"%8.1f s  %s\\n\", $(now) - $1, \"$2\" }"; }
+
+python=${RBSIM_PYTHON:-python3}
+cat >"$work/plot.py" <<'END'
+import sys, rbsim
+with rbsim.run("scenes/bounce.lua") as run:
+    t, z = run.time[:], run.position[:, 0, 2]
+try:
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+    pyplot.plot(t, z)
+    pyplot.savefig(sys.argv[1])
+except ImportError:
+    print("           (no matplotlib: arrays, not a picture)")
+END
+
+if [ "${CLONE:-1}" != 0 ]; then
+	start=$(now)
+	git clone --quiet "$top" "$work/clone"
+	make -C "$work/clone" -j"$(nproc)" >"$work/log" 2>&1 || { tail "$work/log"; exit 1; }
+	since "$start" "clone and build, $(nproc) processors"
+	(cd "$work/clone" && build/release/rbsim scenes/bounce.lua --quiet >"$work/log" 2>&1) || tail -n 2 "$work/log"
+	since "$start" "clone to the first film"
+	rbsim=$work/clone/build/release/rbsim
+fi
+start=$(now)
+PYTHONPATH=$top/tools/python RBSIM=$rbsim "$python" "$work/plot.py" "$work/plot.png" || echo "           no plot: numpy and h5py are needed"
+since "$start" "from the program to the first plot in Python"
+
+guide='README.md docs/README.md docs/analysis.md docs/tutorial.md'
+# shellcheck disable=SC2086 # a list
+blocks=$(cat $guide | grep -c '^```[a-z]')
+written=$((blocks + $(grep -c '^```[a-z]' tools/python/README.md) + $(find tools/python/examples -name '*.py' | wc -l)))
+blocks=$((blocks + $(find tools/python/examples -name '*.py' | wc -l)))
+pages=$(cat man/*.[0-9] | awk '/^\.Sh EXAMPLES/ { on = 1; next } /^\.Sh / { on = 0 } on && /^\.(Dl|Bd)/' | wc -l)
+run=$(awk '/^\.Sh EXAMPLES/ { on = 1; next } /^\.Sh / { on = 0 } on && /^\.(Dl|Bd)/' man/rbsim.1 man/rbsim-sweep.1 man/rbsim.3 | wc -l)
+echo "$written examples in guide and Python package, $blocks of them run by docs.sh, tutorial.sh and python.sh"
+echo "$pages examples in manuals, $run of them run by options-manual.sh and embed.sh"
+
+"$rbsim" scenes/bounce.lua --no-render --quiet -o "$work/run.h5"
+echo "readers of a recording here:"
+"$python" tests/readers/check.py "$work/run.h5" | sed 's/^/  /' || true
