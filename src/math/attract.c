@@ -8,39 +8,17 @@
 
 #include <math.h>
 
-#ifdef __SSE2__
-#include <immintrin.h>
-#endif
-
 #include "base/error.h"
-
-enum { WIDTH = 4 };
-typedef double lanes __attribute__((vector_size(WIDTH * sizeof(double)), aligned(8)));
-typedef long long masks __attribute__((vector_size(WIDTH * sizeof(long long)), aligned(8)));
-#define ALWAYS static inline __attribute__((always_inline))
-
-/* Vectors go by reference: how they would be passed depends on the processor. */
-ALWAYS void root(const lanes *x, lanes *r)
-{
-#ifdef __SSE2__
-	const __m128d low = _mm_sqrt_pd((__m128d){(*x)[0], (*x)[1]});
-	const __m128d high = _mm_sqrt_pd((__m128d){(*x)[2], (*x)[3]});
-
-	*r = (lanes){low[0], low[1], high[0], high[1]};
-#else
-	for (int i = 0; i < WIDTH; i++)
-		(*r)[i] = sqrt((*x)[i]);
-#endif
-}
+#include "math/lanes.h"
 
 /* Sum and what rounding has left of it. */
 struct sum {
-	lanes value, rest;
+	rb_lanes value, rest;
 };
 
-ALWAYS void add(struct sum *sum, const lanes *term)
+RB_LANES_INLINE void add(struct sum *sum, const rb_lanes *term)
 {
-	const lanes value = sum->value + *term, back = value - sum->value;
+	const rb_lanes value = sum->value + *term, back = value - sum->value;
 
 	sum->rest += (sum->value - (value - back)) + (*term - back);
 	sum->value = value;
@@ -48,29 +26,30 @@ ALWAYS void add(struct sum *sum, const lanes *term)
 
 /* One coordinate of four points. */
 struct coordinate {
-	lanes x, rest;
+	rb_lanes x, rest;
 };
 
-ALWAYS void load(const struct rb_attract *all, int m, int first, int end, struct coordinate *c)
+RB_LANES_INLINE void load(const struct rb_attract *all, int m, const int point[RB_LANES],
+                          struct coordinate *c)
 {
-	for (int lane = 0; lane < WIDTH; lane++) {
-		/* the last one fills up what is left of the lanes */
-		const int i = first + lane < end ? first + lane : end - 1;
-
-		c->x[lane] = all->x[m][i];
-		c->rest[lane] = all->rest[m][i];
+	for (int lane = 0; lane < RB_LANES; lane++) {
+		c->x[lane] = all->x[m][point[lane]];
+		c->rest[lane] = all->rest[m][point[lane]];
 	}
 }
 
-ALWAYS void store(const struct sum *sum, int first, int end, double *to)
+RB_LANES_INLINE void store(const struct sum *sum, int count, double *to)
 {
-	for (int lane = 0; lane < WIDTH && first + lane < end; lane++)
-		to[first + lane] = sum->value[lane] + sum->rest[lane];
+	for (int lane = 0; lane < RB_LANES && lane < count; lane++)
+		to[lane] = sum->value[lane] + sum->rest[lane];
 }
 
-/* Four points from `first` on. Coordinates are written out, so that sums stay in registers. */
-ALWAYS void run_four(const struct rb_attract *all, int first, int end,
-                     double *const acceleration[3])
+/*
+ * Four points, of which `count` are asked for, to acceleration[3][first ..]. Coordinates are
+ * written out, so that sums stay in registers.
+ */
+RB_LANES_INLINE void run_four(const struct rb_attract *all, const int point[RB_LANES], int count,
+                              double *const acceleration[3], int first)
 {
 	const double *const px = all->x[0], *const py = all->x[1], *const pz = all->x[2];
 	const double *const rx = all->rest[0], *const ry = all->rest[1], *const rz = all->rest[2];
@@ -78,72 +57,77 @@ ALWAYS void run_four(const struct rb_attract *all, int first, int end,
 	struct coordinate x, y, z;
 	struct sum sx = {0}, sy = {0}, sz = {0};
 
-	load(all, 0, first, end, &x);
-	load(all, 1, first, end, &y);
-	load(all, 2, first, end, &z);
+	load(all, 0, point, &x);
+	load(all, 1, point, &y);
+	load(all, 2, point, &z);
 	for (int j = 0; j < all->count; j++) {
-		const lanes dx = (px[j] - x.x) + (rx[j] - x.rest);
-		const lanes dy = (py[j] - y.x) + (ry[j] - y.rest);
-		const lanes dz = (pz[j] - z.x) + (rz[j] - z.rest);
-		const lanes square = dx * dx + dy * dy + dz * dz;
+		const rb_lanes dx = (px[j] - x.x) + (rx[j] - x.rest);
+		const rb_lanes dy = (py[j] - y.x) + (ry[j] - y.rest);
+		const rb_lanes dz = (pz[j] - z.x) + (rz[j] - z.rest);
+		const rb_lanes square = dx * dx + dy * dy + dz * dz;
 		/* the point itself, and what is at the same place: no force */
-		const masks distinct = (masks)(square > 0);
-		const lanes soft = square + softening2;
-		lanes distance;
+		const rb_lanes_mask distinct = (rb_lanes_mask)(square > 0);
+		const rb_lanes soft = square + softening2;
+		rb_lanes distance;
 
-		root(&soft, &distance);
-		const lanes all_factor = mu[j] / (soft * distance);
-		const lanes factor = (lanes)((masks)all_factor & distinct);
-		const lanes ax = factor * dx, ay = factor * dy, az = factor * dz;
+		rb_lanes_root(&soft, &distance);
+		const rb_lanes all_factor = mu[j] / (soft * distance);
+		const rb_lanes factor = (rb_lanes)((rb_lanes_mask)all_factor & distinct);
+		const rb_lanes ax = factor * dx, ay = factor * dy, az = factor * dz;
 
 		add(&sx, &ax);
 		add(&sy, &ay);
 		add(&sz, &az);
 	}
-	store(&sx, first, end, acceleration[0]);
-	store(&sy, first, end, acceleration[1]);
-	store(&sz, first, end, acceleration[2]);
+	store(&sx, count, acceleration[0] + first);
+	store(&sy, count, acceleration[1] + first);
+	store(&sz, count, acceleration[2] + first);
 }
 
-ALWAYS void run(const struct rb_attract *all, int first, int end, double *const acceleration[3])
+/* Points listed, or without a list from `first` on, to acceleration[3][first ..]. */
+RB_LANES_INLINE void run(const struct rb_attract *all, const int *list, int first, int count,
+                         double *const acceleration[3])
 {
-	for (int k = first; k < end; k += WIDTH)
-		run_four(all, k, end, acceleration);
+	for (int k = 0; k < count; k += RB_LANES) {
+		int point[RB_LANES];
+
+		for (int lane = 0; lane < RB_LANES; lane++) {
+			/* the last one fills up what is left of the lanes */
+			const int at = k + lane < count ? k + lane : count - 1;
+
+			point[lane] = list ? list[at] : first + at;
+		}
+		run_four(all, point, count - k, acceleration, first + k);
+	}
 }
 
-#if defined(__x86_64__) && !defined(__AVX2__)
-__attribute__((target("avx2"))) static void run_avx2(const struct rb_attract *all, int first,
-                                                     int end, double *const acceleration[3])
+RB_LANES_AVX2 static void run_avx2(const struct rb_attract *all, const int *list, int first,
+                                   int count, double *const acceleration[3])
 {
-	run(all, first, end, acceleration);
+	run(all, list, first, count, acceleration);
 }
 
-static bool has_avx2(void)
+static void run_any(const struct rb_attract *all, const int *list, int first, int count,
+                    double *const acceleration[3])
 {
-	return __builtin_cpu_supports("avx2");
+	RB_ASSERT(all->softening2 >= 0);
+	if (rb_lanes_avx2())
+		run_avx2(all, list, first, count, acceleration);
+	else
+		run(all, list, first, count, acceleration);
 }
-#else
-static void run_avx2(const struct rb_attract *all, int first, int end,
-                     double *const acceleration[3])
-{
-	run(all, first, end, acceleration);
-}
-
-static bool has_avx2(void)
-{
-	return false;
-}
-#endif
 
 void rb_attract_some(const struct rb_attract *all, int first, int end,
                      double *const acceleration[3])
 {
 	RB_ASSERT(first >= 0 && end <= all->count);
-	RB_ASSERT(all->softening2 >= 0);
-	if (has_avx2())
-		run_avx2(all, first, end, acceleration);
-	else
-		run(all, first, end, acceleration);
+	run_any(all, NULL, first, end - first, acceleration);
+}
+
+void rb_attract_listed(const struct rb_attract *all, const int *list, int count,
+                       double *const acceleration[3])
+{
+	run_any(all, list, 0, count, acceleration);
 }
 
 rb_vec3 rb_attract_between(const struct rb_attract *all, int i, int j, double *factor)

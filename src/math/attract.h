@@ -32,6 +32,10 @@ struct rb_attract {
 void rb_attract_some(const struct rb_attract *all, int first, int end,
                      double *const acceleration[3]);
 
+/* The same of those points that `list` names, in its order: acceleration[3][count]. */
+void rb_attract_listed(const struct rb_attract *all, const int *list, int count,
+                       double *const acceleration[3]);
+
 /*
  * Distance at which the strongest of those that attract point i would act as all do, m: the mean of
  * distances, weighted by strength; INFINITY: nothing attracts it. `*depth`: m^2/s^2, its potential,
