@@ -30,6 +30,8 @@ static struct rb_frame frame_of(int body_count, rb_features features, unsigned f
 		.rollbacks = 9,
 		.substeps = 10,
 		.smallest_step = 1e-5,
+		.gravitation_error = 3e-4,
+		.gravitation_energy_error = 7e-6,
 		.stepped = 0.25,
 	};
 	for (int i = 0; i < 3 * body_count; i++) {

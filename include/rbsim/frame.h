@@ -92,6 +92,11 @@ struct rb_frame_numbers {
 	uint64_t collisions, rollbacks, substeps; /* substeps: accepted, all groups */
 	double smallest_step;                     /* s, the smallest substep tried */
 	double stepped; /* s that the classic method has simulated, the rest was located */
+	/*
+	 * where steps sum gravitation by a tree: the largest error of an acceleration among bodies
+	 * chosen at random, as a share of it; a bound of that of its potential energy; otherwise 0
+	 */
+	double gravitation_error, gravitation_energy_error;
 	bool has_ledger;
 	struct rb_ledger_values ledger; /* zeros without one */
 };

@@ -39,6 +39,8 @@ RB_FIELDS_DECLARE(rb_balance_fields);
 	X(uint64_t, substeps, , "", "accepted since the frame before", RB_ANY_BITS) \
 	X(double, smallest_step, , "s", "of those tried", RB_NUMBER)                \
 	X(double, stepped, , "s", "simulated by steps", RB_NUMBER)                  \
+	X(double, gravitation_error, , "", "share of an acceleration", RB_NUMBER)   \
+	X(double, gravitation_energy_error, , "", "share of an energy", RB_NUMBER)  \
 	X(bool, has_ledger, , "", "`ledger` is kept", RB_FLAG)                      \
 	X(struct rb_ledger_values, ledger, , "J, kg m/s, kg m^2/s", "zeros without one", RB_NUMBER)
 RB_FIELDS_DECLARE(rb_frame_numbers_fields);

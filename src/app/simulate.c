@@ -413,6 +413,9 @@ static void take_numbers(struct rb_run_result *result, const struct rb_frame *fr
 	result->last = *n;
 	result->kinetic_max_j = rb_larger(result->kinetic_max_j, n->kinetic_energy);
 	result->max_penetration_m = fmax(result->max_penetration_m, n->max_penetration);
+	result->gravitation_error = fmax(result->gravitation_error, n->gravitation_error);
+	result->gravitation_energy_error = fmax(result->gravitation_energy_error,
+	                                        n->gravitation_energy_error);
 	result->energy_drift_j = rb_larger(result->energy_drift_j, drift);
 	result->momentum_drift = rb_larger(result->momentum_drift,
 	                                   rb_change_of(n->momentum, first->momentum));

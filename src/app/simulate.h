@@ -31,6 +31,8 @@
 	X(double, wall_before_s, , "s", "taken by the processes before this one", RB_NUMBER) \
 	X(double, kinetic_max_j, , "J", "largest kinetic energy", RB_NUMBER)                 \
 	X(double, max_penetration_m, , "m", "largest overlap", RB_NUMBER)                    \
+	X(double, gravitation_error, , "", "largest one", RB_NUMBER)                         \
+	X(double, gravitation_energy_error, , "", "largest one", RB_NUMBER)                  \
 	X(double, energy_drift_j, , "J", "drift", RB_NUMBER)                                 \
 	X(double, momentum_drift, , "kg m/s", "drift", RB_NUMBER)                            \
 	X(double, angular_momentum_drift, , "kg m^2/s", "drift", RB_NUMBER)

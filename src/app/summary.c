@@ -143,6 +143,11 @@ void rb_summary_print(FILE *file, const struct rb_run_result *result,
 	rb_print(file, "  overlap       %.3g m at most (tolerance %.3g m%s)\n",
 	         result->max_penetration_m, loaded->model->tolerance_m,
 	         loaded->model->rollback == RB_ROLLBACK_NONE ? ", not promised" : "");
+	if (result->gravitation_error > 0)
+		rb_print(file,
+		         "  gravitation   by a tree: accelerations wrong by %.2g of themselves at "
+		         "most, energy by %.2g\n",
+		         result->gravitation_error, result->gravitation_energy_error);
 	print_changes(file, result);
 	rb_balance_print(file, &result->balance, &result->last.ledger);
 	rb_measured_print(file, &result->measured);
@@ -280,6 +285,8 @@ void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
 	rb_json_count(&json, "collisions", result->totals.collisions);
 	rb_json_number(&json, "smallest_step", result->totals.smallest_step);
 	rb_json_number(&json, "max_penetration", result->max_penetration_m);
+	rb_json_number(&json, "gravitation_error", result->gravitation_error);
+	rb_json_number(&json, "gravitation_energy_error", result->gravitation_energy_error);
 	rb_json_number(&json, "kinetic_energy_max", result->kinetic_max_j);
 	rb_json_number(&json, "energy_drift", result->energy_drift_j);
 	rb_json_number(&json, "momentum_drift", result->momentum_drift);

@@ -158,14 +158,16 @@ static int put_head(char out[NUMBERS_SIZE], const struct rb_frame *frame)
 	for (int k = 0; k < COLUMN_COUNT; k++)
 		if (values_of(frame, k))
 			letters[count++] = columns[k].letter;
-	return snprintf(out, NUMBERS_SIZE,
-	                "frame %" PRIu64 " %.17g %d %s %.17g %.17g %.17g %.17g %.17g %.17g %.17g "
-	                "%.17g %.17g %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 " %.17g %.17g ",
-	                frame->index, frame->time_s, frame->body_count, letters, n->kinetic_energy,
-	                n->potential_energy, n->momentum.x, n->momentum.y, n->momentum.z,
-	                n->angular_momentum.x, n->angular_momentum.y, n->angular_momentum.z,
-	                n->max_penetration, n->contacts, n->collisions, n->rollbacks, n->substeps,
-	                n->smallest_step, n->stepped);
+	return snprintf(
+		out, NUMBERS_SIZE,
+		"frame %" PRIu64 " %.17g %d %s %.17g %.17g %.17g %.17g %.17g %.17g %.17g "
+		"%.17g %.17g %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 " %.17g %.17g %.17g "
+		"%.17g ",
+		frame->index, frame->time_s, frame->body_count, letters, n->kinetic_energy,
+		n->potential_energy, n->momentum.x, n->momentum.y, n->momentum.z,
+		n->angular_momentum.x, n->angular_momentum.y, n->angular_momentum.z,
+		n->max_penetration, n->contacts, n->collisions, n->rollbacks, n->substeps,
+		n->smallest_step, n->stepped, n->gravitation_error, n->gravitation_energy_error);
 }
 
 /* Values on their way to base64, by threes of bytes. */
@@ -288,7 +290,11 @@ static bool take_numbers(struct reader *reader, struct rb_frame_numbers *n)
 		right = right && take_number(reader, before[i]);
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
 		right = right && take_count(reader, counts[i]);
-	return right && take_number(reader, &n->smallest_step) && take_number(reader, &n->stepped);
+	double *const after[] = {&n->smallest_step, &n->stepped, &n->gravitation_error,
+	                         &n->gravitation_energy_error};
+	for (size_t i = 0; i < sizeof after / sizeof *after; i++)
+		right = right && take_number(reader, after[i]);
+	return right;
 }
 
 /* Which columns the letters name, in their order and once each. False: they are none. */

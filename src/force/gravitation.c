@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "math/quat.h"
+#include "math/random.h"
 
 enum rb_status rb_gravitation_create(struct rb_gravitation *made, const struct rb_model *model,
                                      struct rb_error *err)
@@ -42,6 +43,8 @@ enum rb_status rb_gravitation_create(struct rb_gravitation *made, const struct r
 void rb_gravitation_release(struct rb_gravitation *gravitation)
 {
 	rb_memory_free(gravitation->block);
+	rb_tree_destroy(gravitation->tree);
+	rb_memory_free(gravitation->tree_block);
 	*gravitation = (struct rb_gravitation){0};
 }
 
@@ -74,6 +77,173 @@ void rb_gravitation_find_by(struct rb_gravitation *gravitation, struct rb_team *
 	else
 		rb_team_run(team, (n + BODIES_PER_BLOCK - 1) / BODIES_PER_BLOCK, find_block,
 		            gravitation);
+}
+
+/* ---- by a tree ---- */
+
+/* Does this moving body attract neither by its mass nor not at all? */
+static bool is_odd(const struct rb_model *model, int i)
+{
+	const double by_mass = model->scene->world.gravitation.constant * model->mass[i];
+
+	return model->inverse_mass[i] > 0 && model->attraction[i] > 0 &&
+	       model->attraction[i] != by_mass;
+}
+
+bool rb_gravitation_by_tree(const struct rb_model *model)
+{
+	double attracted = 0;
+
+	if (!model->attraction || model->method == RB_METHOD_LOCATED ||
+	    model->scene->world.gravitation.opening_angle == 0)
+		return false;
+	for (int i = 0; i < model->body_count; i++) {
+		if (is_odd(model, i))
+			return false;
+		attracted += rb_gravitation_attracts(model, i);
+	}
+	return attracted * model->attractor_count > RB_GRAVITATION_PAIRS_MAX;
+}
+
+enum rb_status rb_gravitation_plant(struct rb_gravitation *gravitation, struct rb_error *err)
+{
+	const struct rb_model *const model = gravitation->model;
+	const size_t n = (size_t)gravitation->all.count;
+
+	if (gravitation->tree || !rb_gravitation_by_tree(model))
+		return RB_OK;
+	gravitation->tree_block = rb_memory_take(5 * n, sizeof *gravitation->tree_block);
+	if (!gravitation->tree_block)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the gravitation of %zu bodies",
+		               n);
+	gravitation->potential = gravitation->tree_block;
+	gravitation->free_strength = gravitation->tree_block + n;
+	for (size_t m = 0; m < 3; m++)
+		gravitation->seen[m] = gravitation->tree_block + (2 + m) * n;
+	for (int i = 0; i < model->body_count; i++)
+		if (model->inverse_mass[i] > 0)
+			gravitation->free_strength[i] = model->attraction[i];
+	return rb_tree_create(&gravitation->tree, err);
+}
+
+/* Accelerations and potentials of all by the tree. */
+static enum rb_status ask_tree(const struct rb_gravitation *gravitation,
+                               const struct rb_attract *all, struct rb_team *team,
+                               double *const acceleration[3], struct rb_error *err)
+{
+	double *const result[4] = {acceleration[0], acceleration[1], acceleration[2],
+	                           gravitation->potential};
+
+	return rb_tree_attract(gravitation->tree, all,
+	                       gravitation->model->scene->world.gravitation.opening_angle, team,
+	                       result, err);
+}
+
+enum rb_status rb_gravitation_sum(struct rb_gravitation *gravitation, struct rb_team *team,
+                                  struct rb_error *err)
+{
+	if (gravitation->tree)
+		return ask_tree(gravitation, &gravitation->all, team, gravitation->acceleration,
+		                err);
+	rb_gravitation_find_by(gravitation, team);
+	return RB_OK;
+}
+
+/* A share of `of`; 0 where that is nothing. */
+static double share(double difference, double of)
+{
+	return of > 0 ? difference / of : 0;
+}
+
+/* Compares the tree's last sums of some bodies with those of all pairs. */
+static struct rb_gravitation_error compare(const struct rb_gravitation *gravitation, uint64_t draw)
+{
+	enum { SAMPLE = RB_GRAVITATION_SAMPLE, STREAM = 0x67726176 };
+	const struct rb_model *const model = gravitation->model;
+	double exact[3][SAMPLE];
+	double *const to[3] = {exact[0], exact[1], exact[2]};
+	struct rb_gravitation_error error = {0, 0};
+	int list[SAMPLE], count = 0;
+
+	for (uint64_t k = 0; k < SAMPLE; k++) {
+		const double unit = rb_random_unit(draw, STREAM, k);
+		const int i = (int)(unit * model->body_count);
+
+		if (rb_gravitation_attracts(model, i))
+			list[count++] = i;
+	}
+	if (count > 0)
+		rb_attract_listed(&gravitation->all, list, count, to);
+	for (int k = 0; k < count; k++) {
+		const rb_vec3 a = {exact[0][k], exact[1][k], exact[2][k]};
+		const rb_vec3 found = {gravitation->seen[0][list[k]], gravitation->seen[1][list[k]],
+		                       gravitation->seen[2][list[k]]};
+		double depth;
+
+		(void)rb_attract_distance(&gravitation->all, list[k], &depth);
+		error.acceleration = fmax(
+			error.acceleration,
+			share(rb_vec3_length(rb_vec3_sub(found, a)), rb_vec3_length(a)));
+		error.potential = fmax(error.potential,
+		                       share(fabs(gravitation->potential[list[k]] - depth), depth));
+	}
+	return error;
+}
+
+/*
+ * Adds `weight` times the energy of all free bodies in the potentials that the tree has found last,
+ * to the sum and what rounding leaves of it; `tests`: only of those that attract nobody, or only of
+ * the others.
+ */
+static void add_energies(const struct rb_gravitation *gravitation, double weight, bool tests,
+                         double sum[2])
+{
+	const struct rb_model *const model = gravitation->model;
+
+	for (int i = 0; i < model->body_count; i++) {
+		if (!(model->inverse_mass[i] > 0) || (model->attraction[i] > 0) == tests)
+			continue;
+		const double term = -weight * model->mass[i] * gravitation->potential[i];
+		const double value = sum[0] + term, back = value - sum[0];
+
+		sum[1] += (sum[0] - (value - back)) + (term - back);
+		sum[0] = value;
+	}
+}
+
+/*
+ * Pairs of free bodies that attract count once, though both are in each other's potential; with
+ * centres that do not yield, and of test bodies, all of the potential counts.
+ */
+enum rb_status rb_gravitation_energy(struct rb_gravitation *gravitation, struct rb_team *team,
+                                     uint64_t draw, double *energy,
+                                     struct rb_gravitation_error *error, struct rb_error *err)
+{
+	double sum[2] = {0, 0};
+
+	*error = (struct rb_gravitation_error){0, 0};
+	*energy = 0;
+	if (!gravitation->tree) {
+		*energy = rb_attract_energy(&gravitation->all);
+		return RB_OK;
+	}
+	enum rb_status status = ask_tree(gravitation, &gravitation->all, team, gravitation->seen,
+	                                 err);
+	if (status != RB_OK)
+		return status;
+	const bool centres = gravitation->model->center_count > 0;
+	*error = compare(gravitation, draw);
+	add_energies(gravitation, 1, true, sum);
+	add_energies(gravitation, centres ? 1 : 0.5, false, sum);
+	if (centres) {
+		struct rb_attract free = gravitation->all;
+
+		free.mu = gravitation->free_strength;
+		status = ask_tree(gravitation, &free, team, gravitation->seen, err);
+		add_energies(gravitation, -0.5, false, sum);
+	}
+	*energy = sum[0] + sum[1];
+	return status;
 }
 
 rb_vec3 rb_gravitation_surplus(const struct rb_gravitation *gravitation, int i, int j)

@@ -40,14 +40,15 @@ static void measure_sizes(const struct rb_world *world, struct rb_ledger_values 
  * heavy bodies at rest then contribute no rounding.
  */
 static struct rb_frame_numbers since_start(const struct rb_world *world,
-                                           const struct rb_frame_numbers *numbers)
+                                           const struct rb_frame_numbers *numbers,
+                                           double element_energy)
 {
 	const struct rb_model *model = world->model;
 	const rb_vec3 gravity = model->scene->world.gravity;
 	const rb_vec3 force = model->scene->world.gravity_force;
 	struct rb_frame_numbers since = *numbers;
 
-	since.potential_energy = rb_world_element_energy(world);
+	since.potential_energy = element_energy;
 	for (int i = 0; i < model->body_count; i++) {
 		if (model->driven && model->driven[i])
 			continue;
@@ -60,33 +61,11 @@ static struct rb_frame_numbers since_start(const struct rb_world *world,
 	return since;
 }
 
-void rb_numbers_start_ledger(struct rb_world *world)
-{
-	struct rb_frame_numbers numbers;
-
-	rb_numbers_measure(world, &numbers);
-	numbers = since_start(world, &numbers);
-	rb_ledger_start(&world->ledger, &numbers);
-	world->ledger.kept = true;
-}
-
-/* Entries and residual at this moment, including those not yet entered (world->open). */
-static void measure_ledger(const struct rb_world *world, struct rb_frame_numbers *numbers)
-{
-	const struct rb_frame_numbers since = since_start(world, numbers);
-	struct rb_ledger ledger = world->ledger;
-
-	rb_ledger_enter(&ledger, &world->open);
-	numbers->has_ledger = true;
-	numbers->ledger = rb_ledger_values(&ledger, &since);
-	/* causes that have cancelled in angular momentum about the origin were not small */
-	numbers->ledger.momentum_scale[1] += world->model->coordinate_max_m *
-	                                     numbers->ledger.momentum_scale[0];
-	measure_sizes(world, &numbers->ledger);
-}
-
-/* Straight over the columns, since this runs for every recorded frame. */
-void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *numbers)
+/*
+ * Straight over the columns, since this runs for every recorded frame. Returns the energy of force
+ * elements among it, J, which is found once.
+ */
+static double measure_bodies(const struct rb_world *world, struct rb_frame_numbers *numbers)
 {
 	const struct rb_model *model = world->model;
 	const struct rb_state *state = &world->state;
@@ -115,13 +94,49 @@ void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *n
 			angular = rb_vec3_add(angular, l);
 		}
 	}
+	struct rb_gravitation_error told;
+	const double element_energy = rb_world_element_energy(world, &told);
+
 	*numbers = (struct rb_frame_numbers){.kinetic_energy = 0.5 * twice_kinetic,
-	                                     .potential_energy = potential +
-	                                                         rb_world_element_energy(world),
+	                                     .potential_energy = potential + element_energy,
 	                                     .momentum = momentum,
-	                                     .angular_momentum = angular};
+	                                     .angular_momentum = angular,
+	                                     .gravitation_error = told.acceleration,
+	                                     .gravitation_energy_error = told.potential};
+	return element_energy;
+}
+
+void rb_numbers_start_ledger(struct rb_world *world)
+{
+	struct rb_frame_numbers numbers;
+
+	numbers = since_start(world, &numbers, measure_bodies(world, &numbers));
+	rb_ledger_start(&world->ledger, &numbers);
+	world->ledger.kept = true;
+}
+
+/* Entries and residual at this moment, including those not yet entered (world->open). */
+static void measure_ledger(const struct rb_world *world, struct rb_frame_numbers *numbers,
+                           double element_energy)
+{
+	const struct rb_frame_numbers since = since_start(world, numbers, element_energy);
+	struct rb_ledger ledger = world->ledger;
+
+	rb_ledger_enter(&ledger, &world->open);
+	numbers->has_ledger = true;
+	numbers->ledger = rb_ledger_values(&ledger, &since);
+	/* causes that have cancelled in angular momentum about the origin were not small */
+	numbers->ledger.momentum_scale[1] += world->model->coordinate_max_m *
+	                                     numbers->ledger.momentum_scale[0];
+	measure_sizes(world, &numbers->ledger);
+}
+
+void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *numbers)
+{
+	const double element_energy = measure_bodies(world, numbers);
+
 	if (world->ledger.kept)
-		measure_ledger(world, numbers);
+		measure_ledger(world, numbers, element_energy);
 }
 
 void rb_numbers_count(struct rb_frame_numbers *numbers, const struct rb_counts *counts,

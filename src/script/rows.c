@@ -62,8 +62,8 @@ static const struct rb_row gravitation_rows[] = {
          "the potential of two bodies is -G m m'/sqrt(r^2 + softening^2) (Plummer)"},
 	{"opening_angle", RB_ROW_NUMBER, RB_RANGE_UNIT, 0, AT(rb_gravitation_def, opening_angle),
          NULL, NULL, "0.5", "rad",
-         "how coarsely steps may take distant groups of many bodies together; 0: pair by pair; "
-         "this version always sums pair by pair"},
+         "how coarsely steps may take distant groups of many bodies together: the sum of their "
+         "sizes as a share of their distance; 0: pair by pair"},
 };
 
 static const struct rb_row material_rows[] = {

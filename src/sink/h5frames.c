@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "flow/frame.h"
+#include "force/gravitation.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -37,54 +38,55 @@ static const double compressed_buffer_bytes = 64 << 20;
 
 #define COLUMN(member) offsetof(struct rb_frame, member)
 #define NUMBER(member) offsetof(struct rb_frame_numbers, member)
-#define ENERGY(name, cause)                                                       \
-	{                                                                         \
-		"/observables/ledger/" name, "J", 0, RB_H5_F64, 1,                \
-			NUMBER(ledger.energy) + (cause) * sizeof(double), 0, true \
+#define ROWS(path, units, field, width, member)                                           \
+	{                                                                                 \
+		path, units, field, RB_H5_F64, width, COLUMN(member), 0, RB_FRAMES_ALWAYS \
 	}
-#define MOMENTUM(name, cause)                                                              \
-	{                                                                                  \
-		"/observables/ledger/momentum/" name, "kg m/s, kg m^2/s", 0, RB_H5_F64, 3, \
-			NUMBER(ledger.momentum) + (cause)*2 * sizeof(rb_vec3), 2, true     \
+#define OBSERVED(name, units, kind, width, where)                                    \
+	{                                                                            \
+		"/observables/" #name, units, 0, kind, width, NUMBER(name), 0, where \
+	}
+#define ENERGY(name, cause)                                                                   \
+	{                                                                                     \
+		"/observables/ledger/" name, "J", 0, RB_H5_F64, 1,                            \
+			NUMBER(ledger.energy) + (cause) * sizeof(double), 0, RB_FRAMES_LEDGER \
+	}
+#define MOMENTUM(name, cause)                                                                      \
+	{                                                                                          \
+		"/observables/ledger/momentum/" name, "kg m/s, kg m^2/s", 0, RB_H5_F64, 3,         \
+			NUMBER(ledger.momentum) + (cause)*2 * sizeof(rb_vec3), 2, RB_FRAMES_LEDGER \
 	}
 /*
- * Observables are there for every frame in every recording, also where a scene cannot change them:
- * H5MD would have them as plain datasets then, but MDAnalysis takes every member of /observables
- * for a group.
+ * Observables are there for every frame, also where a scene cannot change them: H5MD would have
+ * them as plain datasets then, but MDAnalysis takes every member of /observables for a group.
  */
 static const struct rb_frames_source sources[RB_FRAMES_SOURCE_COUNT] = {
-	{"/particles/bodies/position", "m", RB_FIELD_POSITION, RB_H5_F64, 3, COLUMN(position), 0,
-         false},
-	{"/particles/bodies/orientation", NULL, RB_FIELD_ORIENTATION, RB_H5_F64, 4,
-         COLUMN(orientation), 0, false},
-	{"/particles/bodies/velocity", "m/s", RB_FIELD_VELOCITY, RB_H5_F64, 3, COLUMN(velocity), 0,
-         false},
-	{"/particles/bodies/angular_velocity", "rad/s", RB_FIELD_ANGULAR_VELOCITY, RB_H5_F64, 3,
-         COLUMN(angular_velocity), 0, false},
-	{"/particles/bodies/acceleration", "m/s^2", RB_FIELD_ACCELERATION, RB_H5_F64, 3,
-         COLUMN(acceleration), 0, false},
-	{"/particles/bodies/angular_acceleration", "rad/s^2", RB_FIELD_ANGULAR_ACCELERATION,
-         RB_H5_F64, 3, COLUMN(angular_acceleration), 0, false},
-	{"/particles/bodies/force", "N", RB_FIELD_FORCE, RB_H5_F64, 3, COLUMN(force), 0, false},
-	{"/particles/bodies/torque", "N m", RB_FIELD_TORQUE, RB_H5_F64, 3, COLUMN(torque), 0,
-         false},
-	{"/joints/angle", "rad, m", RB_FIELD_JOINTS, RB_H5_F64, 1, COLUMN(joint_value), 0, false},
-	{"/joints/speed", "rad/s, m/s", RB_FIELD_JOINTS, RB_H5_F64, 1, COLUMN(joint_speed), 0,
-         false},
-	{"/joints/force", "N", RB_FIELD_JOINTS, RB_H5_F64, 3, COLUMN(joint_force), 0, false},
-	{"/joints/torque", "N m", RB_FIELD_JOINTS, RB_H5_F64, 3, COLUMN(joint_torque), 0, false},
-	{"/observables/kinetic_energy", "J", 0, RB_H5_F64, 1, NUMBER(kinetic_energy), 0, false},
-	{"/observables/potential_energy", "J", 0, RB_H5_F64, 1, NUMBER(potential_energy), 0, false},
-	{"/observables/momentum", "kg m/s", 0, RB_H5_F64, 3, NUMBER(momentum), 0, false},
-	{"/observables/angular_momentum", "kg m^2/s", 0, RB_H5_F64, 3, NUMBER(angular_momentum), 0,
-         false},
-	{"/observables/max_penetration", "m", 0, RB_H5_F64, 1, NUMBER(max_penetration), 0, false},
-	{"/observables/contacts", NULL, 0, RB_H5_U64, 1, NUMBER(contacts), 0, false},
-	{"/observables/collisions", NULL, 0, RB_H5_U64, 1, NUMBER(collisions), 0, false},
-	{"/observables/rollbacks", NULL, 0, RB_H5_U64, 1, NUMBER(rollbacks), 0, false},
-	{"/observables/substeps", NULL, 0, RB_H5_U64, 1, NUMBER(substeps), 0, false},
-	{"/observables/smallest_step", "s", 0, RB_H5_F64, 1, NUMBER(smallest_step), 0, false},
-	{"/observables/stepped", "s", 0, RB_H5_F64, 1, NUMBER(stepped), 0, false},
+	ROWS("/particles/bodies/position", "m", RB_FIELD_POSITION, 3, position),
+	ROWS("/particles/bodies/orientation", NULL, RB_FIELD_ORIENTATION, 4, orientation),
+	ROWS("/particles/bodies/velocity", "m/s", RB_FIELD_VELOCITY, 3, velocity),
+	ROWS("/particles/bodies/angular_velocity", "rad/s", RB_FIELD_ANGULAR_VELOCITY, 3,
+             angular_velocity),
+	ROWS("/particles/bodies/acceleration", "m/s^2", RB_FIELD_ACCELERATION, 3, acceleration),
+	ROWS("/particles/bodies/angular_acceleration", "rad/s^2", RB_FIELD_ANGULAR_ACCELERATION, 3,
+             angular_acceleration),
+	ROWS("/particles/bodies/force", "N", RB_FIELD_FORCE, 3, force),
+	ROWS("/particles/bodies/torque", "N m", RB_FIELD_TORQUE, 3, torque),
+	ROWS("/joints/angle", "rad, m", RB_FIELD_JOINTS, 1, joint_value),
+	ROWS("/joints/speed", "rad/s, m/s", RB_FIELD_JOINTS, 1, joint_speed),
+	ROWS("/joints/force", "N", RB_FIELD_JOINTS, 3, joint_force),
+	ROWS("/joints/torque", "N m", RB_FIELD_JOINTS, 3, joint_torque),
+	OBSERVED(kinetic_energy, "J", RB_H5_F64, 1, RB_FRAMES_ALWAYS),
+	OBSERVED(potential_energy, "J", RB_H5_F64, 1, RB_FRAMES_ALWAYS),
+	OBSERVED(momentum, "kg m/s", RB_H5_F64, 3, RB_FRAMES_ALWAYS),
+	OBSERVED(angular_momentum, "kg m^2/s", RB_H5_F64, 3, RB_FRAMES_ALWAYS),
+	OBSERVED(max_penetration, "m", RB_H5_F64, 1, RB_FRAMES_ALWAYS),
+	OBSERVED(contacts, NULL, RB_H5_U64, 1, RB_FRAMES_ALWAYS),
+	OBSERVED(collisions, NULL, RB_H5_U64, 1, RB_FRAMES_ALWAYS),
+	OBSERVED(rollbacks, NULL, RB_H5_U64, 1, RB_FRAMES_ALWAYS),
+	OBSERVED(substeps, NULL, RB_H5_U64, 1, RB_FRAMES_ALWAYS),
+	OBSERVED(smallest_step, "s", RB_H5_F64, 1, RB_FRAMES_ALWAYS),
+	OBSERVED(stepped, "s", RB_H5_F64, 1, RB_FRAMES_ALWAYS),
+	OBSERVED(gravitation_error, NULL, RB_H5_F64, 1, RB_FRAMES_TREE),
 	ENERGY("applied", RB_ENERGY_APPLIED),
 	ENERGY("driven", RB_ENERGY_DRIVEN),
 	ENERGY("callbacks", RB_ENERGY_CALLBACKS),
@@ -390,7 +392,8 @@ void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct r
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++) {
 		if (sources[i].field != 0 && !(frames->fields & sources[i].field))
 			continue;
-		if (sources[i].of_ledger && !model->keeps_ledger)
+		if ((sources[i].where == RB_FRAMES_LEDGER && !model->keeps_ledger) ||
+		    (sources[i].where == RB_FRAMES_TREE && !rb_gravitation_by_tree(model)))
 			continue;
 		add_source(h5, frames, &sources[i], info, &cut);
 		first = first ? first : sources[i].path;

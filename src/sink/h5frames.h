@@ -20,6 +20,11 @@
  * Where a column of a frame comes from, and where it stands in the file: one table for recorder and
  * reader.
  */
+enum rb_frames_where {
+	RB_FRAMES_ALWAYS,
+	RB_FRAMES_LEDGER, /* where the ledger is kept */
+	RB_FRAMES_TREE    /* where steps would sum gravitation by a tree */
+};
 struct rb_frames_source {
 	const char *path;  /* of the element: .../value, .../step, .../time stand below */
 	const char *units; /* NULL: a pure number */
@@ -27,11 +32,11 @@ struct rb_frames_source {
 	unsigned field;
 	enum rb_h5_kind kind;
 	int width;
-	size_t offset;  /* of the pointer in rb_frame, or of the number in rb_frame_numbers */
-	int rows;       /* of a number that is a table: width 3; 0: it is none */
-	bool of_ledger; /* there where the ledger is kept */
+	size_t offset; /* of the pointer in rb_frame, or of the number in rb_frame_numbers */
+	int rows;      /* of a number that is a table: width 3; 0: it is none */
+	enum rb_frames_where where;
 };
-enum { RB_FRAMES_SOURCE_COUNT = 40 };
+enum { RB_FRAMES_SOURCE_COUNT = 41 };
 const struct rb_frames_source *rb_frames_sources(void); /* [RB_FRAMES_SOURCE_COUNT] */
 
 /* What a frame has of it. */

@@ -635,7 +635,7 @@ enum rb_status rb_reader_frame(struct rb_reader *reader, uint64_t row, struct rb
 		} else {
 			memcpy((unsigned char *)&frame->numbers + sources[i].offset, at,
 			       reader->sources[i].row_bytes);
-			frame->numbers.has_ledger |= sources[i].of_ledger;
+			frame->numbers.has_ledger |= sources[i].where == RB_FRAMES_LEDGER;
 		}
 	}
 	for (int i = 0; i < reader->reading.probe_count; i++)

@@ -104,6 +104,8 @@ static enum rb_status prepare(struct rb_world *world, struct rb_error *err)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the stepped method");
 	enum rb_status status = take_bodies(made, model, err);
 	if (status == RB_OK)
+		status = rb_gravitation_plant(world->gravitation, err);
+	if (status == RB_OK)
 		status = take_forces(made, model, err);
 	if (status == RB_OK)
 		status = take_tops(made, model, err);
@@ -347,35 +349,24 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 	return parts > 1 && world->keeps_means ? show_means(world, dt, err) : RB_OK;
 }
 
-/* Attraction of one block of bodies. */
-static void attract_block(void *user, int block, int worker)
-{
-	const struct rb_gravitation *const gravitation = user;
-	const int n = gravitation->model->body_count, first = block * RB_BODIES_PER_BLOCK;
-	const int end = first + RB_BODIES_PER_BLOCK < n ? first + RB_BODIES_PER_BLOCK : n;
-
-	(void)worker;
-	rb_attract_some(&gravitation->all, first, end, gravitation->acceleration);
-}
-
 /*
  * Attraction at the beginning of a step, which holds through it, also through substeps of some of
  * the bodies: so that what they give each other is opposite, whoever halves.
  */
-static void attract(struct rb_world *world)
+static enum rb_status attract(struct rb_world *world, struct rb_error *err)
 {
-	const int n = world->model->body_count;
-
 	if (!(world->model->features & RB_FEATURE_GRAVITATION))
-		return;
+		return RB_OK;
 	rb_world_place_attracted(world, &world->state);
-	rb_team_run(world->team, (n + RB_BODIES_PER_BLOCK - 1) / RB_BODIES_PER_BLOCK, attract_block,
-	            world->gravitation);
+	return rb_gravitation_sum(world->gravitation, world->team, err);
 }
 
 static enum rb_status step(struct rb_world *world, double start, double dt, struct rb_error *err)
 {
-	attract(world);
+	const enum rb_status status = attract(world, err);
+
+	if (status != RB_OK)
+		return status;
 	if (world->moved_by_hand || world->joints_changed) {
 		world->stepped->candidates.valid = false;
 		rb_sleep_forget(world->stepped);

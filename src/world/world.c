@@ -215,20 +215,37 @@ static double field_energy(const struct rb_world *world)
 	return world->late->status == RB_OK ? sum : (double)NAN;
 }
 
-double rb_world_element_energy(const struct rb_world *world)
+/* J: of gravitation; NAN where memory is out, which `late` says. */
+static double gravitation_energy(const struct rb_world *world, struct rb_gravitation_error *told)
 {
+	double energy;
+
+	rb_world_place_attracted(world, &world->state);
+	const enum rb_status status = rb_gravitation_energy(world->gravitation, world->team,
+	                                                    world->state.frame, &energy, told,
+	                                                    &world->late->error);
+	if (status == RB_OK)
+		return energy;
+	world->late->status = status;
+	return (double)NAN;
+}
+
+double rb_world_element_energy(const struct rb_world *world, struct rb_gravitation_error *told)
+{
+	struct rb_gravitation_error error = {0, 0};
+
 	const struct rb_element_query query = {.model = world->model,
 	                                       .time_s = world->state.time_s,
 	                                       .pose = pose_of,
 	                                       .user = world};
 	double energy = rb_elements_energy(&query) + rb_joint_states_energy(world);
 
-	if (world->model->features & RB_FEATURE_GRAVITATION) {
-		rb_world_place_attracted(world, &world->state);
-		energy += rb_attract_energy(&world->gravitation->all);
-	}
+	if (world->model->features & RB_FEATURE_GRAVITATION)
+		energy += gravitation_energy(world, &error);
 	if (world->hooks.potential)
 		energy += field_energy(world);
+	if (told)
+		*told = error;
 	return energy;
 }
 
@@ -282,7 +299,8 @@ static struct account account_of(const struct rb_world *world, int id)
 	                                          def->gravity);
 
 	account.energy = rb_world_kinetic_energy(world, id) -
-	                 rb_vec3_dot(weight, account.position) + rb_world_element_energy(world);
+	                 rb_vec3_dot(weight, account.position) +
+	                 rb_world_element_energy(world, NULL);
 	account.angular = rb_world_angular_momentum(world, id);
 	return account;
 }

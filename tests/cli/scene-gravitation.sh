@@ -28,10 +28,27 @@ END
 
 cat >many.lua <<'END'
 world { duration = 1e-3, frame_rate = 1e3, gravitation = {}, method = "stepped" }
-for k = 1, 5000 do sphere { radius = 0.1, position = {k, 0, 0}, collides_with = {} } end
+for k = 1, 2000 do
+	sphere { radius = 0.1, mass = 1e6, position = {math.random(), math.random(), math.random()}, collides_with = {} }
+end
 END
 exits 0 check many.lua --no-record
-says out "every sum is over all pairs, whatever 'opening_angle': 1.25e.07 pairs"
+says out "steps: a tree, opening_angle 0.5; .* s a step, and its error is told"
+exits 0 check many.lua --no-record --json
+[ "$(value steps_sum)" = "by a tree" ] || fail "check --json: $(cat out)"
+for threads in 1 2; do
+	exits 0 many.lua --threads $threads --json -o many-$threads.h5
+	[ $threads = 1 ] && hash=$(value state_hash)
+	[ "$(value state_hash)" = "$hash" ] || fail "a tree: other bits with two threads"
+done
+awk -v e="$(value gravitation_error)" -v u="$(value gravitation_energy_error)" 'BEGIN { exit !(e > 1e-6 && e < 0.02 && u > 0 && u < 1e-3) }' ||
+	fail "told: $(value gravitation_error), $(value gravitation_energy_error)"
+exits 0 many.lua --no-record
+says err "gravitation   by a tree: accelerations wrong by .* of themselves at most, energy by"
+exits 0 replay many-2.h5
+sed 's/gravitation = {}/gravitation = {opening_angle = 0}/' many.lua >pairs.lua
+exits 0 check pairs.lua --no-record
+says out "steps: pair by pair; .* s a step"
 
 # two that cannot touch meet head on: there is no motion beyond
 cat >head.lua <<'END'
