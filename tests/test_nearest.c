@@ -43,6 +43,16 @@ static void slips_of_the_pen_are_understood(void **state)
 	assert_means("position", "position");
 }
 
+static void capitals_do_not_count(void **state)
+{
+	static const char *const names[] = {"softening", "G", "angle", NULL};
+
+	(void)state;
+	assert_string_equal(hint_of("g", names), " (did you mean 'G'?)");
+	assert_string_equal(hint_of("SOFTENING", names), " (did you mean 'softening'?)");
+	assert_string_equal(hint_of("h", names), "");
+}
+
 static void cut_words_and_written_out_words_are_understood(void **state)
 {
 	(void)state;
@@ -181,6 +191,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(slips_of_the_pen_are_understood),
+		cmocka_unit_test(capitals_do_not_count),
 		cmocka_unit_test(cut_words_and_written_out_words_are_understood),
 		cmocka_unit_test(what_is_far_from_all_gets_no_hint),
 		cmocka_unit_test(a_name_is_near_when_few_edits_part_it),

@@ -3,12 +3,13 @@
  * The restricted Damerau-Levenshtein distance (optimal string alignment): three rows of the table
  * suffice. Words are near if they differ by one edit for two or three letters, two for up to seven,
  * else three; a common beginning of three letters counts as near too, since abbreviations are the
- * other usual mistake.
+ * other usual mistake, and so do capitals for small letters.
  */
 #include "script/nearest.h"
 
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/error.h"
 
@@ -70,6 +71,9 @@ void rb_nearest_offer(struct rb_nearest *nearest, const char *candidate, size_t 
 	const size_t shorter = word_size < size ? word_size : size;
 	if (shorter >= 3 && memcmp(nearest->word, candidate, shorter) == 0 && distance > allowed)
 		distance = allowed;
+	/* other capitals are nothing but a slip of the finger: 'g' for 'G' */
+	if (word_size == size && size > 0 && strncasecmp(nearest->word, candidate, size) == 0)
+		distance = 0;
 	if (distance > allowed || distance > nearest->distance || size >= sizeof nearest->best)
 		return;
 	/* of two that are as near the first by name, so that the order of offering is of no account
