@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Gravitation: error of the place at the end against a known answer, and processor time, of two bodies on ellipses, the figure
-# eight, the Pythagorean problem; and the time of a pair in a cluster of 400 points, located and by steps. With a Python that has
+# eight, the Pythagorean problem; the time of a pair in a cluster of 400 points, located and by steps; and the time of a step and
+# body, located from 10 to 1,000 points and by steps of 10,000 and 100,000, with what the tree's sums are wrong by. With a Python that has
 # the package `rebound` (PYTHON=..., python3) the same by its IAS15 (Rein and Spiegel, MNRAS 446 (2015) 1424), in its own process,
 # of which only the integration is timed.
 # RUNS=9 asks for more repetitions (3): of times the least is taken, and the start of the program is taken off.
@@ -114,3 +115,29 @@ for method in located stepped; do
 		'{ printf "%.2f", 1e9 * ($1 - start / 1000) / steps / 400 }' >pair
 	result "400 points, $method" "time of a pair in a sum" "$(cat pair)" ns
 done
+
+# time of a step and body: start and the two frames of a run of one step are taken off
+while read -r method n steps bar; do
+	cat >many.lua <<END_OF_SCENE
+world { duration = $steps * 1e-5, frame_rate = 1 / ($steps * 1e-5), time_step = 1e-5, gravitation = {G = 1, softening = 0.05} }
+for k = 1, $n do
+	sphere { radius = 1e-4, mass = 1 / $n, collides_with = {}, position = {math.random(), math.random(), math.random()} }
+end
+END_OF_SCENE
+	sed "s/$steps \* 1e-5/1 * 1e-5/g" many.lua >one.lua
+	for scene in one many; do
+		run $scene.lua --method "$method" --no-record --threads 1 --trust
+		value body_steps >$scene.steps
+		measure "$RUNS" "$RBSIM" run $scene.lua --method "$method" --no-record --threads 1 --trust --quiet >rows
+		cut -d ' ' -f 2 rows | sort -g | head -n 1 >$scene.time
+	done
+	took=$(paste many.time one.time many.steps one.steps | awk '{ printf "%.3g", 1e6 * ($1 - $2) / ($3 - $4) }')
+	result "$n points, $method" "time of a step and body" "$took" us "$bar"
+	[ "$method" = located ] || result "$n points, $method" "largest error of 64 accelerations" "$(value gravitation_error)" "" 1e-2
+done <<'END'
+located 10 1000000
+located 100 100000
+located 1000 20000
+stepped 10000 21
+stepped 100000 5 2.5
+END
