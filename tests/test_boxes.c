@@ -20,7 +20,7 @@ static bool settles(const rb_placed *a, const rb_placed *b, rb_axis *axis)
 	const rb_box_pair pair = rb_box_pair_of(a, b);
 
 	*axis = axis_for(a, b);
-	return rb_boxes_settle(axis, &pair);
+	return rb_boxes_decide(axis, &pair);
 }
 
 /* The same box for the search over all features, which knows no closed form for it. */

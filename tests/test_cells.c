@@ -112,8 +112,9 @@ static double stays(const struct rb_cells *cells, int body)
 {
 	const rb_vec3 a = acceleration[body];
 
-	return rb_cells_stays(cells, body, place[body], velocity[body],
-	                      rb_vec3_of(1.5 * fabs(a.x), fabs(a.y), 2 * fabs(a.z)), &wall[body]);
+	return rb_cells_time_inside(cells, body, place[body], velocity[body],
+	                            rb_vec3_of(1.5 * fabs(a.x), fabs(a.y), 2 * fabs(a.z)),
+	                            &wall[body]);
 }
 
 static void schedule(const struct swarm *swarm, const struct rb_cells *cells,

@@ -199,20 +199,20 @@ static inline int rb_constraint_side(const struct rb_constraint *row)
 }
 
 /*
- * Moves the ends of both arms, `apart` m of b's from a's, to the middle between them: what acts at
+ * Moves the ends of both arms, `gap` m of b's from a's, to the middle between them: what acts at
  * one point leaves the angular momentum of both as it is.
  */
-static inline void rb_constraint_meet(struct rb_constraint *row, rb_vec3 apart)
+static inline void rb_constraint_join_arms(struct rb_constraint *row, rb_vec3 gap)
 {
 	if (row->central) {
-		const double half = 0.5 * rb_vec3_dot(apart, row->normal);
+		const double half = 0.5 * rb_vec3_dot(gap, row->normal);
 
 		row->arm_a.x += half;
 		row->arm_b.x -= half;
 		return;
 	}
-	row->arm_a = rb_vec3_add_scaled(row->arm_a, 0.5, apart);
-	row->arm_b = rb_vec3_add_scaled(row->arm_b, -0.5, apart);
+	row->arm_a = rb_vec3_add_scaled(row->arm_a, 0.5, gap);
+	row->arm_b = rb_vec3_add_scaled(row->arm_b, -0.5, gap);
 }
 
 static inline void rb_constraint_clear(struct rb_constraint *row)

@@ -229,7 +229,7 @@ static void restore(struct rounds *all, double spare, rb_along_across *back, rb_
 			back[k] = (rb_along_across){restitution_of(all, k) * p.n, {0, 0, 0}};
 		else
 			back[k] = (rb_along_across){restitution_max * p.n,
-		                            rb_vec3_scale(restitution_max, p.t)};
+			                            rb_vec3_scale(restitution_max, p.t)};
 		after[k] = rb_cone_velocity(cone, &cone->row[k]);
 	}
 	struct rb_solver_body *const kept = cone->kept;

@@ -169,7 +169,7 @@ static bool edges_cross(const rb_box_pair *p, int k, int l, double sense)
 	return fabs(on_a) <= p->half_a[k] && fabs(on_b) <= p->half_b[l];
 }
 
-bool rb_boxes_settle(rb_axis *axis, const rb_box_pair *p)
+bool rb_boxes_decide(rb_axis *axis, const rb_box_pair *p)
 {
 	const double clear = clear_noises * axis->noise;
 	best_of best;

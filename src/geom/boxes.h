@@ -30,6 +30,6 @@ rb_box_pair rb_box_pair_of(const rb_placed *a, const rb_placed *b);
  * Sets normal and gap of `axis`, where no other direction could prove as much; false: some might to
  * rounding, or none of the fifteen proves the whole distance.
  */
-bool rb_boxes_settle(rb_axis *axis, const rb_box_pair *pair);
+bool rb_boxes_decide(rb_axis *axis, const rb_box_pair *pair);
 
 #endif

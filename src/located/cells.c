@@ -352,22 +352,23 @@ double rb_cells_leaves(const struct rb_cells *cells, int body, rb_vec3 position,
 
 /*
  * Time before which |x| stays within `reach` along one axis, whatever the acceleration is within
- * `most`, s: the root of u t + most t^2 / 2 = d for the wall at distance d, u the speed towards it.
+ * `a_max`: s; the root of u t + a_max t^2 / 2 = d for the wall at distance d, u the speed towards
+ * it.
  */
-static double stays_along(double reach, double x, double v, double most, int *high)
+static double time_inside_along(double reach, double x, double v, double a_max, int *high)
 {
 	double least = (double)INFINITY;
 
 	for (int k = 0; k < 2; k++) {
 		const double sign = k == 0 ? -1 : 1, u = sign * v;
 		const double ahead = fmax(0, reach - sign * x);
-		const double root = sqrt(u * u + 2 * most * ahead);
+		const double root = sqrt(u * u + 2 * a_max * ahead);
 		double s = (double)INFINITY;
 
 		if (u > 0)
 			s = 2 * ahead / (u + root);
-		else if (most > 0)
-			s = (root - u) / most;
+		else if (a_max > 0)
+			s = (root - u) / a_max;
 		if (s < least) {
 			least = s;
 			*high = k;
@@ -376,13 +377,13 @@ static double stays_along(double reach, double x, double v, double most, int *hi
 	return least;
 }
 
-double rb_cells_stays(const struct rb_cells *cells, int body, rb_vec3 position, rb_vec3 velocity,
-                      rb_vec3 most, int *wall)
+double rb_cells_time_inside(const struct rb_cells *cells, int body, rb_vec3 position,
+                            rb_vec3 velocity, rb_vec3 acceleration_max, int *wall)
 {
 	RB_ASSERT(body >= 0 && body < cells->count);
 	const double x[3] = {position.x, position.y, position.z};
 	const double v[3] = {velocity.x, velocity.y, velocity.z};
-	const double a[3] = {most.x, most.y, most.z};
+	const double a[3] = {acceleration_max.x, acceleration_max.y, acceleration_max.z};
 	const struct entry *entry = entries_of(cells, body);
 	const int own = own_level(cells, body);
 	struct exit exit = {(double)INFINITY, -1};
@@ -393,7 +394,7 @@ double rb_cells_stays(const struct rb_cells *cells, int body, rb_vec3 position, 
 		for (int k = 0; k < 3; k++) {
 			const double off = off_middle(level, entry->at[k], x[k]);
 			int high = 0;
-			const double s = stays_along(level->reach, off, v[k], a[k], &high);
+			const double s = time_inside_along(level->reach, off, v[k], a[k], &high);
 
 			if (s < exit.s && !is_last(entry->at[k]))
 				exit = (struct exit){s, WALLS * (l - own) + 2 * k + high};

@@ -64,13 +64,13 @@ double rb_cells_leaves(const struct rb_cells *cells, int body, rb_vec3 position,
                        rb_vec3 acceleration, int *wall);
 
 /*
- * Of a body of which only a bound on its acceleration along each axis is known (`most`, m/s^2, 0 or
- * more): for so long it does not leave its cells, and `*wall` is what it could come to first. Then
- * it is to be looked at: rb_cells_is_at_wall says whether it goes through, or this is to be asked
- * again, which brings it nearer by a share of the way each time.
+ * Of a body of which only a bound on its acceleration along each axis is known (`acceleration_max`,
+ * m/s^2, 0 or more): for so long it does not leave its cells, and `*wall` is what it could come to
+ * first. Then rb_cells_is_at_wall says whether it goes through, or this is to be asked again, which
+ * brings it nearer by a share of the way each time.
  */
-double rb_cells_stays(const struct rb_cells *cells, int body, rb_vec3 position, rb_vec3 velocity,
-                      rb_vec3 most, int *wall);
+double rb_cells_time_inside(const struct rb_cells *cells, int body, rb_vec3 position,
+                            rb_vec3 velocity, rb_vec3 acceleration_max, int *wall);
 bool rb_cells_is_at_wall(const struct rb_cells *cells, int body, int wall, rb_vec3 position);
 
 /*

@@ -180,8 +180,9 @@ static void add(const struct rb_joint_rows *rows, enum rb_event_kind kind, int w
 		l->status = status;
 }
 
-void rb_joint_stops_enter(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint,
-                          const double *impulse, double t)
+/* Enters what stops have taken, given impulses [rows->count], and records those that were met. */
+static void enter_stops(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint,
+                        const double *impulse, double t)
 {
 	struct rb_located *l = rows->l;
 	struct rb_entries e = {0};
@@ -205,6 +206,31 @@ void rb_joint_stops_enter(const struct rb_joint_rows *rows, const struct rb_simu
 		if (stop->approach > 0)
 			add(rows, rope ? RB_EVENT_TAUT : RB_EVENT_LIMIT, row->joint,
 			    sign * impulse[k] * row->scale, stop->approach / row->scale, t);
+	}
+	if (l->account_s)
+		rb_ledger_enter(&l->world->ledger, &e);
+}
+
+void rb_joint_stops_enter_impact(const struct rb_joint_rows *rows,
+                                 const struct rb_simultaneous *joint, double t)
+{
+	struct rb_located *l = rows->l;
+	struct rb_entries e = {0};
+	double *const impulse = rb_arena_take(l->arena, (size_t)rows->count, sizeof *impulse);
+
+	if (!impulse) {
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for an impact");
+		return;
+	}
+	rb_joint_rows_read_problem(rows, false, joint->joint_row, impulse);
+	enter_stops(rows, joint, impulse, t);
+	for (int k = 0; k < rows->count; k++) {
+		const struct rb_joint_row *row = &rows->row[k];
+
+		/* of the mean of J V before and after: 0, but of what a scene begins with */
+		if (!rb_joint_rows_is_stop(row))
+			rb_entries_energy(&e, RB_ENERGY_IMPACTS, -0.5 * impulse[k] * row->velocity);
+		rb_joint_rows_enter(rows, row, impulse[k], t, &e);
 	}
 	if (l->account_s)
 		rb_ledger_enter(&l->world->ledger, &e);

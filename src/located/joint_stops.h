@@ -25,11 +25,11 @@ bool rb_joint_stops_end(const struct rb_joint_rows *rows, const struct rb_simult
                         double t);
 
 /*
- * After an impact, before poses have its velocities: enters what stops have taken, given impulses
- * [rows->count], and records those that were met.
+ * After an impact, before poses have its velocities: enters what joints have taken and given, and
+ * records the stops that were met. A failure sets the located status.
  */
-void rb_joint_stops_enter(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint,
-                          const double *impulse, double t);
+void rb_joint_stops_enter_impact(const struct rb_joint_rows *rows,
+                                 const struct rb_simultaneous *joint, double t);
 
 /* Records drives and ropes that have begun or ended to hold, by their modes. */
 void rb_joint_stops_note(const struct rb_joint_rows *rows, double t);

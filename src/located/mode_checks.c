@@ -409,11 +409,11 @@ static double weight_of(const struct rb_modes *w, const struct rb_joint_row *row
 	const double *const inverse = w->l->model->inverse_mass;
 	const double a = row->a >= 0 ? inverse[w->c->member[row->a]] : 0;
 	const double b = row->b >= 0 ? inverse[w->c->member[row->b]] : 0;
-	double most = w->max / (a + b);
+	double max = w->max / (a + b);
 
 	for (int k = 0; k < w->joints.count; k++)
-		most = fmax(most, fabs(w->multiplier[k]));
-	return most;
+		max = fmax(max, fabs(w->multiplier[k]));
+	return max;
 }
 
 /* The mode that a drive has no more at this state, and what it has then; NULL: all hold. */

@@ -302,11 +302,11 @@ bool rb_pair_keeps_off(const struct rb_located *l, int a, int b, const struct rb
 	if (isfinite(reach_a) && isfinite(reach_b)) {
 		const struct rb_parabola at_b = rb_relative_parabola(l, b, from);
 
-		return rb_relative_stay_apart(at_a, &at_b, until - from, reach_a + reach_b);
+		return rb_relative_stay_separated(at_a, &at_b, until - from, reach_a + reach_b);
 	}
 	return b >= l->n && isfinite(reach_a) && l->model->shape[b].kind == RB_SHAPE_PLANE &&
-	       rb_relative_stays_above(at_a, l->model->position[b], l->plane_normal[b - l->n],
-	                               until - from, reach_a);
+	       rb_relative_remain_above(at_a, l->model->position[b], l->plane_normal[b - l->n],
+	                                until - from, reach_a);
 }
 
 /* The same of bodies of which one is on a piece; statics come last. */

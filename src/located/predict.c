@@ -389,8 +389,9 @@ static void next_wall_of_piece(struct seer *s)
 	const struct rb_piece_of *p = &l->piece[s->i];
 
 	if (l->cells)
-		s->next.wall_s = s->now + rb_cells_stays(l->cells, s->i, s->position, s->velocity,
-		                                         accelerations_max(p), &s->next.wall);
+		s->next.wall_s = s->now + rb_cells_time_inside(l->cells, s->i, s->position,
+		                                               s->velocity, accelerations_max(p),
+		                                               &s->next.wall);
 	if (s->next.wall_s < p->until_s)
 		return;
 	s->next.wall_s = rb_located_driven(l, s->i) ? p->until_s : HUGE_VAL;

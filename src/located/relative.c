@@ -174,8 +174,8 @@ static double strays(const struct rb_parabola *p, double h)
 /* 1e-12 here and below is far above the rounding of positions, speeds and time. */
 static const double roundings = 1e-12;
 
-bool rb_relative_stay_apart(const struct rb_parabola *a, const struct rb_parabola *b, double h,
-                            double least)
+bool rb_relative_stay_separated(const struct rb_parabola *a, const struct rb_parabola *b, double h,
+                                double least)
 {
 	const rb_vec3 d = rb_vec3_sub(b->position, a->position);
 	const rb_vec3 w = rb_vec3_sub(b->velocity, a->velocity);
@@ -194,8 +194,8 @@ bool rb_relative_stay_apart(const struct rb_parabola *a, const struct rb_parabol
 	                                     rb_vec3_max_abs(b->position) + s * sqrt(square));
 }
 
-bool rb_relative_stays_above(const struct rb_parabola *a, rb_vec3 point, rb_vec3 n, double h,
-                             double least)
+bool rb_relative_remain_above(const struct rb_parabola *a, rb_vec3 point, rb_vec3 n, double h,
+                              double least)
 {
 	const double gap = rb_vec3_dot(rb_vec3_sub(a->position, point), n);
 	const double change = h * rb_vec3_dot(a->velocity, n);

@@ -44,9 +44,9 @@ struct rb_parabola rb_relative_parabola(const struct rb_located *l, int i, doubl
  * through `point` with unit normal `n`, on the side of `n`? False: not known. Without evaluating a
  * polynomial, which is the cost of a pair where many bodies are on pieces.
  */
-bool rb_relative_stay_apart(const struct rb_parabola *a, const struct rb_parabola *b, double h,
-                            double least);
-bool rb_relative_stays_above(const struct rb_parabola *a, rb_vec3 point, rb_vec3 n, double h,
-                             double least);
+bool rb_relative_stay_separated(const struct rb_parabola *a, const struct rb_parabola *b, double h,
+                                double least);
+bool rb_relative_remain_above(const struct rb_parabola *a, rb_vec3 point, rb_vec3 n, double h,
+                              double least);
 
 #endif

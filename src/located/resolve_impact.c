@@ -682,31 +682,6 @@ static rb_vec3 *see_approaches(struct impact *s)
 	return approach;
 }
 
-/* Enters what joints give to the momentum; they do no work but that of driven ends. */
-static void enter_joints(struct impact *s)
-{
-	struct rb_entries e = {0};
-	double *const impulse = rb_arena_take(s->l->arena, (size_t)s->joints.count,
-	                                      sizeof *impulse);
-
-	if (!impulse) {
-		s->l->status = RB_FAIL(s->l->err, RB_ERR_MEMORY, "no memory for an impact");
-		return;
-	}
-	rb_joint_rows_read_problem(&s->joints, false, s->joint.joint_row, impulse);
-	rb_joint_stops_enter(&s->joints, &s->joint, impulse, s->t);
-	for (int k = 0; k < s->joints.count; k++) {
-		const struct rb_joint_row *row = &s->joints.row[k];
-
-		/* of the mean of J V before and after: 0, but of what a scene begins with */
-		if (!rb_joint_rows_is_stop(row))
-			rb_entries_energy(&e, RB_ENERGY_IMPACTS, -0.5 * impulse[k] * row->velocity);
-		rb_joint_rows_enter(&s->joints, row, impulse[k], s->t, &e);
-	}
-	if (s->l->account_s)
-		rb_ledger_enter(&s->l->world->ledger, &e);
-}
-
 /* Enters the work of the impulses. */
 static void enter_impulses(struct impact *s, const rb_vec3 *approach)
 {
@@ -714,7 +689,7 @@ static void enter_impulses(struct impact *s, const rb_vec3 *approach)
 		rb_work_impact(s->l, &s->contact_point[k], s->joint.contact[k].impulse, approach[k],
 		               velocity_after(s, k));
 	if (s->joints.count > 0)
-		enter_joints(s);
+		rb_joint_stops_enter_impact(&s->joints, &s->joint, s->t);
 }
 
 /*
@@ -723,17 +698,17 @@ static void enter_impulses(struct impact *s, const rb_vec3 *approach)
  */
 static bool solve_impact(struct impact *s, int *rounds)
 {
-	bool settled, more;
+	bool solved, more;
 
 	do {
-		settled = rb_simultaneous_impact(&s->joint, rounds);
-		more = settled && rb_joint_stops_end(&s->joints, &s->joint, s->t);
+		solved = rb_simultaneous_impact(&s->joint, rounds);
+		more = solved && rb_joint_stops_end(&s->joints, &s->joint, s->t);
 		for (int k = 0; k < s->l->set_count && more; k++) {
 			s->joint.body[k].linear = s->pose[k].velocity;
 			s->joint.body[k].angular = s->pose[k].spin;
 		}
 	} while (more && s->l->status == RB_OK);
-	return settled;
+	return solved;
 }
 
 /* Solves the impact, ends series, anchors the members. */

@@ -79,7 +79,7 @@ static enum rb_status rates_at(const struct attempt *a, double part, double *row
 {
 	const struct rb_gauss_problem *p = a->problem;
 	const double h = a->h_s, *const value = a->value, *const size = a->size;
-	double most = *change;
+	double max = *change;
 	bool finite = true;
 
 	for (int i = 0; i < p->n; i++)
@@ -107,11 +107,11 @@ static enum rb_status rates_at(const struct attempt *a, double part, double *row
 		/* against a tiny scale it may overflow all the same */
 		if (off > DBL_MAX && isfinite(now))
 			off = DBL_MAX;
-		if (!(off <= most)) /* NaN comes through */
-			most = off;
+		if (!(off <= max)) /* NaN comes through */
+			max = off;
 		row[i] = now;
 	}
-	*change = most;
+	*change = max;
 	return RB_OK;
 }
 

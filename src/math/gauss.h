@@ -115,8 +115,8 @@ RB_CHECKED enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, 
 void rb_gauss_integrate(struct rb_gauss_piece *piece, double length_s, const double *rate);
 
 /*
- * What rounding leaves out of `count` components from `first` on at `t`, as rb_gauss_value has them:
- * of the start and its rest, the polynomial, and the product h v_0 where the rate is row
+ * What rounding leaves out of `count` components from `first` on at `t`, as rb_gauss_value has
+ * them: of the start and its rest, the polynomial, and the product h v_0 where the rate is row
  * `rate_row[i]` (else below 0), i = 0 for the first.
  */
 void rb_gauss_rests(const struct rb_gauss_piece *piece, int first, int count, const int *rate_row,

@@ -440,12 +440,12 @@ RB_LANES_INLINE void sum_near(const struct near_points *near, double soft2, cons
 		const rb_lanes dz = *(const rb_lanes *)(near->z + k) - x[2];
 		const rb_lanes square = dx * dx + dy * dy + dz * dz, soft = square + soft2;
 		/* the point itself, and what is at the same place: nothing */
-		const rb_lanes_mask apart = (rb_lanes_mask)(square > 0);
+		const rb_lanes_mask distinct = (rb_lanes_mask)(square > 0);
 		rb_lanes root;
 
 		rb_lanes_root(&soft, &root);
 		const rb_lanes all = *(const rb_lanes *)(near->mu + k) / (soft * root);
-		const rb_lanes factor = (rb_lanes)((rb_lanes_mask)all & apart);
+		const rb_lanes factor = (rb_lanes)((rb_lanes_mask)all & distinct);
 
 		ax += factor * dx;
 		ay += factor * dy;

@@ -94,15 +94,15 @@ static double measure_bodies(const struct rb_world *world, struct rb_frame_numbe
 			angular = rb_vec3_add(angular, l);
 		}
 	}
-	struct rb_gravitation_error told;
-	const double element_energy = rb_world_element_energy(world, &told);
+	struct rb_gravitation_error error_found;
+	const double element_energy = rb_world_element_energy(world, &error_found);
 
 	*numbers = (struct rb_frame_numbers){.kinetic_energy = 0.5 * twice_kinetic,
 	                                     .potential_energy = potential + element_energy,
 	                                     .momentum = momentum,
 	                                     .angular_momentum = angular,
-	                                     .gravitation_error = told.acceleration,
-	                                     .gravitation_energy_error = told.potential};
+	                                     .gravitation_error = error_found.acceleration,
+	                                     .gravitation_energy_error = error_found.potential};
 	return element_energy;
 }
 

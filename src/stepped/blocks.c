@@ -16,11 +16,11 @@
  */
 struct graph {
 	int count;
-	int **list;         /* [count]: ascending: neighbours that are left, and the body itself */
-	int *length, *room; /* [count] of each, and what fits in */
-	uint64_t *least;    /* [2 count]: a tournament: the least of two below is at half */
-	int *order;         /* [count]: body at each place */
-	int *joined;        /* [count]: scratch */
+	int **list; /* [count]: ascending: neighbours that are left, and the body itself */
+	int *length, *capacity; /* [count] of each, and what fits in */
+	uint64_t *least;        /* [2 count]: a tournament: the least of two below is at half */
+	int *order;             /* [count]: body at each place */
+	int *joined;            /* [count]: scratch */
 	struct rb_arena *arena;
 };
 
@@ -75,8 +75,8 @@ static bool eliminate(struct graph *graph, int k)
 		if (i == k)
 			continue;
 		const int count = join(graph, i, k);
-		if (count > graph->room[i]) {
-			graph->room[i] = 2 * count;
+		if (count > graph->capacity[i]) {
+			graph->capacity[i] = 2 * count;
 			graph->list[i] = rb_arena_take(graph->arena, 2 * (size_t)count,
 			                               sizeof(int));
 			if (!graph->list[i])
@@ -134,18 +134,18 @@ static bool make_graph(struct graph *graph, const int (*pair)[2], int pair_count
 	graph->least = rb_arena_take(graph->arena, 2 * n, sizeof *graph->least);
 	if (!all || !graph->list || !graph->length || !graph->least)
 		return false;
-	graph->room = graph->length + n;
-	graph->order = graph->room + n;
+	graph->capacity = graph->length + n;
+	graph->order = graph->capacity + n;
 	graph->joined = graph->order + n;
 	for (int i = 0; i < graph->count; i++)
-		graph->room[i] = 1;
+		graph->capacity[i] = 1;
 	for (int p = 0; p < 2 * pair_count; p++)
-		graph->room[pair[p / 2][p % 2]]++;
+		graph->capacity[pair[p / 2][p % 2]]++;
 	for (int i = 0; i < graph->count; i++) {
 		graph->list[i] = all;
 		graph->list[i][0] = i;
 		graph->length[i] = 1;
-		all += graph->room[i];
+		all += graph->capacity[i];
 	}
 	for (int p = 0; p < 2 * pair_count; p++) {
 		const int i = pair[p / 2][p % 2];

@@ -158,7 +158,8 @@ static void span_loads(const struct rb_row_system *rows, struct rb_constraint *c
  * Sets the normal impulse of a row and scales its friction to stay in the cone (sliding friction
  * stays at the edge). Returns the largest change of velocity in m/s that this makes at the contact.
  */
-static double put(const struct rb_row_system *rows, struct rb_constraint *row, double normal_impulse)
+static double put(const struct rb_row_system *rows, struct rb_constraint *row,
+                  double normal_impulse)
 {
 	RB_ASSERT_COSTLY(row->impulse.n > 0 && normal_impulse >= 0);
 	const double share = normal_impulse / row->impulse.n, max = row->friction * normal_impulse;
@@ -282,8 +283,9 @@ bool rb_even(const struct rb_row_system *rows, double tolerance, double max, str
 	for (int i = 0; i < n; i++) {
 		const double normal_impulse = taken[i]->impulse.n;
 
-		changed = fmax(changed,
-		               put(rows, taken[i], fmax(0, normal_impulse + share * (pass.even[i] - normal_impulse))));
+		changed = fmax(changed, put(rows, taken[i],
+		                            fmax(0, normal_impulse + share * (pass.even[i] -
+		                                                              normal_impulse))));
 	}
 	RB_ASSERT(share >= 0 && share <= 1);
 	return changed > tolerance;

@@ -266,7 +266,7 @@ static double trace(const rb_mat3 *x)
 }
 
 /* 1/kg: a bound of how a body yields at a point `arm` m from its centre of mass; -1: the world. */
-static double yield_at(const struct rb_model *model, int i, double arm)
+static double inverse_mass_at(const struct rb_model *model, int i, double arm)
 {
 	if (i < 0 || i >= model->body_count)
 		return 0;
@@ -296,8 +296,8 @@ static rb_mat3 geometric_stiffness(const struct rb_solver *solver, const struct 
 		const bool is_a = joint->a == i;
 		const rb_vec3 arm = is_a ? joint->link.at_a : joint->link.at_b;
 		const rb_vec3 other = is_a ? joint->link.at_b : joint->link.at_a;
-		const double yield = yield_at(world->model, is_a ? joint->b : joint->a,
-		                              rb_vec3_length(other));
+		const double inverse_mass = inverse_mass_at(
+			world->model, is_a ? joint->b : joint->a, rb_vec3_length(other));
 		const rb_vec3 r = rb_quat_rotate(q, arm);
 		const rb_vec3 f = {force[0], force[1], force[2]};
 		const double along = (is_a ? -1 : 1) * rb_vec3_dot(f, r);
@@ -305,7 +305,8 @@ static rb_mat3 geometric_stiffness(const struct rb_solver *solver, const struct 
 
 		if (!rb_step_joint_rows_have_point(joint->link.kind) || !(square > 0))
 			continue;
-		add_about(joined, 1 / (solver->dense.bodies.body[i].inverse_mass + yield), r);
+		add_about(joined, 1 / (solver->dense.bodies.body[i].inverse_mass + inverse_mass),
+		          r);
 		if (along > 0)
 			add_about(&sum, solver->h_s * solver->h_s * along / square, r);
 	}
@@ -588,8 +589,8 @@ static void set_arms(const struct pass *pass, struct rb_constraint *row, int num
 	}
 }
 
-void rb_islands_meet(const struct rb_solver *solver, const struct rb_world *world,
-                     struct rb_constraint *row)
+void rb_islands_join_arms(const struct rb_solver *solver, const struct rb_world *world,
+                          struct rb_constraint *row)
 {
 	if (!is_dynamic(solver, row->b))
 		return;
@@ -598,7 +599,7 @@ void rb_islands_meet(const struct rb_solver *solver, const struct rb_world *worl
 	const rb_vec3 to = rb_vec3_add(rb_world_row3(world->state.position, row->b),
 	                               rb_constraint_arm_b(row));
 
-	rb_constraint_meet(row, rb_vec3_sub(to, from));
+	rb_constraint_join_arms(row, rb_vec3_sub(to, from));
 }
 
 static void fill_row(const struct pass *pass, struct rb_constraint *row, int number)
@@ -621,7 +622,7 @@ static void fill_row(const struct pass *pass, struct rb_constraint *row, int num
 	row->impulse.t = rb_constraint_within(row->impulse.t, row->friction * row->impulse.n);
 	set_arms(pass, row, number);
 	if (solver->joint)
-		rb_islands_meet(solver, pass->world, row);
+		rb_islands_join_arms(solver, pass->world, row);
 	rb_effective_mass_fill(&solver->dense.bodies, row);
 }
 

@@ -115,8 +115,8 @@ RB_CHECKED enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_wo
  * gap leaves two points, a matter of the tolerance among contacts alone; with joints it is more,
  * since friction at what is foreseen to touch, and rebounds, are large there.
  */
-void rb_islands_meet(const struct rb_solver *solver, const struct rb_world *world,
-                     struct rb_constraint *row);
+void rb_islands_join_arms(const struct rb_solver *solver, const struct rb_world *world,
+                          struct rb_constraint *row);
 
 /* How joints of the step under way are asked for their rows. */
 struct rb_joint_query rb_islands_joints(const struct rb_solver *solver,

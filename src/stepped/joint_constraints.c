@@ -427,7 +427,7 @@ bool rb_step_joint_rows_rebound(const struct rb_joint_query *query, int k,
 	for (int r = 0; r < rows; r++) {
 		/* bodies have moved since its arms were made */
 		if (!row[r].couple) {
-			rb_constraint_meet(
+			rb_constraint_join_arms(
 				&row[r], rb_vec3_add(way, rb_vec3_sub(row[r].arm_b, row[r].arm_a)));
 			rb_effective_mass_fill(query->bodies, &row[r]);
 		}

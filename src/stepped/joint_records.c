@@ -57,11 +57,11 @@ static enum rb_status add_drive(const struct recording *r, const struct rb_joint
                                 const struct rb_step_joint *of, int what, int part)
 {
 	const struct rb_joint_state *state = &r->world->joint[r->moment.joint];
-	const double most = rb_joint_state_drive(state, joint, what).max;
+	const double max = rb_joint_state_drive(state, joint, what).max;
 
-	if (!(most > 0))
+	if (!(max > 0))
 		return RB_OK;
-	return add_change(r, what, fabs(of->impulse[part]) < at_bound * r->h_s * most);
+	return add_change(r, what, fabs(of->impulse[part]) < at_bound * r->h_s * max);
 }
 
 static enum rb_status add_joint(const struct recording *r)

@@ -375,7 +375,7 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 		const struct rb_step_point *point = &points->row[solver->point[k]];
 
 		if (solver->joint) { /* bodies have moved since */
-			rb_islands_meet(solver, world, row);
+			rb_islands_join_arms(solver, world, row);
 			rb_effective_mass_fill(&solver->dense.bodies, row);
 		}
 		const double now = rb_vec3_dot(rb_constraint_velocity(&solver->dense.bodies, row),

@@ -216,13 +216,13 @@ static double field_energy(const struct rb_world *world)
 }
 
 /* J: of gravitation; NAN where memory is out, which `late` says. */
-static double gravitation_energy(const struct rb_world *world, struct rb_gravitation_error *told)
+static double gravitation_energy(const struct rb_world *world, struct rb_gravitation_error *found)
 {
 	double energy;
 
 	rb_world_place_attracted(world, &world->state);
 	const enum rb_status status = rb_gravitation_energy(world->gravitation, world->team,
-	                                                    world->state.frame, &energy, told,
+	                                                    world->state.frame, &energy, found,
 	                                                    &world->late->error);
 	if (status == RB_OK)
 		return energy;
@@ -230,7 +230,7 @@ static double gravitation_energy(const struct rb_world *world, struct rb_gravita
 	return (double)NAN;
 }
 
-double rb_world_element_energy(const struct rb_world *world, struct rb_gravitation_error *told)
+double rb_world_element_energy(const struct rb_world *world, struct rb_gravitation_error *found)
 {
 	struct rb_gravitation_error error = {0, 0};
 
@@ -244,8 +244,8 @@ double rb_world_element_energy(const struct rb_world *world, struct rb_gravitati
 		energy += gravitation_energy(world, &error);
 	if (world->hooks.potential)
 		energy += field_energy(world);
-	if (told)
-		*told = error;
+	if (found)
+		*found = error;
 	return energy;
 }
 

@@ -251,10 +251,10 @@ void rb_world_place_attracted(const struct rb_world *world, const struct rb_stat
 
 /*
  * J, of all force elements that have one, of springs zero at rest length; and of gravitation, zero
- * apart at infinity; and of fields, of those that state a potential. `*told`: what gravitation is
+ * apart at infinity; and of fields, of those that state a potential. `*found`: what gravitation is
  * wrong by; may be NULL. NAN where something fails, which `late` then says.
  */
-double rb_world_element_energy(const struct rb_world *world, struct rb_gravitation_error *told);
+double rb_world_element_energy(const struct rb_world *world, struct rb_gravitation_error *found);
 
 /* J, of springs in joints (world/joint_state). */
 double rb_joint_states_energy(const struct rb_world *world);
