@@ -18,7 +18,7 @@ ends()
 	"$RBSIM" "$@" >out 2>err </dev/null &
 	pid=$!
 	until_true sh -c 'find . -name "*.png" -o -name "*film*" | grep -q .'
-	sleep 0.5
+	sleep 1.5
 	kill -"$signal" $pid
 	for _ in $(seq 600); do
 		kill -0 $pid 2>/dev/null || break

@@ -78,7 +78,7 @@ END
 fi
 
 # whatever else of app/ writes for people goes through rb_print: what writes otherwise has only texts of its own
-(cd "$TOP" && grep -lE '(^|[^a-z_])f?printf\(.*%[-0-9.*]*s' src/app/*.c | grep -vE '/(chart|export_csv|help|main|plot|summary|verify)\.c') &&
+(cd "$TOP" && grep -lE '(^|[^a-z_])f?printf\(.*%[-0-9.*]*s' src/app/*.c | grep -vE '/(chart|export_csv|export_vtk|help|main|plot|summary|verify)\.c') &&
 	fail "these write texts without rb_print"
 
 if [ -f "$(dirname "$RBSIM")/rbsim-hdf5.so" ]; then
