@@ -501,6 +501,7 @@ static const struct exempt exempt[] = {
          "decides only when a world fails, by events at one moment"},
 	{rb_located_fields, "crowd",
          "decides when steps take over, at a bound that no recipe meets closely"},
+	{rb_located_fields, "products", "the same"},
 	{rb_located_fields, "switch_next", "no recipe has forces that begin or end"},
 	{rb_entries_fields, "row", "no recipe has entries of the ledger that wait"},
 	{rb_entries_fields, "causes", "the same"},

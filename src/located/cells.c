@@ -12,7 +12,7 @@
  *     r_a + r_b <= 2 r_max < edge (1 - 2 hysteresis),
  * and what is left of the difference covers the rounding of coordinates up to 1e12 edges. Where the
  * way of a body is only bounded, it is looked at when it could be at the wall first, and goes
- * through from half of `yielding` behind the middle between the cells on: farther from the wall
+ * through from half of `hysteresis` behind the middle between the cells on: farther from the wall
  * than that, it needs a while to the next look.
  *
  * A cell is a block of three bodies and a tail: a walk of 27 is nine short stretches of memory

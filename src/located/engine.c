@@ -496,6 +496,23 @@ static void start(struct rb_located *l, double t)
 		rb_queue_set(l->queue, 2 * l->n, l->switch_s[l->switch_next]);
 }
 
+/* Bodies that so much time allows: whole ones. */
+static uint64_t allowance(double t)
+{
+	RB_ASSERT_COSTLY(t >= 0);
+	return (uint64_t)fmin(RB_LOCATED_SECOND * t, 1e18);
+}
+
+/* Goes on to `t`. Time pays off the counts, in however many parts it passes. */
+static void go_on_to(struct rb_located *l, double t)
+{
+	const uint64_t paid = allowance(t) - allowance(l->now_s), crowd = rb_located_crowd(l);
+
+	l->crowd = crowd - (paid < crowd ? paid : crowd);
+	l->products %= RB_LOCATED_PRODUCTS;
+	l->now_s = t;
+}
+
 /* Handles one event and its callbacks. */
 static void one_event(struct rb_located *l, int which, double t)
 {
@@ -503,7 +520,7 @@ static void one_event(struct rb_located *l, int which, double t)
 
 	const size_t reported = l->world->events.count;
 
-	l->now_s = t;
+	go_on_to(l, t);
 	l->moment++;
 	if (is_stuck(l, which, t))
 		return;
@@ -566,15 +583,6 @@ static bool gives_way(struct rb_located *l)
 	return true;
 }
 
-/* Time pays off the counts. */
-static void allow(struct rb_located *l, double dt)
-{
-	const double left = (double)rb_located_crowd(l) - RB_LOCATED_SECOND * dt;
-
-	l->crowd = left > 0 ? (uint64_t)left : 0;
-	l->products = 0;
-}
-
 /* Advances the series of fast rotations in parts; false: the run is to end. */
 static bool follow_turns(struct rb_located *l, double t)
 {
@@ -593,9 +601,7 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 
 	RB_ASSERT(until >= l->world->state.time_s);
 	l->err = err;
-	if (l->started) {
-		allow(l, until - l->now_s);
-	} else {
+	if (!l->started) {
 		l->crowd = l->products = 0;
 		start(l, l->world->state.time_s);
 		if (l->status == RB_OK) /* slips that no force sustains have ended at once */
@@ -617,10 +623,8 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 		return l->status;
 	if (!follow_turns(l, until))
 		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
-	l->now_s = fmax(l->now_s, until);
+	go_on_to(l, fmax(l->now_s, until));
 	l->left.count = 0;
-	l->crowd = rb_located_crowd(l);
-	l->products = 0;
 	store_all(l, until);
 	l->world->frame_counts.body_steps += (uint64_t)l->n;
 	if (l->model->features & RB_FEATURE_PUSHES) /* callback forces end with the step */

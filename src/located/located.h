@@ -214,6 +214,8 @@ RB_FIELDS_DECLARE(rb_merge_fields);
 	X(uint64_t, events, , "", "all", RB_ANY_BITS)                                          \
 	X(uint64_t, crowd, , "", "bodies of crowds dealt with, less what time has allowed",    \
 	  RB_ANY_BITS)                                                                         \
+	X(uint64_t, products, , "", "arithmetic for what moves that makes no whole body yet",  \
+	  RB_ANY_BITS)                                                                         \
 	X(int, switch_next, , "", "the next of `switch_s`", RB_UP_TO(RB_LIMIT_SWITCH))         \
 	X(int, cluster_free, , "", "1 + an unused one, 0: none", RB_UP_TO(RB_LIMIT_NEXT_FREE)) \
 	X(bool, started, , "", "there are arcs", RB_FLAG)
@@ -267,7 +269,6 @@ struct rb_located {
 	struct rb_gravitation gravitation; /* owned; empty without that */
 	double end_s;                      /* of the run */
 	uint64_t polled;
-	uint64_t products;  /* arithmetic for what moves, since the step began */
 	uint64_t crowd_max; /* more than these are left to steps; UINT64_MAX: whatever it costs */
 	struct rb_arena *arena; /* borrowed: the world's first */
 	struct rb_error *err;   /* of the advance under way */
