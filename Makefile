@@ -236,10 +236,10 @@ demo: all
 	@echo "the recording is build/demo/bounce.h5 (look inside: $(program) info build/demo/bounce.h5)"
 	@echo "the film is build/demo/bounce.mp4 (another one: $(program) render build/demo/bounce.h5 -o slow.gif --speed 0.25)"
 build-tests: $(tests)
-test: $(program) $(loaded) $(tests)
+test: $(program) $(loaded) $(public) $(tests)
 	@$(run_tests) $(tests) $(cli_tests)
 test-long: seconds = 3600
-test-long: $(program) $(loaded) $(tests)
+test-long: $(program) $(loaded) $(public) $(tests)
 	@$(run_tests) $(tests) $(cli_tests) $(wildcard tests/long/*.sh)
 test-slurm: seconds = 1800
 test-slurm: $(program) $(loaded)
