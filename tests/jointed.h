@@ -5,13 +5,26 @@
 
 #include "worlds.h"
 
-static inline void jointed_by(struct lab *lab, int kind, int a, int b, rb_vec3 at)
+static inline struct rb_joint_def jointed_def(int kind, int a, int b)
 {
 	struct rb_joint_def def = rb_joint_def_default();
 
 	def.kind = kind;
 	def.a = a;
 	def.b = b;
+	return def;
+}
+
+static inline void jointed_add(struct lab *lab, struct rb_joint_def def)
+{
+	if (rb_scene_add_joint(&lab->scene, &def, NULL, &lab->error) != RB_OK)
+		fail_msg("%s", lab->error.text);
+}
+
+static inline void jointed_by(struct lab *lab, int kind, int a, int b, rb_vec3 at)
+{
+	struct rb_joint_def def = jointed_def(kind, a, b);
+
 	if (kind != RB_JOINT_ROD || b < 0)
 		def.at = at;
 	if (kind == RB_JOINT_ROD && b < 0) {
@@ -20,8 +33,7 @@ static inline void jointed_by(struct lab *lab, int kind, int a, int b, rb_vec3 a
 	}
 	def.axis = (rb_vec3){0.1, 1, 0};
 	def.stiffness = kind == RB_JOINT_HINGE ? 0.3 : 0;
-	if (rb_scene_add_joint(&lab->scene, &def, NULL, &lab->error) != RB_OK)
-		fail_msg("%s", lab->error.text);
+	jointed_add(lab, def);
 }
 
 /* A chain that swings against a ball. */
@@ -55,8 +67,7 @@ static inline void jointed_wheels(struct lab *lab)
 		joint.axis = (rb_vec3){0, 0, -1};
 		joint.motor_speed = k == 0 ? 5000 : (double)NAN;
 		joint.motor_max = k == 0 ? 5 : 0;
-		if (rb_scene_add_joint(&lab->scene, &joint, NULL, &lab->error) != RB_OK)
-			fail_msg("%s", lab->error.text);
+		jointed_add(lab, joint);
 	}
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Joints by the located method: pendulums, mechanisms, impacts through joints. */
-#include "worlds.h"
+#include "jointed.h"
 
 #include <float.h>
 
@@ -13,21 +13,6 @@ static void open(struct lab *lab, double duration, double frame_rate)
 {
 	lab_open_located(lab, duration, frame_rate);
 	lab->scene.world.gravity = (rb_vec3){0, 0, -gravity};
-}
-
-static struct rb_joint_def joint(int kind, int a, int b)
-{
-	struct rb_joint_def def = rb_joint_def_default();
-
-	def.kind = kind;
-	def.a = a;
-	def.b = b;
-	return def;
-}
-
-static void add(struct lab *lab, struct rb_joint_def def)
-{
-	assert_int_equal(rb_scene_add_joint(&lab->scene, &def, NULL, &lab->error), RB_OK);
 }
 
 static void to_end(struct lab *lab)
@@ -51,11 +36,11 @@ static void a_double_pendulum_is_where_it_should_be(void **state)
 	open(&lab, 10, 0.2);
 	lab_sphere(&lab, 0.1, 1, (rb_vec3){1, 0, 0}, (rb_vec3){0, 0, 0});
 	lab_sphere(&lab, 0.1, 1, (rb_vec3){2, 0, 0}, (rb_vec3){0, 0, 0});
-	struct rb_joint_def def = joint(RB_JOINT_ROD, 0, -1);
+	struct rb_joint_def def = jointed_def(RB_JOINT_ROD, 0, -1);
 
 	def.at_b = (rb_vec3){0, 0, 0};
-	add(&lab, def);
-	add(&lab, joint(RB_JOINT_ROD, 0, 1));
+	jointed_add(&lab, def);
+	jointed_add(&lab, jointed_def(RB_JOINT_ROD, 0, 1));
 	lab_seal(&lab, 1);
 	assert_int_equal(rb_world_step_frame(lab.world, &lab.error), RB_OK);
 	print_message("at 5 s: %.3g %.3g %.3g %.3g\n", place(&lab, 0).x + 0.58686920981627,
@@ -142,11 +127,11 @@ static void a_simple_pendulum_keeps_its_period(void **state)
 		lab_sphere(&lab, 1e-3, 1, (rb_vec3){1, 0, 0}, (rb_vec3){0, 0, 0});
 		lab.scene.bodies[0].has_inertia = true; /* as if it were a point */
 		lab.scene.bodies[0].inertia = rb_mat3_diagonal(1e-13, 1e-13, 1e-13);
-		struct rb_joint_def def = joint(kind ? RB_JOINT_HINGE : RB_JOINT_ROD, 0, -1);
+		struct rb_joint_def def = jointed_def(kind ? RB_JOINT_HINGE : RB_JOINT_ROD, 0, -1);
 
 		def.at_b = (rb_vec3){0, 0, 0};
 		def.axis = (rb_vec3){0, 1, 0};
-		add(&lab, def);
+		jointed_add(&lab, def);
 		lab_seal(&lab, 1);
 		to_end(&lab);
 		print_message("%.3g %.3g\n", place(&lab, 0).x - 1, place(&lab, 0).z);
@@ -187,12 +172,12 @@ static void every_kind_keeps_energy_and_momentum(void **state)
 
 			lab_add(&lab, &def);
 		}
-		struct rb_joint_def def = joint(RB_JOINT_BALL, 0, -1);
+		struct rb_joint_def def = jointed_def(RB_JOINT_BALL, 0, -1);
 
 		def.at = (rb_vec3){-0.45, 0, 0};
-		add(&lab, def);
+		jointed_add(&lab, def);
 		for (int k = 0; k < 2; k++) {
-			def = joint(kind, k + 1, k);
+			def = jointed_def(kind, k + 1, k);
 			def.at = (rb_vec3){0.9 * k + 0.45, 0.1, 0.02};
 			def.axis = (rb_vec3){0.3, 1, 0.2 * k};
 			def.axis_b = (rb_vec3){-1, 0.3, 0};
@@ -201,7 +186,7 @@ static void every_kind_keeps_energy_and_momentum(void **state)
 				def.at_b = (rb_vec3){0.3, 0.1, 0.05};
 				def.at.x = (double)NAN;
 			}
-			add(&lab, def);
+			jointed_add(&lab, def);
 		}
 		lab_seal(&lab, 1);
 		to_end(&lab);
@@ -249,10 +234,10 @@ static void an_impact_goes_through_a_hinge(void **state)
 		def.position.x = 1;
 		lab_add(&lab, &def);
 		lab_sphere(&lab, 0.1, ball, (rb_vec3){1 + a, 0, 0.3}, (rb_vec3){0, 0, -speed});
-		struct rb_joint_def hinged = joint(RB_JOINT_HINGE, 0, 1);
+		struct rb_joint_def hinged = jointed_def(RB_JOINT_HINGE, 0, 1);
 		hinged.at = (rb_vec3){0.5, 0, 0};
 		hinged.axis = (rb_vec3){0, 1, 0};
-		add(&lab, hinged);
+		jointed_add(&lab, hinged);
 		lab_seal(&lab, 1);
 		const double before = energy(&lab);
 
@@ -278,7 +263,8 @@ static void beads_on_rods_fall_on_a_table(void **state)
 		lab_sphere(&lab, 0.05, 0.5 + 0.1 * k,
 		           (rb_vec3){0.05 * k, 0.02 * k * k, 0.1 + 0.2 * k}, (rb_vec3){0, 0, 0});
 	for (int k = 0; k < 3; k++)
-		add(&lab, joint(k == 1 ? RB_JOINT_FIXED : RB_JOINT_ROD, k + 1, k + 2));
+		jointed_add(&lab,
+		            jointed_def(k == 1 ? RB_JOINT_FIXED : RB_JOINT_ROD, k + 1, k + 2));
 	lab_seal(&lab, 1);
 	double last = energy(&lab);
 	while (lab.world->state.frame + 1 < lab.model->frame_count) {
@@ -313,10 +299,10 @@ static void a_table_of_jointed_legs_stands(void **state)
 		lab_add(&lab, &def);
 	}
 	for (int k = 0; k < 4; k++) {
-		struct rb_joint_def fixed = joint(RB_JOINT_FIXED, 1, 2 + k);
+		struct rb_joint_def fixed = jointed_def(RB_JOINT_FIXED, 1, 2 + k);
 
 		fixed.at = (rb_vec3){k % 2 ? 0.4 : -0.4, k / 2 ? 0.4 : -0.4, 0.7};
-		add(&lab, fixed);
+		jointed_add(&lab, fixed);
 	}
 	lab_seal(&lab, 1);
 	to_end(&lab);
@@ -345,10 +331,10 @@ static void a_hinge_counts_turns_and_carries_weight(void **state)
 	struct rb_body_def def = bar((rb_vec3){0, 0, 0}, (rb_vec3){1, 0.2, 0.5}, 2);
 	def.angular_velocity = (rb_vec3){0, 10, 0};
 	lab_add(&lab, &def);
-	struct rb_joint_def hinged = joint(RB_JOINT_HINGE, 0, -1);
+	struct rb_joint_def hinged = jointed_def(RB_JOINT_HINGE, 0, -1);
 	hinged.at = (rb_vec3){0, 0.3, 0};
 	hinged.axis = (rb_vec3){0, -2, 0};
-	add(&lab, hinged);
+	jointed_add(&lab, hinged);
 	lab_seal(&lab, 1);
 	struct rb_joint_reading r = read_joint(&lab, 0);
 	assert_near(r.angle, 0, 0);
@@ -376,9 +362,9 @@ static void a_rod_pulls(void **state)
 	(void)state;
 	open(&lab, lowest, 1 / lowest);
 	lab_sphere(&lab, 0.1, 2, (rb_vec3){1, 0, 0}, (rb_vec3){0, 0, 0});
-	struct rb_joint_def def = joint(RB_JOINT_ROD, 0, -1);
+	struct rb_joint_def def = jointed_def(RB_JOINT_ROD, 0, -1);
 	def.at_b = (rb_vec3){0, 0, 0};
-	add(&lab, def);
+	jointed_add(&lab, def);
 	lab_seal(&lab, 1);
 	assert_near(rb_vec3_length(read_joint(&lab, 0).force), 0, 1e-14);
 	to_end(&lab);
@@ -402,10 +388,10 @@ static void fixed_joints_carry_moments(void **state)
 	def.position.x = 1.5;
 	lab_add(&lab, &def);
 	for (int k = 0; k < 2; k++) {
-		struct rb_joint_def fixed = joint(RB_JOINT_FIXED, k, k - 1);
+		struct rb_joint_def fixed = jointed_def(RB_JOINT_FIXED, k, k - 1);
 
 		fixed.at = (rb_vec3){k, 0, 0};
-		add(&lab, fixed);
+		jointed_add(&lab, fixed);
 	}
 	lab_seal(&lab, 1);
 	to_end(&lab);
@@ -427,13 +413,13 @@ static void a_torsion_spring_turns_a_wheel(void **state)
 	lab_open_located(&lab, t, 1);
 	const struct rb_body_def def = bar((rb_vec3){0, 0, 0}, (rb_vec3){1, 0.2, 0.5}, 2);
 	lab_add(&lab, &def);
-	struct rb_joint_def hinged = joint(RB_JOINT_HINGE, 0, -1);
+	struct rb_joint_def hinged = jointed_def(RB_JOINT_HINGE, 0, -1);
 	hinged.at = (rb_vec3){0, 0.3, 0};
 	hinged.axis = (rb_vec3){0, 1, 0};
 	hinged.stiffness = stiffness;
 	hinged.damping = damping;
 	hinged.rest = rest;
-	add(&lab, hinged);
+	jointed_add(&lab, hinged);
 	lab_seal(&lab, 1);
 	const double start = energy(&lab);
 
@@ -462,11 +448,11 @@ static void a_slider_has_a_spring(void **state)
 		def.velocity = (rb_vec3){k ? 1 : -2, 0, 0};
 		lab_add(&lab, &def);
 	}
-	struct rb_joint_def def = joint(RB_JOINT_SLIDER, 0, 1);
+	struct rb_joint_def def = jointed_def(RB_JOINT_SLIDER, 0, 1);
 	def.at = (rb_vec3){0.5, 0, 0};
 	def.axis = (rb_vec3){1, 0, 0};
 	def.stiffness = 6;
-	add(&lab, def);
+	jointed_add(&lab, def);
 	lab_seal(&lab, 1);
 	to_end(&lab);
 	const double w = 3; /* of 6 N/m and 2/3 kg */
@@ -512,13 +498,13 @@ static void a_driven_end_does_what_the_ledger_says(void **state)
 		def = bar((rb_vec3){0.5, 0.1, 0}, (rb_vec3){0.5, 0.2, 0.1}, 1);
 		def.velocity = (rb_vec3){0.25, 0, 0.7};
 		lab_add(&lab, &def);
-		struct rb_joint_def held = joint(kind, kind % 2, 1 - kind % 2);
+		struct rb_joint_def held = jointed_def(kind, kind % 2, 1 - kind % 2);
 		held.at = (rb_vec3){0.2, 0.05, 0};
 		held.axis = (rb_vec3){0, 1, 0.3};
 		held.axis_b = (rb_vec3){1, 0, 0};
 		if (kind == RB_JOINT_ROD)
 			held.at.x = (double)NAN;
-		add(&lab, held);
+		jointed_add(&lab, held);
 		lab_seal_with(&lab, &options, &hooks);
 		to_end(&lab);
 		print_message("%s: ", rb_joint_kind_name(kind));
@@ -530,7 +516,7 @@ static void a_driven_end_does_what_the_ledger_says(void **state)
 static struct rb_joint_def wheel(struct lab *lab, double duration, double spin)
 {
 	struct rb_body_def def = bar((rb_vec3){0, 0, 0}, (rb_vec3){1, 0.2, 0.5}, 2.4);
-	struct rb_joint_def hinged = joint(RB_JOINT_HINGE, -1, 0);
+	struct rb_joint_def hinged = jointed_def(RB_JOINT_HINGE, -1, 0);
 
 	lab_open_located(lab, duration, 1 / duration);
 	def.angular_velocity = (rb_vec3){0, spin, 0};
@@ -553,7 +539,7 @@ static void a_motor_brings_a_wheel_to_its_speed(void **state)
 
 		def.motor_speed = 10 * sign;
 		def.motor_max = 2;
-		add(&lab, def);
+		jointed_add(&lab, def);
 		lab_seal(&lab, 1);
 		to_end(&lab);
 		const struct rb_joint_reading r = read_joint(&lab, 0);
@@ -576,7 +562,7 @@ static void friction_stops_a_hinge(void **state)
 
 	(void)state;
 	def.friction = 0.5;
-	add(&lab, def);
+	jointed_add(&lab, def);
 	lab_seal(&lab, 1);
 	to_end(&lab);
 	const struct rb_joint_reading r = read_joint(&lab, 0);
@@ -603,13 +589,13 @@ static void a_motor_lifts_what_it_can(void **state)
 		cart.position = (rb_vec3){3, 0, 0};
 		cart.is_static = true;
 		lab_add(&lab, &cart);
-		struct rb_joint_def def = joint(RB_JOINT_SLIDER, 1, 0);
+		struct rb_joint_def def = jointed_def(RB_JOINT_SLIDER, 1, 0);
 		def.at = (rb_vec3){0, 0, 0};
 		def.axis = (rb_vec3){0, 0, 1};
 		def.motor_speed = 0.5;
 		def.motor_max = 25;
 		def.friction = 2;
-		add(&lab, def);
+		jointed_add(&lab, def);
 		lab_seal(&lab, 1);
 		to_end(&lab);
 		const struct rb_joint_reading r = read_joint(&lab, 0);
@@ -634,11 +620,11 @@ static void friction_holds_a_pendulum(void **state)
 	open(&lab, 30, 1);
 	const struct rb_body_def def = bar((rb_vec3){0.5, 0, 0}, (rb_vec3){1, 0.1, 0.1}, 1);
 	lab_add(&lab, &def);
-	struct rb_joint_def hinged = joint(RB_JOINT_HINGE, 0, -1);
+	struct rb_joint_def hinged = jointed_def(RB_JOINT_HINGE, 0, -1);
 	hinged.at = (rb_vec3){0, 0, 0};
 	hinged.axis = (rb_vec3){0, 1, 0};
 	hinged.friction = 0.7;
-	add(&lab, hinged);
+	jointed_add(&lab, hinged);
 	lab_seal(&lab, 1);
 	to_end(&lab);
 	const struct rb_joint_reading r = read_joint(&lab, 0);
@@ -660,14 +646,14 @@ static void open_taut(struct lab *lab, enum rb_joint_kind kind, rb_vec3 g, rb_ve
 		lab_sphere(lab, 0.05, 1, (rb_vec3){k, 0, 0},
 		           k == 1 ? velocity : (rb_vec3){0, 0, 0});
 	for (int k = 0; k <= BALLS; k++) {
-		struct rb_joint_def def = joint(kind, k < BALLS ? k : BALLS - 1,
-		                                k > 0 && k < BALLS ? k - 1 : -1);
+		struct rb_joint_def def = jointed_def(kind, k < BALLS ? k : BALLS - 1,
+		                                      k > 0 && k < BALLS ? k - 1 : -1);
 
 		if (kind == RB_JOINT_BALL)
 			def.at = (rb_vec3){k - 0.5, 0, 0};
 		else if (k == 0 || k == BALLS)
 			def.at_b = (rb_vec3){k == 0 ? -1 : k, 0, 0};
-		add(lab, def);
+		jointed_add(lab, def);
 	}
 	lab_seal(lab, 1);
 }
@@ -740,11 +726,11 @@ static void a_balanced_wheel_goes_on_spinning(void **state)
 		lab_add(&lab, &def);
 	}
 	for (int k = 0; k < 3; k++) {
-		struct rb_joint_def def = joint(RB_JOINT_HINGE, k, k - 1);
+		struct rb_joint_def def = jointed_def(RB_JOINT_HINGE, k, k - 1);
 
 		def.at = (rb_vec3){0, 0, 0};
 		def.axis = axis[k];
-		add(&lab, def);
+		jointed_add(&lab, def);
 	}
 	lab_seal(&lab, 1);
 	to_end(&lab);

@@ -1,26 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Limits of joints and ropes by the located method, against closed forms. */
-#include "worlds.h"
+#include "jointed.h"
 
 #include "method/numbers.h"
 #include "world/joint_state.h"
 
 static const double gravity = 9.81;
-
-static struct rb_joint_def joint(int kind, int a, int b)
-{
-	struct rb_joint_def def = rb_joint_def_default();
-
-	def.kind = kind;
-	def.a = a;
-	def.b = b;
-	return def;
-}
-
-static void add(struct lab *lab, struct rb_joint_def def)
-{
-	assert_int_equal(rb_scene_add_joint(&lab->scene, &def, NULL, &lab->error), RB_OK);
-}
 
 static void seal(struct lab *lab, struct lab_log *log)
 {
@@ -62,7 +47,7 @@ static void rebounds_end(int kind, int side, double way)
 
 	lab_open_located(&lab, rest + 0.5, 4);
 	const int body = lab_sphere(&lab, radius, mass, (rb_vec3){0.3, -2, 1}, (rb_vec3){0, 0, 0});
-	struct rb_joint_def def = joint(kind, body, -1);
+	struct rb_joint_def def = jointed_def(kind, body, -1);
 
 	if (kind == RB_JOINT_HINGE)
 		def.at = (rb_vec3){0.3, -2, 1};
@@ -72,7 +57,7 @@ static void rebounds_end(int kind, int side, double way)
 	def.restitution = e;
 	def.motor_speed = side * 100;
 	def.motor_max = most;
-	add(&lab, def);
+	jointed_add(&lab, def);
 	seal(&lab, &log);
 	lab_run(&lab);
 	for (int k = 0; k < 20; k++) {
@@ -124,12 +109,12 @@ static void catches(double e, double angle)
 	lab_open_located(&lab, 1, 10);
 	lab.scene.world.gravity = (rb_vec3){0, 0, -gravity};
 	const int ball = lab_sphere(&lab, 0.1, 2, rb_vec3_scale(0.6, away), (rb_vec3){0, 0, 0});
-	struct rb_joint_def def = joint(RB_JOINT_ROPE, ball, -1);
+	struct rb_joint_def def = jointed_def(RB_JOINT_ROPE, ball, -1);
 
 	def.at_b = (rb_vec3){0, 0, 0};
 	def.length_m = 1;
 	def.restitution = e;
-	add(&lab, def);
+	jointed_add(&lab, def);
 	seal(&lab, &log);
 	lab_run(&lab);
 	const struct rb_event *event = lab_log_find(&log, RB_EVENT_TAUT, 0);
@@ -183,10 +168,10 @@ static void a_rope_goes_slack_above_its_point(void **state)
 		lab.scene.world.gravity = (rb_vec3){0, 0, -gravity};
 		const int ball = lab_sphere(&lab, 0.1, 2, (rb_vec3){0, 0, -1},
 		                            (rb_vec3){0, way * sqrt(3.5 * gravity), 0});
-		struct rb_joint_def def = joint(RB_JOINT_ROPE, ball, -1);
+		struct rb_joint_def def = jointed_def(RB_JOINT_ROPE, ball, -1);
 
 		def.at_b = (rb_vec3){0, 0, 0};
-		add(&lab, def);
+		jointed_add(&lab, def);
 		seal(&lab, &log);
 		lab_run(&lab);
 		const struct rb_event *slack = lab_log_find(&log, RB_EVENT_SLACK, 0);
@@ -214,11 +199,11 @@ static void a_rope_between_two_balls_turns_their_velocity_round(void **state)
 	lab_open_located(&lab, 1, 10);
 	lab_sphere(&lab, 0.1, 1, (rb_vec3){0, 0, 0}, (rb_vec3){-1, 0, 0});
 	lab_sphere(&lab, 0.1, 3, (rb_vec3){1, 0, 0}, (rb_vec3){1, 0, 0});
-	struct rb_joint_def def = joint(RB_JOINT_ROPE, 0, 1);
+	struct rb_joint_def def = jointed_def(RB_JOINT_ROPE, 0, 1);
 
 	def.length_m = 2;
 	def.restitution = 1;
-	add(&lab, def);
+	jointed_add(&lab, def);
 	seal(&lab, &log);
 	lab_run(&lab);
 	const struct rb_event *event = lab_log_find(&log, RB_EVENT_TAUT, 0);
@@ -246,12 +231,12 @@ static void a_brake_tells_when_it_holds(void **state)
 	struct rb_body_def wheel = lab_sphere_def(0.5, 4, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 0});
 
 	wheel.angular_velocity = (rb_vec3){0, 0, -3};
-	struct rb_joint_def def = joint(RB_JOINT_HINGE, lab_add(&lab, &wheel), -1);
+	struct rb_joint_def def = jointed_def(RB_JOINT_HINGE, lab_add(&lab, &wheel), -1);
 
 	def.at = (rb_vec3){0, 0, 0};
 	def.axis = (rb_vec3){0, 0, 1};
 	def.friction = 1.2; /* I = 0.4: stops after 1 s */
-	add(&lab, def);
+	jointed_add(&lab, def);
 	seal(&lab, &log);
 	lab_run(&lab);
 	assert_int_equal(lab_log_count(&log, RB_EVENT_DRIVES), 1);

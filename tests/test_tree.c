@@ -155,7 +155,10 @@ static void moments_act_as_their_points_do(void **state)
 	}
 }
 
-/* Bars of the default angle; a smaller one is better; sizes of thousands of years of light or of atoms. */
+/*
+ * Bars of the default angle, twice as wide in a cusp (1.4e-4 measured): cells about its middle hold
+ * most of their mass at one side. A smaller angle is better. Sizes are of galaxies and of atoms.
+ */
 static void accelerations_are_those_of_all_pairs_but_for_1e_4(void **state)
 {
 	static const double size[3] = {1, 1e17, 1e-12};

@@ -95,7 +95,7 @@ static inline rb_vec3 rb_gravitation_found(const struct rb_gravitation *gravitat
 /* What a tree's sums are wrong by, from bodies for which all pairs are summed; else zeros. */
 struct rb_gravitation_error {
 	double acceleration; /* the largest difference as a share of the acceleration */
-	double potential;    /* ... of the potential: a bound of the energy's own */
+	double potential;    /* ... of the potential: an estimate of the energy's own */
 };
 
 /*

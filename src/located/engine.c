@@ -503,8 +503,8 @@ static uint64_t allowance(double t)
 	return (uint64_t)fmin(RB_LOCATED_SECOND * t, 1e18);
 }
 
-/* Goes on to `t`. Time pays off the counts, in however many parts it passes. */
-static void go_on_to(struct rb_located *l, double t)
+/* Moves the clock to `t`. Time pays off the counts, in however many parts it passes. */
+static void advance_clock(struct rb_located *l, double t)
 {
 	const uint64_t paid = allowance(t) - allowance(l->now_s), crowd = rb_located_crowd(l);
 
@@ -520,7 +520,7 @@ static void one_event(struct rb_located *l, int which, double t)
 
 	const size_t reported = l->world->events.count;
 
-	go_on_to(l, t);
+	advance_clock(l, t);
 	l->moment++;
 	if (is_stuck(l, which, t))
 		return;
@@ -623,7 +623,7 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 		return l->status;
 	if (!follow_turns(l, until))
 		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
-	go_on_to(l, fmax(l->now_s, until));
+	advance_clock(l, fmax(l->now_s, until));
 	l->left.count = 0;
 	store_all(l, until);
 	l->world->frame_counts.body_steps += (uint64_t)l->n;

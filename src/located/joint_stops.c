@@ -180,12 +180,11 @@ static void add(const struct rb_joint_rows *rows, enum rb_event_kind kind, int w
 		l->status = status;
 }
 
-/* Enters what stops have taken, given impulses [rows->count], and records those that were met. */
+/* Adds what stops have taken, given impulses [rows->count], and records those that were met. */
 static void enter_stops(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint,
-                        const double *impulse, double t)
+                        const double *impulse, double t, struct rb_entries *e)
 {
-	struct rb_located *l = rows->l;
-	struct rb_entries e = {0};
+	const struct rb_located *l = rows->l;
 	int at = 0;
 
 	for (int k = 0; k < rows->count; k++) {
@@ -201,14 +200,12 @@ static void enter_stops(const struct rb_joint_rows *rows, const struct rb_simult
 		const bool rope = l->model->joints->joint[row->joint].link.kind == RB_JOINT_ROPE;
 		const double sign = row->drive == RB_STOP_LOW ? 1 : -1;
 
-		rb_entries_energy(&e, RB_ENERGY_IMPACTS,
+		rb_entries_energy(e, RB_ENERGY_IMPACTS,
 		                  -0.5 * impulse[k] * (row->velocity + after));
 		if (stop->approach > 0)
 			add(rows, rope ? RB_EVENT_TAUT : RB_EVENT_LIMIT, row->joint,
 			    sign * impulse[k] * row->scale, stop->approach / row->scale, t);
 	}
-	if (l->account_s)
-		rb_ledger_enter(&l->world->ledger, &e);
 }
 
 void rb_joint_stops_enter_impact(const struct rb_joint_rows *rows,
@@ -223,7 +220,7 @@ void rb_joint_stops_enter_impact(const struct rb_joint_rows *rows,
 		return;
 	}
 	rb_joint_rows_read_problem(rows, false, joint->joint_row, impulse);
-	enter_stops(rows, joint, impulse, t);
+	enter_stops(rows, joint, impulse, t, &e);
 	for (int k = 0; k < rows->count; k++) {
 		const struct rb_joint_row *row = &rows->row[k];
 

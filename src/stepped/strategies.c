@@ -279,7 +279,7 @@ static double aim_of(const struct rb_solver *solver, const struct rb_island *isl
 		                                       (double)INFINITY));
 	if (external == 0)
 		return solver->tolerance;
-	/* errors of what is faster than forces make it in a step are beside its speed */
+	/* a group faster than its forces make it in a step is solved to a share of its speed */
 	const double speed = sweeper->wide ? 0
 	                                   : sqrt(fastest(solver, island, true, (double)INFINITY));
 	return fmin(fmax(external_share * fmax(external, speed), close_share * solver->tolerance),
@@ -322,7 +322,7 @@ static int end_of_pair(const struct rb_row_system *dense, int k, bool *bears)
  * what is possible, however they are wedged. So do all overlaps: what stands has nothing to push
  * apart with. And all gaps within half of the tolerance beside a contact that bears: faces of a
  * stack that lie on each other to within the tolerance only would rock on the corners that touch,
- * slowly and for ever, for a body's corners together add up to a way at the top.
+ * slowly and for ever, and the tilts of all bodies add up at the top.
  */
 static void skip_alone(const struct rb_solver *solver, const struct rb_row_system *dense)
 {
