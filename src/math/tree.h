@@ -29,7 +29,8 @@ void rb_tree_destroy(struct rb_tree *tree); /* NULL is fine */
  * `opening`, in (0, 1], of the distance of their centres; size: 3/2 of the root mean square of the
  * distances of a cell's points to its centre (a full cube of edge h: 0.75 h). With 0.5 the median
  * error of accelerations is below 1e-4 of them in a cube and in a Plummer sphere, 1.4e-4 in a cusp
- * of density 1/r^2, and more in steeper ones. `team` may be NULL. RB_ERR_MEMORY; after the first calls nothing is allocated.
+ * of density 1/r^2, and more in steeper ones. `team` may be NULL. RB_ERR_MEMORY; after the first
+ * calls nothing is allocated.
  */
 RB_CHECKED enum rb_status rb_tree_attract(struct rb_tree *tree, const struct rb_attract *all,
                                           double opening, struct rb_team *team,

@@ -25,10 +25,10 @@
 #include "base/error.h"
 
 /*
- * JUMP_TICKS: two ticks after the hook was set, in which an error would have ended the call.
- * LAST_TICKS: after three times the seconds.
+ * JUMP_TICKS: a sixth of the seconds after the hook was set, in which an error would have ended the
+ * call. LAST_TICKS: after three times the seconds.
  */
-enum { JUMP_TICKS = RB_OVERTIME_TICKS + 2, LAST_TICKS = 3 * RB_OVERTIME_TICKS };
+enum { JUMP_TICKS = RB_OVERTIME_TICKS * 7 / 6, LAST_TICKS = 3 * RB_OVERTIME_TICKS };
 
 /* s: far beyond what any scene of the distribution takes to load. */
 static const double usual_seconds = 120;
@@ -76,10 +76,9 @@ static void tick(int number, siginfo_t *about, void *context)
 	struct rb_overtime *const call = watched;
 
 	(void)number;
-	(void)about;
 	if (!call)
 		return;
-	call->ticks++;
+	call->ticks += 1 + about->si_overrun; /* the system's clock may be coarser */
 	if (!rb_overtime_is_up(call))
 		return;
 	lua_sethook(call->running, call->hook, LUA_MASKCOUNT, 1); /* Lua allows it in a handler */

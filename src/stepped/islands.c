@@ -20,7 +20,8 @@
 
 /*
  * (h w)^2 of turning under the pull of joints, up to which steps are stable: 4, over what inertia
- * is overestimated by (geometric_stiffness) in a chain of rods whose links turn to and fro by turns, 2.2.
+ * is overestimated by (geometric_stiffness) in a chain of rods whose links turn to and fro by
+ * turns, 2.2.
  */
 static const double resolved_max = 4 / 2.2;
 
