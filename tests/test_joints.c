@@ -104,7 +104,7 @@ static void a_sealed_joint_closes_at_the_start(void **state)
 		for (int r = 0; r < count; r++)
 			assert_near(row[r].error, 0, 4e-15);
 		assert_true(joint->size > 0.5);
-		if (rb_linkage_has_free(joint->link.kind))
+		if (rb_linkage_has_free(&joint->link))
 			assert_near(rb_linkage_free(&joint->link, &a, &b).value, 0, 1e-15);
 	}
 	const struct rb_pose a = start_of(lab.model, joints->joint[0].a);
@@ -215,7 +215,7 @@ static void mistakes_are_named(void **state)
 	def = hinge(0, 2);
 	def.kind = RB_JOINT_BALL;
 	def.damping = 1;
-	refused(def, "'damping' is of the angle of a hinge, or of the way of a slider");
+	refused(def, "'damping' is of the angle or the way that a joint leaves free; kind 'ball'");
 	def = hinge(0, 2);
 	def.motor_function = 0;
 	def.motor_max = 1;

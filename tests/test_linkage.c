@@ -6,6 +6,7 @@
 
 #include "geom/linkage.h"
 #include "math/quat.h"
+#include "model/joint_type.h"
 
 enum { POSES = 20 };
 
@@ -58,7 +59,7 @@ static struct rb_pose at(const struct motion *m, double t)
 static struct rb_linkage link_of(enum rb_joint_kind kind, int k)
 {
 	return (struct rb_linkage){
-		.kind = kind,
+		.type = &rb_joint_type(kind)->linkage,
 		.at_a = vector(k + 50),
 		.at_b = vector(k + 51),
 		.frame_a = rb_quat_from_turn(vector(k + 52)),
@@ -74,7 +75,7 @@ static void errors_at(const struct rb_linkage *link, const struct motion m[2], d
 	struct rb_linkage_row row[RB_LINKAGE_ROWS_MAX];
 	const int count = rb_linkage_rows(link, &a, &b, row);
 
-	assert_int_equal(count, rb_linkage_row_count(link->kind));
+	assert_int_equal(count, rb_linkage_row_count(link));
 	for (int r = 0; r < count; r++)
 		error[r] = row[r].error;
 }
@@ -114,7 +115,7 @@ static void rows_are_derivatives_of_errors(void **state)
 					rb_linkage_row_velocity(&row[r], &m[0].start, &m[1].start),
 					first, 1e-6);
 				assert_near(acceleration_of(&row[r], m), second, 1e-6);
-				assert_true(rb_linkage_row_is_couple(link.kind, r) ==
+				assert_true(rb_linkage_row_is_couple(&link, r) ==
 				            (rb_vec3_length(row[r].linear) == 0));
 			}
 		}
@@ -128,7 +129,7 @@ static struct rb_pose closed(const struct rb_linkage *link, const struct rb_pose
 	struct rb_pose b = {.velocity = a->velocity, .spin = a->spin};
 	const rb_quat axes = rb_quat_multiply(
 		rb_quat_multiply(a->orientation, link->frame_a),
-		rb_quat_from_turn((rb_vec3){0, 0, link->kind == RB_JOINT_HINGE ? angle : 0}));
+		rb_quat_from_turn((rb_vec3){0, 0, rb_linkage_turns(link) ? angle : 0}));
 	const rb_quat f = link->frame_b;
 
 	b.orientation = rb_quat_multiply(axes, (rb_quat){f.w, -f.x, -f.y, -f.z});
@@ -177,7 +178,7 @@ static void what_a_joint_allows_has_no_error(void **state)
 				assert_near(row[r].error, 0, 1e-14);
 				assert_near(rb_linkage_row_velocity(&row[r], &a, &b), 0, 3e-14);
 			}
-			if (!rb_linkage_has_free(kinds[c]))
+			if (!rb_linkage_has_free(&link))
 				continue;
 			const struct rb_linkage_free free = rb_linkage_free(&link, &a, &b);
 
@@ -249,6 +250,30 @@ static void rows_keep_momentum(void **state)
 	}
 }
 
+/* Between its points; what is beyond it counts, and of a rope nothing that is within. */
+static void a_gap_is_how_far_points_are_off(void **state)
+{
+	struct rb_pose a = rb_linkage_world(), b = rb_linkage_world();
+
+	(void)state;
+	b.position = (rb_vec3){0.3, 0, 0.4};
+	for (int kind = 0; kind < RB_JOINT_KIND_COUNT; kind++) {
+		const struct rb_linkage link = {.type = &rb_joint_type(kind)->linkage,
+		                                .frame_a = rb_quat_identity,
+		                                .frame_b = rb_quat_identity,
+		                                .length = 0.7};
+		const bool slides = link.type->condition[0] == &rb_linkage_on_axis;
+		const double gap = kind == RB_JOINT_ROPE  ? 0
+		                   : kind == RB_JOINT_ROD ? 0.2
+		                   : slides               ? 0.3
+		                                          : 0.5;
+
+		/* turning is no gap */
+		b.orientation = rb_quat_from_turn((rb_vec3){0.4, 0.1, 0});
+		assert_near(rb_linkage_gap(&link, &a, &b), gap, 1e-15);
+	}
+}
+
 static void turns_are_counted_by_the_nearest(void **state)
 {
 	const double turn = 2 * acos(-1);
@@ -266,6 +291,7 @@ int main(void)
 		cmocka_unit_test(what_a_joint_allows_has_no_error),
 		cmocka_unit_test(the_free_coordinate_has_its_own_bias),
 		cmocka_unit_test(rows_keep_momentum),
+		cmocka_unit_test(a_gap_is_how_far_points_are_off),
 		cmocka_unit_test(turns_are_counted_by_the_nearest),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

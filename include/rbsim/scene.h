@@ -163,10 +163,7 @@ struct rb_field_def {
 	int line;
 };
 
-/*
- * Joints, in the order of their names. Rows of constraint (geom/linkage): 6, 3, 5, 5, 4, 4, 1, and
- * of a rope one that only pulls.
- */
+/* Joints, in the order of their names: a row in joint/ each (model/joint_type). */
 enum rb_joint_kind {
 	RB_JOINT_FIXED,
 	RB_JOINT_BALL,
@@ -195,9 +192,9 @@ struct rb_joint_def {
 	 * coordinates, those of the world if b is the world. x is NAN: not given.
 	 */
 	rb_vec3 at, at_a, at_b;
-	/* of any length, world axes at the start; x is NAN: not given; axis_b of universal only */
+	/* of any length, world axes at the start; x is NAN: not given */
 	rb_vec3 axis, axis_b;
-	double length_m;  /* of rods and ropes; NAN: the distance at the start */
+	double length_m;  /* of lines; NAN: the distance at the start */
 	double limits[2]; /* low, high; each NAN: none */
 	double restitution, friction;
 	double motor_speed; /* rad/s or m/s; NAN: no motor, or one that follows */

@@ -15,6 +15,7 @@
 #include "flow/frame.h"
 #include "math/vec3.h"
 #include "model/element.h"
+#include "model/joint_type.h"
 #include "model/shape.h"
 #include "model/descriptor.h"
 #include "script/pattern.h"
@@ -442,15 +443,6 @@ const char *rb_text_forces(const int element_counts[RB_ELEMENT_KINDS_MAX], int f
 
 const char *rb_text_joints(const int counts[RB_JOINT_KIND_COUNT], char out[RB_JOINTS_TEXT_SIZE])
 {
-	static const char *const called[RB_JOINT_KIND_COUNT] = {
-		[RB_JOINT_FIXED] = "fixed joint",
-		[RB_JOINT_BALL] = "ball joint",
-		[RB_JOINT_HINGE] = "hinge",
-		[RB_JOINT_SLIDER] = "slider",
-		[RB_JOINT_CYLINDRICAL] = "cylindrical joint",
-		[RB_JOINT_UNIVERSAL] = "universal joint",
-		[RB_JOINT_ROD] = "rod",
-		[RB_JOINT_ROPE] = "rope"};
 	size_t used = 0;
 
 	out[0] = '\0';
@@ -458,7 +450,8 @@ const char *rb_text_joints(const int counts[RB_JOINT_KIND_COUNT], char out[RB_JO
 		if (counts[kind] > 0)
 			used += (size_t)snprintf(out + used, RB_JOINTS_TEXT_SIZE - used,
 			                         "%s%d %s%s", used > 0 ? ", " : "", counts[kind],
-			                         called[kind], counts[kind] == 1 ? "" : "s");
+			                         rb_joint_types[kind]->noun,
+			                         counts[kind] == 1 ? "" : "s");
 	return out;
 }
 

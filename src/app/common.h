@@ -109,7 +109,7 @@ struct rb_json;
 /*
  * "2 hinges, 1 rope", "" without any, from the number of joints of each kind.
  */
-enum { RB_JOINTS_TEXT_SIZE = 200 };
+enum { RB_JOINTS_TEXT_SIZE = 32 * RB_JOINT_KIND_COUNT };
 const char *rb_text_joints(const int counts[RB_JOINT_KIND_COUNT], char out[RB_JOINTS_TEXT_SIZE]);
 
 /* The same: "spring_count", ..., "field_count". */

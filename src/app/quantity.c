@@ -18,6 +18,7 @@
 #include "base/memory.h"
 #include "math/quat.h"
 #include "math/vec3.h"
+#include "model/joint_type.h"
 
 #define TURN 6.28318530717958647693
 
@@ -234,12 +235,13 @@ static bool find_joint(const struct rb_reading *reading, const char *text, int *
 static enum rb_status read_joint(struct quantity *quantity, int joint, int part,
                                  struct rb_error *err)
 {
-	const bool turns = quantity->reading->joint_kind[joint] == RB_JOINT_HINGE;
+	const struct rb_coordinate_words *words = rb_joint_words(
+		quantity->reading->joint_kind[joint]);
 	struct rb_frame frame;
 
 	quantity->units = joint_parts[part].units;
 	if (!quantity->units)
-		quantity->units = turns ? "rad/s" : "m/s";
+		quantity->units = words->name ? words->rate_unit : "m/s";
 	for (uint64_t row = 0; row < quantity->reading->frame_count; row++) {
 		const enum rb_status status = quantity->module->reader_frame(quantity->reader, row,
 		                                                             &frame, err);

@@ -235,19 +235,19 @@ static void joints(const struct drawing *d)
 	struct rb_joint_place place;
 
 	for (int k = 0; k < scene->joint_count; k++) {
-		const int kind = scene->joints[k].kind;
+		const enum rb_joint_form form = rb_joint_type(scene->joints[k].kind)->form;
 		const double radius = 3 * rb_joint_radius(d->model, k);
 
 		if (!rb_joint_place(d->model, d->frame, k, &place))
 			continue;
-		if (kind == RB_JOINT_ROPE) {
+		if (form == RB_JOINT_CORD) {
 			rb_joint_rope(&place, d->model->joints->joint[k].link.length,
 			              scene->world.gravity, point);
 			for (int p = 0; p < RB_ROPE_PIECES; p++)
 				line(d, point[p], point[p + 1]);
-		} else if (kind == RB_JOINT_ROD) {
+		} else if (form == RB_JOINT_BAR) {
 			line(d, place.a, place.b);
-		} else if (kind != RB_JOINT_FIXED && kind != RB_JOINT_BALL) {
+		} else if (form != RB_JOINT_UNSEEN && form != RB_JOINT_KNOB) {
 			line(d, rb_vec3_add_scaled(place.a, -radius, place.axis_a),
 			     rb_vec3_add_scaled(place.b, radius, place.axis_a));
 		}

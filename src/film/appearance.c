@@ -14,6 +14,7 @@
 #include "film/png.h"
 #include "flow/joint_view.h"
 #include "model/colour.h"
+#include "model/joint_type.h"
 
 /*
  * Second colour of a plane's pattern as a share of the first, in steps of perceived lightness
@@ -174,7 +175,8 @@ static void paint_joint(struct rb_look *look, const struct rb_scene *scene, int 
 	double color[3];
 
 	*look = (struct rb_look){.image = -1, .visible = scene->joints[joint].visible};
-	look->gloss = scene->joints[joint].kind == RB_JOINT_ROPE ? 0 : (float)SOLID_GLOSS;
+	if (rb_joint_type(scene->joints[joint].kind)->form != RB_JOINT_CORD)
+		look->gloss = (float)SOLID_GLOSS;
 	rb_joint_color(scene, joint, color);
 	for (int k = 0; k < 3; k++)
 		look->colour[k] = look->other[k] = (float)(0.9 * rb_look_linear(color[k]));

@@ -29,17 +29,21 @@ static bool is_spring(const struct rb_joint *joint)
 	return joint->stiffness > 0;
 }
 
+static enum rb_joint_form form_of(const struct rb_model *model, int joint)
+{
+	return rb_joint_type(model->scene->joints[joint].kind)->form;
+}
+
 int rb_joint_piece_count(const struct rb_model *model, int joint)
 {
-	switch (joint_of(model, joint)->link.kind) {
-	case RB_JOINT_FIXED:
+	switch (form_of(model, joint)) {
+	case RB_JOINT_UNSEEN:
 		return 0;
-	case RB_JOINT_ROPE:
+	case RB_JOINT_CORD:
 		return RB_ROPE_PIECES;
-	case RB_JOINT_SLIDER:
-	case RB_JOINT_CYLINDRICAL:
+	case RB_JOINT_RAIL:
 		return is_spring(joint_of(model, joint)) ? RB_COIL_PIECES : 1;
-	case RB_JOINT_UNIVERSAL:
+	case RB_JOINT_CROSS:
 		return 2;
 	default:
 		return 1;
@@ -127,13 +131,13 @@ bool rb_joint_pieces(const struct rb_model *model, const struct rb_frame *frame,
 
 	if (!rb_joint_place(model, frame, number, &place))
 		return false;
-	switch (joint->link.kind) {
-	case RB_JOINT_FIXED:
+	switch (form_of(model, number)) {
+	case RB_JOINT_UNSEEN:
 		return false;
-	case RB_JOINT_ROD:
+	case RB_JOINT_BAR:
 		piece[0] = between(place.a, place.b, radius);
 		break;
-	case RB_JOINT_ROPE: {
+	case RB_JOINT_CORD: {
 		rb_vec3 point[RB_ROPE_PIECES + 1];
 
 		rb_joint_rope(&place, joint->link.length, model->scene->world.gravity, point);
@@ -141,15 +145,14 @@ bool rb_joint_pieces(const struct rb_model *model, const struct rb_frame *frame,
 			piece[k] = between(point[k], point[k + 1], radius);
 		break;
 	}
-	case RB_JOINT_BALL:
+	case RB_JOINT_KNOB:
 		piece[0] = about(place.a, place.axis_a, 0, radius);
 		break;
-	case RB_JOINT_UNIVERSAL:
+	case RB_JOINT_CROSS:
 		piece[0] = about(place.a, place.axis_a, ARM_RADII * radius, radius);
 		piece[1] = about(place.a, place.axis_b, ARM_RADII * radius, radius);
 		break;
-	case RB_JOINT_SLIDER:
-	case RB_JOINT_CYLINDRICAL:
+	case RB_JOINT_RAIL:
 		if (is_spring(joint))
 			coil(joint, &place, radius, piece);
 		else

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What joints look like: capsules. A rod is one, a rope a chain of them, a hinge a pin along its
- * axis, a ball joint a ball, a universal joint a cross, a slider a rail along its axis, on a spring
- * a coil. A fixed joint has none: its bodies are one to look at.
+ * What joints look like: capsules, by the form that a kind's row names (model/joint_type). A bar is
+ * one, a cord a chain of them; a rail on a spring is a coil.
  *
  * Pure functions.
  */

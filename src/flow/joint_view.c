@@ -43,25 +43,6 @@ static struct rb_pose pose_of(const struct rb_model *model, const struct rb_fram
 	return pose;
 }
 
-/* Whether the points fit the joint: else it was released. */
-static bool holds(const struct rb_joint *joint, const struct rb_joint_place *place)
-{
-	const rb_vec3 d = rb_vec3_sub(place->b, place->a);
-	const double room = APART * joint->size, length = joint->link.length;
-
-	switch (joint->link.kind) {
-	case RB_JOINT_ROD:
-		return fabs(rb_vec3_length(d) - length) <= room;
-	case RB_JOINT_ROPE:
-		return rb_vec3_length(d) <= length + room;
-	case RB_JOINT_SLIDER:
-	case RB_JOINT_CYLINDRICAL:
-		return rb_vec3_length(rb_vec3_cross(d, place->axis_a)) <= room;
-	default:
-		return rb_vec3_length(d) <= room;
-	}
-}
-
 bool rb_joint_place(const struct rb_model *model, const struct rb_frame *frame, int number,
                     struct rb_joint_place *place)
 {
@@ -78,7 +59,8 @@ bool rb_joint_place(const struct rb_model *model, const struct rb_frame *frame, 
 	place->b = rb_linkage_point_b(&joint->link, &b);
 	place->axis_a = rb_linkage_axis(&joint->link, &a);
 	place->axis_b = rb_quat_rotate(rb_quat_multiply(b.orientation, joint->link.frame_b), z);
-	return holds(joint, place);
+	/* else it was released */
+	return rb_linkage_gap(&joint->link, &a, &b) <= APART * joint->size;
 }
 
 static bool is_thick(const struct rb_shape *shape)
@@ -99,6 +81,11 @@ static double half_width(const struct rb_model *model, const struct rb_joint *jo
 	return isfinite(width) ? width : 0;
 }
 
+static enum rb_joint_form form_of(const struct rb_model *model, const struct rb_joint *joint)
+{
+	return rb_joint_type(model->scene->joints[joint->def].kind)->form;
+}
+
 double rb_joint_radius(const struct rb_model *model, int number)
 {
 	RB_ASSERT(model->joints && number >= 0 && number < model->joints->count);
@@ -108,14 +95,14 @@ double rb_joint_radius(const struct rb_model *model, int number)
 
 	if (!isnan(given))
 		return given;
-	switch (joint->link.kind) {
-	case RB_JOINT_ROD:
-	case RB_JOINT_ROPE: {
+	switch (form_of(model, joint)) {
+	case RB_JOINT_BAR:
+	case RB_JOINT_CORD: {
 		const double most = ROD_LENGTHS * joint->link.length;
 		const double wanted = width > 0 ? fmin(ROD_WIDTHS * width, most) : most;
-		return joint->link.kind == RB_JOINT_ROPE ? 0.6 * wanted : wanted;
+		return form_of(model, joint) == RB_JOINT_CORD ? 0.6 * wanted : wanted;
 	}
-	case RB_JOINT_BALL:
+	case RB_JOINT_KNOB:
 		return width > 0 ? BALL_WIDTHS * width : ROD_LENGTHS * joint->size;
 	default:
 		return width > 0 ? PIN_WIDTHS * width : ROD_LENGTHS * joint->size;
@@ -159,9 +146,8 @@ void rb_joint_color(const struct rb_scene *scene, int number, double color[3])
 {
 	RB_ASSERT(number >= 0 && number < scene->joint_count);
 	const struct rb_joint_def *def = &scene->joints[number];
-	const double *from = !isnan(def->color[0])        ? def->color
-	                     : def->kind == RB_JOINT_ROPE ? brown
-	                                                  : grey;
+	const bool cord = rb_joint_type(def->kind)->form == RB_JOINT_CORD;
+	const double *from = !isnan(def->color[0]) ? def->color : cord ? brown : grey;
 
 	memcpy(color, from, 3 * sizeof *color);
 }

@@ -9,36 +9,9 @@
 #include "base/error.h"
 #include "math/quat.h"
 
-/* What all rows are made of. */
-struct parts {
-	const struct rb_pose *a, *b;
-	rb_vec3 arm_a, arm_b; /* m, world axes */
-	rb_vec3 d;            /* m, from a's point to b's */
-	rb_vec3 rate;         /* m/s, of d */
-	rb_vec3 centripetal;  /* m/s^2, of d, without accelerations: centripetal */
-	rb_quat turn_a;       /* from the joint's axes of a to the world */
-	rb_vec3 spin;         /* rad/s, of b against a */
-};
-
 struct rb_pose rb_linkage_world(void)
 {
 	return (struct rb_pose){.orientation = {1, 0, 0, 0}};
-}
-
-int rb_linkage_row_count(enum rb_joint_kind kind)
-{
-	static const int count[RB_JOINT_KIND_COUNT] = {6, 3, 5, 5, 4, 4, 1, 1};
-
-	RB_ASSERT((int)kind >= 0 && (int)kind < RB_JOINT_KIND_COUNT);
-	return count[kind];
-}
-
-bool rb_linkage_row_is_couple(enum rb_joint_kind kind, int row)
-{
-	static const int first[RB_JOINT_KIND_COUNT] = {3, 3, 3, 2, 2, 3, 1, 1};
-
-	RB_ASSERT(row >= 0 && row < rb_linkage_row_count(kind));
-	return row >= first[kind];
 }
 
 static rb_vec3 twice_cross(rb_vec3 w, rb_vec3 r)
@@ -46,10 +19,10 @@ static rb_vec3 twice_cross(rb_vec3 w, rb_vec3 r)
 	return rb_vec3_cross(w, rb_vec3_cross(w, r));
 }
 
-static struct parts parts_of(const struct rb_linkage *link, const struct rb_pose *a,
-                             const struct rb_pose *b)
+static struct rb_linkage_parts parts_of(const struct rb_linkage *link, const struct rb_pose *a,
+                                        const struct rb_pose *b)
 {
-	struct parts p = {.a = a, .b = b};
+	struct rb_linkage_parts p = {.a = a, .b = b};
 
 	p.arm_a = rb_quat_rotate(a->orientation, link->at_a);
 	p.arm_b = rb_quat_rotate(b->orientation, link->at_b);
@@ -63,24 +36,22 @@ static struct parts parts_of(const struct rb_linkage *link, const struct rb_pose
 	return p;
 }
 
-/* d along the world's axes: nothing in it turns. */
-static int point_rows(const struct parts *p, struct rb_linkage_row *row)
+static rb_vec3 axis_of(rb_quat turn, int k)
 {
-	static const rb_vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-
-	for (int k = 0; k < 3; k++)
-		row[k] = (struct rb_linkage_row){
-			.linear = axis[k],
-			.angular_a = rb_vec3_neg(rb_vec3_cross(p->arm_a, axis[k])),
-			.angular_b = rb_vec3_cross(p->arm_b, axis[k]),
-			.error = rb_vec3_dot(axis[k], p->d),
-			.bias = rb_vec3_dot(axis[k], p->centripetal),
-		};
-	return 3;
+	return rb_quat_rotate(turn, (rb_vec3){k == 0, k == 1, k == 2});
 }
 
-/* u.d for u that turns with a. */
-static struct rb_linkage_row along_row(const struct parts *p, rb_vec3 u)
+rb_vec3 rb_linkage_axis_a(const struct rb_linkage_parts *p, int k)
+{
+	return axis_of(p->turn_a, k);
+}
+
+rb_vec3 rb_linkage_axis_b(const struct rb_linkage *link, const struct rb_linkage_parts *p, int k)
+{
+	return axis_of(rb_quat_multiply(p->b->orientation, link->frame_b), k);
+}
+
+struct rb_linkage_row rb_linkage_along(const struct rb_linkage_parts *p, rb_vec3 u)
 {
 	const rb_vec3 turned = rb_vec3_cross(p->a->spin, u);
 
@@ -95,7 +66,7 @@ static struct rb_linkage_row along_row(const struct parts *p, rb_vec3 u)
 }
 
 /* A couple about m, which changes at the rate m'. */
-static struct rb_linkage_row couple_row(const struct parts *p, rb_vec3 m, rb_vec3 rate,
+static struct rb_linkage_row couple_row(const struct rb_linkage_parts *p, rb_vec3 m, rb_vec3 rate,
                                         double error)
 {
 	return (struct rb_linkage_row){
@@ -106,8 +77,8 @@ static struct rb_linkage_row couple_row(const struct parts *p, rb_vec3 m, rb_vec
 	};
 }
 
-/* u.w for u that turns with a, w with b: its derivative is (w x u).(w_b - w_a). */
-static struct rb_linkage_row across_row(const struct parts *p, rb_vec3 u, rb_vec3 w)
+/* Its derivative is (w x u).(w_b - w_a). */
+struct rb_linkage_row rb_linkage_across(const struct rb_linkage_parts *p, rb_vec3 u, rb_vec3 w)
 {
 	const rb_vec3 rate = rb_vec3_add(rb_vec3_cross(rb_vec3_cross(p->b->spin, w), u),
 	                                 rb_vec3_cross(w, rb_vec3_cross(p->a->spin, u)));
@@ -115,13 +86,49 @@ static struct rb_linkage_row across_row(const struct parts *p, rb_vec3 u, rb_vec
 	return couple_row(p, rb_vec3_cross(w, u), rate, rb_vec3_dot(u, w));
 }
 
+/* ---- conditions ---- */
+
+/* d along the world's axes: nothing in it turns. */
+static void fill_point(const struct rb_linkage *link, const struct rb_linkage_parts *p,
+                       struct rb_linkage_row *row)
+{
+	static const rb_vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+
+	(void)link;
+	for (int k = 0; k < 3; k++)
+		row[k] = (struct rb_linkage_row){
+			.linear = axis[k],
+			.angular_a = rb_vec3_neg(rb_vec3_cross(p->arm_a, axis[k])),
+			.angular_b = rb_vec3_cross(p->arm_b, axis[k]),
+			.error = rb_vec3_dot(axis[k], p->d),
+			.bias = rb_vec3_dot(axis[k], p->centripetal),
+		};
+}
+
+static void fill_on_axis(const struct rb_linkage *link, const struct rb_linkage_parts *p,
+                         struct rb_linkage_row *row)
+{
+	(void)link;
+	for (int k = 0; k < 2; k++)
+		row[k] = rb_linkage_along(p, rb_linkage_axis_a(p, k));
+}
+
+static void fill_same_axis(const struct rb_linkage *link, const struct rb_linkage_parts *p,
+                           struct rb_linkage_row *row)
+{
+	const rb_vec3 w3 = rb_linkage_axis_b(link, p, 2);
+
+	for (int k = 0; k < 2; k++)
+		row[k] = rb_linkage_across(p, rb_linkage_axis_a(p, k), w3);
+}
+
 /*
  * 2 v of the rotation (s, v) from a's axes to b's, in a's axes; of both signs the one with s >= 0.
  * q' = (0, w) q / 2 with w the spin of b against a in a's axes: 2 v' = s w + w x v, so that row k
  * is the couple about s e_k + v x e_k.
  */
-static int orientation_rows(const struct rb_linkage *link, const struct parts *p,
-                            struct rb_linkage_row *row)
+static void fill_same_turn(const struct rb_linkage *link, const struct rb_linkage_parts *p,
+                           struct rb_linkage_row *row)
 {
 	static const rb_vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 	const rb_quat turn_b = rb_quat_multiply(p->b->orientation, link->frame_b);
@@ -147,12 +154,11 @@ static int orientation_rows(const struct rb_linkage *link, const struct parts *p
 
 		row[k] = couple_row(p, m, rate, error[k]);
 	}
-	return 3;
 }
 
 /* |d| - L. */
-static int length_row(const struct rb_linkage *link, const struct parts *p,
-                      struct rb_linkage_row *row)
+static void fill_length(const struct rb_linkage *link, const struct rb_linkage_parts *p,
+                        struct rb_linkage_row *row)
 {
 	const double length = rb_vec3_length(p->d);
 	const rb_vec3 n = rb_vec3_unit(p->d, (rb_vec3){0, 0, 1});
@@ -166,52 +172,44 @@ static int length_row(const struct rb_linkage *link, const struct parts *p,
 		.bias = rb_vec3_dot(n, p->centripetal) +
 	                (length > 0 ? rb_vec3_dot(across, across) / length : 0),
 	};
-	return 1;
 }
 
-static rb_vec3 axis_of(rb_quat turn, int k)
-{
-	return rb_quat_rotate(turn, (rb_vec3){k == 0, k == 1, k == 2});
-}
+const struct rb_linkage_condition rb_linkage_same_point = {.count = 3, .fill = fill_point};
+const struct rb_linkage_condition rb_linkage_on_axis = {.count = 2, .fill = fill_on_axis};
+const struct rb_linkage_condition rb_linkage_same_axis = {
+	.count = 2, .couples = true, .fill = fill_same_axis};
+const struct rb_linkage_condition rb_linkage_same_turn = {
+	.count = 3, .couples = true, .fill = fill_same_turn};
+const struct rb_linkage_condition rb_linkage_length = {.count = 1, .fill = fill_length};
+
+/* ---- the rows of a joint ---- */
 
 int rb_linkage_rows(const struct rb_linkage *link, const struct rb_pose *a, const struct rb_pose *b,
                     struct rb_linkage_row row[RB_LINKAGE_ROWS_MAX])
 {
-	const struct parts p = parts_of(link, a, b);
-	const rb_vec3 w3 = rb_quat_rotate(rb_quat_multiply(b->orientation, link->frame_b),
-	                                  (rb_vec3){0, 0, 1});
-	int count = 0;
+	const struct rb_linkage_parts p = parts_of(link, a, b);
+	const struct rb_linkage_condition *const *condition = link->type->condition;
 
-	switch (link->kind) {
-	case RB_JOINT_ROD:
-	case RB_JOINT_ROPE:
-		return length_row(link, &p, row);
-	case RB_JOINT_SLIDER:
-	case RB_JOINT_CYLINDRICAL:
-		for (int k = 0; k < 2; k++)
-			row[count++] = along_row(&p, axis_of(p.turn_a, k));
-		break;
-	default:
-		count = point_rows(&p, row);
+	condition[0]->fill(link, &p, row);
+	if (condition[1])
+		condition[1]->fill(link, &p, row + condition[0]->count);
+	return rb_linkage_row_count(link);
+}
+
+double rb_linkage_gap(const struct rb_linkage *link, const struct rb_pose *a,
+                      const struct rb_pose *b)
+{
+	struct rb_linkage_row row[RB_LINKAGE_ROWS_MAX];
+	const int count = rb_linkage_rows(link, a, b, row);
+	double square = 0;
+
+	for (int k = 0; k < count; k++) {
+		const double error = link->type->one_sided ? fmax(0, row[k].error) : row[k].error;
+
+		if (!rb_linkage_row_is_couple(link, k))
+			square += error * error;
 	}
-	switch (link->kind) {
-	case RB_JOINT_HINGE:
-	case RB_JOINT_CYLINDRICAL:
-		for (int k = 0; k < 2; k++)
-			row[count++] = across_row(&p, axis_of(p.turn_a, k), w3);
-		break;
-	case RB_JOINT_UNIVERSAL:
-		row[count++] = across_row(&p, axis_of(p.turn_a, 2), w3);
-		break;
-	case RB_JOINT_FIXED:
-	case RB_JOINT_SLIDER:
-		count += orientation_rows(link, &p, row + count);
-		break;
-	default:
-		break;
-	}
-	RB_ASSERT_COSTLY(count == rb_linkage_row_count(link->kind));
-	return count;
+	return sqrt(square);
 }
 
 double rb_linkage_row_velocity(const struct rb_linkage_row *row, const struct rb_pose *a,
@@ -222,7 +220,7 @@ double rb_linkage_row_velocity(const struct rb_linkage_row *row, const struct rb
 }
 
 /* The angle of the rotation from a's axes to b's about z, [-pi, pi]. */
-static double twist(const struct rb_linkage *link, const struct parts *p)
+static double twist(const struct rb_linkage *link, const struct rb_linkage_parts *p)
 {
 	const rb_quat turn_b = rb_quat_multiply(p->b->orientation, link->frame_b);
 	const rb_quat back = {p->turn_a.w, -p->turn_a.x, -p->turn_a.y, -p->turn_a.z};
@@ -234,16 +232,16 @@ static double twist(const struct rb_linkage *link, const struct parts *p)
 struct rb_linkage_free rb_linkage_free(const struct rb_linkage *link, const struct rb_pose *a,
                                        const struct rb_pose *b)
 {
-	const struct parts p = parts_of(link, a, b);
+	const struct rb_linkage_parts p = parts_of(link, a, b);
 	const rb_vec3 axis = axis_of(p.turn_a, 2);
 	struct rb_linkage_free free;
 
-	RB_ASSERT(rb_linkage_has_free(link->kind));
-	if (link->kind == RB_JOINT_HINGE) {
+	RB_ASSERT(rb_linkage_has_free(link));
+	if (rb_linkage_turns(link)) {
 		free.row = couple_row(&p, axis, rb_vec3_cross(a->spin, axis), 0);
 		free.value = twist(link, &p);
 	} else {
-		free.row = along_row(&p, axis);
+		free.row = rb_linkage_along(&p, axis);
 		free.value = free.row.error;
 		free.row.error = 0;
 	}

@@ -7,11 +7,9 @@
 static int rows_of(const struct rb_joint_rows *rows, int k)
 {
 	const struct rb_joint_row *row = &rows->row[k];
-	const enum rb_joint_kind kind = rows->l->model->joints->joint[row->joint].link.kind;
-	const bool point = kind == RB_JOINT_FIXED || kind == RB_JOINT_BALL ||
-	                   kind == RB_JOINT_HINGE || kind == RB_JOINT_UNIVERSAL;
+	const struct rb_linkage *link = &rows->l->model->joints->joint[row->joint].link;
 
-	return point && row->drive < 0 && row->row == 0 ? 3 : 1;
+	return rb_linkage_has_point(link) && row->drive < 0 && row->row == 0 ? 3 : 1;
 }
 
 /* What of u is not of the bodies that yield. */

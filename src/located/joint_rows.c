@@ -64,7 +64,7 @@ bool rb_joint_rows_collect(struct rb_joint_rows *rows)
 			if ((other >= 0 && other < p) || !rb_joint_rows_holds(l, joints->of[e]))
 				continue;
 			rows->joint[rows->joint_count++] = joints->of[e];
-			rows->count += rb_linkage_row_count(joint->link.kind);
+			rows->count += rb_linkage_row_count(&joint->link);
 		}
 	}
 	rows->count += RB_JOINT_PARTS_HELD * rows->joint_count;
@@ -122,12 +122,12 @@ static void fill_joint(struct rb_joint_rows *rows, int which, double t)
 	const struct rb_pose pose_b = end_pose(rows, joint->b, b, t);
 	struct rb_linkage_row found[RB_LINKAGE_ROWS_MAX];
 	/* a rope's row is a stop */
-	const int count = joint->link.kind == RB_JOINT_ROPE
+	const int count = joint->link.type->one_sided
 	                          ? 0
 	                          : rb_linkage_rows(&joint->link, &pose_a, &pose_b, found);
 
 	for (int k = 0; k < count; k++) {
-		const bool couple = rb_linkage_row_is_couple(joint->link.kind, k);
+		const bool couple = rb_linkage_row_is_couple(&joint->link, k);
 		const double scale = couple ? joint->size : 1;
 		add_row(rows, which,
 		        &(struct rb_joint_row){
@@ -169,11 +169,11 @@ struct rb_joint_stop rb_joint_rows_stop(const struct rb_joint_rows *rows, int wh
 	const double spins = rb_vec3_length(a.spin) + rb_vec3_length(b.spin);
 	const double speeds = rb_vec3_length(a.velocity) + rb_vec3_length(b.velocity) +
 	                      spins * joint->size;
-	const bool turns = joint->link.kind == RB_JOINT_HINGE;
+	const bool turns = rb_linkage_turns(&joint->link);
 	struct rb_joint_stop now;
 
 	RB_ASSERT_COSTLY(rb_joint_rows_has_stop(joint, stop));
-	if (joint->link.kind == RB_JOINT_ROPE) {
+	if (joint->link.type->one_sided) {
 		struct rb_linkage_row row[RB_LINKAGE_ROWS_MAX];
 
 		rb_linkage_rows(&joint->link, &a, &b, row);
@@ -182,8 +182,8 @@ struct rb_joint_stop rb_joint_rows_stop(const struct rb_joint_rows *rows, int wh
 		                             .row = row[0]};
 	} else {
 		const struct rb_linkage_free free = rb_linkage_free(&joint->link, &a, &b);
-		const double value = rb_joint_state_angle(&l->world->joint[which], joint->link.kind,
-		                                          t, &free);
+		const double value = rb_joint_state_angle(&l->world->joint[which], &joint->link, t,
+		                                          &free);
 
 		now = (struct rb_joint_stop){
 			.gap = sign * (value - limit), .rate = sign * free.rate, .row = free.row};
@@ -214,7 +214,7 @@ static double noise_of(const struct rb_joint_rows *rows, int which, double t)
 	const struct rb_pose b = end_pose(rows, joint->b, place_of(rows->l, joint->b), t);
 	const double spin = rb_vec3_length(a.spin) + rb_vec3_length(b.spin);
 
-	if (joint->link.kind == RB_JOINT_HINGE)
+	if (rb_linkage_turns(&joint->link))
 		return DRIVE_ULP * DBL_EPSILON * spin;
 	return DRIVE_ULP * DBL_EPSILON *
 	       (rb_vec3_length(a.velocity) + rb_vec3_length(b.velocity) + spin * joint->size);
@@ -230,7 +230,7 @@ static void begin_stop(const struct rb_joint_rows *rows, int which, int stop, do
 	if (!rb_joint_rows_has_stop(joint, stop) || (*mode == RB_DRIVE_HELD && !anew))
 		return;
 	const struct rb_joint_stop now = rb_joint_rows_stop(rows, which, stop, t);
-	const double scale = joint->link.kind == RB_JOINT_HINGE ? joint->size : 1;
+	const double scale = rb_linkage_turns(&joint->link) ? joint->size : 1;
 	const bool touches = *mode == RB_DRIVE_REACHED || now.gap <= now.band;
 
 	*mode = touches && fabs(now.rate) <= now.noise + slack / scale ? RB_DRIVE_HELD
@@ -306,7 +306,7 @@ static void fill_drives(struct rb_joint_rows *rows, int which, double t)
 {
 	const struct rb_located *l = rows->l;
 	const struct rb_joint *joint = &l->model->joints->joint[which];
-	const double scale = joint->link.kind == RB_JOINT_HINGE ? joint->size : 1;
+	const double scale = rb_linkage_turns(&joint->link) ? joint->size : 1;
 
 	for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
 		const struct rb_joint_drive drive = rb_joint_rows_drive_now(l, which, kind);
@@ -329,7 +329,7 @@ static void fill_stops(struct rb_joint_rows *rows, int which, double t)
 {
 	const struct rb_located *l = rows->l;
 	const struct rb_joint *joint = &l->model->joints->joint[which];
-	const double scale = joint->link.kind == RB_JOINT_HINGE ? joint->size : 1;
+	const double scale = rb_linkage_turns(&joint->link) ? joint->size : 1;
 
 	for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++) {
 		const signed char mode = *mode_of(rows, which, stop);
@@ -376,8 +376,8 @@ bool rb_joint_rows_spring(const struct rb_joint_rows *rows, int k, double t,
 	const struct rb_pose pose_a = end_pose(rows, joint->a, a, t);
 	const struct rb_pose pose_b = end_pose(rows, joint->b, b, t);
 	const struct rb_linkage_free free = rb_linkage_free(&joint->link, &pose_a, &pose_b);
-	const double value = rb_joint_state_angle(&l->world->joint[rows->joint[k]],
-	                                          joint->link.kind, t, &free);
+	const double value = rb_joint_state_angle(&l->world->joint[rows->joint[k]], &joint->link, t,
+	                                          &free);
 
 	spring->row = (struct rb_joint_row){
 		.joint = rows->joint[k],
@@ -709,13 +709,13 @@ void rb_joint_rows_correct(struct rb_joint_rows *rows, double t, struct rb_pose 
 	rb_joint_rows_fill(rows, t);
 	for (int k = 0; k < rows->joint_count; k++) {
 		const int which = rows->joint[k];
-		const enum rb_joint_kind kind = l->model->joints->joint[which].link.kind;
+		const struct rb_linkage *link = &l->model->joints->joint[which].link;
 
-		if (!rb_linkage_has_free(kind))
+		if (!rb_linkage_has_free(link))
 			continue;
 		const struct rb_linkage_free free = free_of(rows, which, t);
 
-		rb_joint_state_see(&l->world->joint[which], kind, t, &free);
+		rb_joint_state_see(&l->world->joint[which], link, t, &free);
 	}
 	rb_arena_back(l->arena, here);
 }

@@ -57,9 +57,9 @@ struct rb_joint_stop {
 /* Has the joint that stop, RB_STOP_LOW or RB_STOP_HIGH (which a rope's length is)? */
 static inline bool rb_joint_rows_has_stop(const struct rb_joint *joint, int stop)
 {
-	if (joint->link.kind == RB_JOINT_ROPE)
+	if (joint->link.type->one_sided)
 		return stop == RB_STOP_HIGH;
-	return rb_linkage_has_free(joint->link.kind) &&
+	return rb_linkage_has_free(&joint->link) &&
 	       isfinite(stop == RB_STOP_LOW ? joint->low : joint->high);
 }
 

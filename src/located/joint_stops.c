@@ -197,7 +197,7 @@ static void enter_stops(const struct rb_joint_rows *rows, const struct rb_simult
 		const rb_vec3 u = rb_vec3_add(rb_constraint_velocity(&bodies, &stop->base),
 		                              stop->bias);
 		const double after = rb_vec3_dot(u, stop->base.normal);
-		const bool rope = l->model->joints->joint[row->joint].link.kind == RB_JOINT_ROPE;
+		const bool rope = l->model->joints->joint[row->joint].link.type->one_sided;
 		const double sign = row->drive == RB_STOP_LOW ? 1 : -1;
 
 		rb_entries_energy(e, RB_ENERGY_IMPACTS,
@@ -248,7 +248,7 @@ void rb_joint_stops_note(const struct rb_joint_rows *rows, double t)
 			    rb_joint_event_notes(state, drive, mode[drive] == RB_DRIVE_HELD, &kind))
 				add(rows, kind, which, 0, 0, t);
 		if (rb_joint_rows_has_stop(&l->model->joints->joint[which], RB_STOP_HIGH) &&
-		    l->model->joints->joint[which].link.kind == RB_JOINT_ROPE &&
+		    l->model->joints->joint[which].link.type->one_sided &&
 		    rb_joint_event_notes(state, RB_JOINT_TAUT, mode[RB_STOP_HIGH] == RB_DRIVE_HELD,
 		                         &kind))
 			add(rows, kind, which, 0, 0, t);

@@ -64,11 +64,6 @@ static rb_vec3 to_body(const struct rb_scene *scene, int id, rb_vec3 point)
 	                   center_of(scene, id));
 }
 
-static bool is_line(int kind)
-{
-	return kind == RB_JOINT_ROD || kind == RB_JOINT_ROPE;
-}
-
 static bool is_given(rb_vec3 v)
 {
 	return !isnan(v.x);
@@ -77,7 +72,7 @@ static bool is_given(rb_vec3 v)
 void rb_joint_points(const struct rb_scene *scene, const struct rb_joint_def *def, rb_vec3 *p_a,
                      rb_vec3 *p_b)
 {
-	const bool line = is_line(def->kind);
+	const bool line = rb_joint_is_line(def->kind);
 	const bool has_a = is_given(def->at_a), has_b = is_given(def->at_b);
 
 	*p_a = has_a ? to_world(scene, def->a, def->at_a) : def->at;
@@ -104,8 +99,9 @@ double rb_joint_size(const struct rb_scene *scene, const struct rb_joint_def *de
 		if (rb_body_is_free(body))
 			size = fmax(size, rb_shape_reach(scene->solids, &body->shape));
 	}
-	return is_line(def->kind) ? fmax(size, rb_vec3_length(rb_vec3_sub(point[1], point[0])))
-	                          : size;
+	return rb_joint_is_line(def->kind)
+	               ? fmax(size, rb_vec3_length(rb_vec3_sub(point[1], point[0])))
+	               : size;
 }
 
 /* A point of it is off the centre of mass of a free body, or it carries torques. */
@@ -114,7 +110,7 @@ bool rb_joint_turns(const struct rb_scene *scene, const struct rb_joint_def *def
 	const int id[2] = {def->a, def->b};
 	rb_vec3 point[2];
 
-	if (!is_line(def->kind))
+	if (!rb_joint_is_line(def->kind))
 		return true;
 	rb_joint_points(scene, def, &point[0], &point[1]);
 	for (int e = 0; e < 2; e++) {
@@ -130,12 +126,6 @@ bool rb_joint_turns(const struct rb_scene *scene, const struct rb_joint_def *def
 }
 
 /* ---- mistakes ---- */
-
-static bool needs_axis(int kind)
-{
-	return kind == RB_JOINT_HINGE || kind == RB_JOINT_SLIDER || kind == RB_JOINT_CYLINDRICAL ||
-	       kind == RB_JOINT_UNIVERSAL;
-}
 
 /* What of the joint locating does not have yet, only steps have; NULL: nothing. */
 static const char *only_stepped(const struct rb_joint_def *def)
@@ -212,7 +202,7 @@ static bool free_fault(const struct rb_joint_def *def, char text[RB_JOINT_FAULT_
 {
 	const char *key = NULL;
 
-	if (rb_linkage_has_free((enum rb_joint_kind)def->kind))
+	if (rb_joint_is_free(def->kind))
 		return false;
 	if (!isnan(def->limits[0]) || !isnan(def->limits[1]))
 		key = "limits";
@@ -224,8 +214,8 @@ static bool free_fault(const struct rb_joint_def *def, char text[RB_JOINT_FAULT_
 		key = def->stiffness > 0 ? "stiffness" : "damping";
 	if (key)
 		snprintf(text, RB_JOINT_FAULT_SIZE,
-		         "'%s' is of the angle of a hinge, or of the way of a slider or "
-		         "cylindrical joint; kind '%s' has neither",
+		         "'%s' is of the angle or the way that a joint leaves free; kind '%s' has "
+		         "neither",
 		         key, rb_joint_kind_name(def->kind));
 	return key != NULL;
 }
@@ -246,7 +236,7 @@ static bool gap_fault(const struct rb_scene *scene, const struct rb_joint_def *d
 		snprintf(b, sizeof b, "the world");
 	else
 		rb_scene_body_label(scene, def->b, b);
-	if (!is_line(def->kind)) {
+	if (!rb_joint_is_line(def->kind)) {
 		if (distance <= closed_within * size)
 			return false;
 		snprintf(text, RB_JOINT_FAULT_SIZE,
@@ -269,7 +259,8 @@ static bool gap_fault(const struct rb_scene *scene, const struct rb_joint_def *d
 		         a, b);
 		return true;
 	}
-	const double over = def->kind == RB_JOINT_ROD ? fabs(distance - length) : distance - length;
+	const double over = rb_joint_type(def->kind)->linkage.one_sided ? distance - length
+	                                                                : fabs(distance - length);
 
 	if (over <= closed_within * size)
 		return false;
@@ -284,17 +275,17 @@ static bool axes_fault(const struct rb_joint_def *def, char text[RB_JOINT_FAULT_
 {
 	const rb_vec3 none = {0, 0, 1};
 
-	if (needs_axis(def->kind) && !is_given(def->axis)) {
+	if (rb_joint_type(def->kind)->has_axis && !is_given(def->axis)) {
 		snprintf(text, RB_JOINT_FAULT_SIZE, "'axis' must be given for kind '%s'",
 		         rb_joint_kind_name(def->kind));
 		return true;
 	}
-	if (def->kind != RB_JOINT_UNIVERSAL)
+	if (!rb_joint_type(def->kind)->has_axis_b)
 		return false;
 	if (!is_given(def->axis_b)) {
 		snprintf(text, RB_JOINT_FAULT_SIZE,
-		         "'axis_b' must be given for kind 'universal': the axis of b, across "
-		         "'axis'");
+		         "'axis_b' must be given for kind '%s': the axis of b, across 'axis'",
+		         rb_joint_kind_name(def->kind));
 		return true;
 	}
 	const double along = rb_vec3_dot(rb_vec3_unit(def->axis, none),
@@ -371,7 +362,7 @@ static void fill_link(const struct rb_scene *scene, const struct rb_joint_def *d
 	rb_vec3 p_a, p_b;
 
 	rb_joint_points(scene, def, &p_a, &p_b);
-	link->kind = (enum rb_joint_kind)def->kind;
+	link->type = &rb_joint_type(def->kind)->linkage;
 	link->at_a = to_body(scene, def->a, p_a);
 	link->at_b = to_body(scene, def->b, p_b);
 	if (is_given(def->at_a) && def->a >= 0)
@@ -379,16 +370,17 @@ static void fill_link(const struct rb_scene *scene, const struct rb_joint_def *d
 	if (is_given(def->at_b) && def->b >= 0)
 		link->at_b = rb_vec3_sub(def->at_b, center_of(scene, def->b));
 	/* nothing given: exactly at the centres of mass, so that nothing is turned */
-	if (is_line(def->kind) && !is_given(def->at)) {
+	if (rb_joint_is_line(def->kind) && !is_given(def->at)) {
 		link->at_a = is_given(def->at_a) ? link->at_a : (rb_vec3){0, 0, 0};
 		if (def->b >= 0 && !is_given(def->at_b))
 			link->at_b = (rb_vec3){0, 0, 0};
 	}
 	link->frame_a = to_object(scene, def->a, axes);
 	link->frame_b = to_object(scene, def->b,
-	                          def->kind == RB_JOINT_UNIVERSAL ? axes_along(def->axis_b) : axes);
+	                          rb_joint_type(def->kind)->has_axis_b ? axes_along(def->axis_b)
+	                                                               : axes);
 	link->length = 0;
-	if (is_line(def->kind))
+	if (rb_joint_is_line(def->kind))
 		link->length = isnan(def->length_m) ? rb_vec3_length(rb_vec3_sub(p_b, p_a))
 		                                    : def->length_m;
 }
@@ -416,7 +408,7 @@ static struct rb_joint sealed(const struct rb_model *model, int k)
 	};
 
 	fill_link(model->scene, def, &joint.link);
-	if (def->kind == RB_JOINT_ROPE) {
+	if (joint.link.type->one_sided) {
 		joint.low = 0;
 		joint.high = joint.link.length;
 	}

@@ -12,6 +12,7 @@
 #include <rbsim/model.h>
 
 #include "geom/linkage.h"
+#include "model/joint_type.h"
 
 enum { RB_JOINT_FAULT_SIZE = 320 };
 
@@ -19,7 +20,7 @@ struct rb_joint {
 	struct rb_linkage link;
 	int a, b; /* indices of bodies; b -1: the world */
 	int def;  /* its place in scene->joints, and here */
-	/* of the free coordinate, rad or m; infinite: none. A rope's are those of |d|: 0, length */
+	/* of the free coordinate, rad or m; infinite: none. Of ropes: of |d|, 0 and the length */
 	double low, high;
 	double restitution, friction; /* friction: N m or N */
 	bool has_motor;

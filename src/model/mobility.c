@@ -57,7 +57,7 @@ static int fill(const struct rb_model *model, const struct rb_joint *joint, doub
 	const int count = rb_linkage_rows(&joint->link, &a, &b, row);
 
 	for (int k = 0; k < count; k++) {
-		const bool couple = rb_linkage_row_is_couple(joint->link.kind, k);
+		const bool couple = rb_linkage_row_is_couple(&joint->link, k);
 		const double scale = couple ? 1 : 1 / length;
 
 		put(matrix + (size_t)k * width, model, joint->a, rb_vec3_neg(row[k].linear),
@@ -118,8 +118,8 @@ enum rb_status rb_mobility_of(struct rb_mobility *mobility, const struct rb_mode
 	for (int i = 0; i < model->body_count; i++)
 		mobility->freedoms += is_free(model, i) ? each : 0;
 	for (int k = 0; k < joints; k++)
-		if (model->joints->joint[k].link.kind != RB_JOINT_ROPE)
-			mobility->rows += rb_linkage_row_count(model->joints->joint[k].link.kind);
+		if (!model->joints->joint[k].link.type->one_sided)
+			mobility->rows += rb_linkage_row_count(&model->joints->joint[k].link);
 	mobility->freedoms -= mobility->rows;
 	if (mobility->rows == 0)
 		return RB_OK;
@@ -132,7 +132,7 @@ enum rb_status rb_mobility_of(struct rb_mobility *mobility, const struct rb_mode
 		return RB_FAIL(err, RB_ERR_MEMORY,
 		               "cannot count the freedoms of joints: out of memory");
 	for (int k = 0; k < joints; k++)
-		if (model->joints->joint[k].link.kind != RB_JOINT_ROPE)
+		if (!model->joints->joint[k].link.type->one_sided)
 			rows += fill(model, &model->joints->joint[k], matrix + (size_t)rows * width,
 			             width);
 	RB_ASSERT(rows == mobility->rows);

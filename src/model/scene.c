@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "math/quat.h"
+#include "model/joint_type.h"
 #include "model/shape.h"
 
 /*
@@ -489,10 +490,7 @@ enum rb_status rb_scene_add_file(struct rb_scene *scene, const char *name, const
 
 const char *rb_joint_kind_name(int kind)
 {
-	static const char *const name[RB_JOINT_KIND_COUNT] = {
-		"fixed", "ball", "hinge", "slider", "cylindrical", "universal", "rod", "rope"};
-
-	return kind >= 0 && kind < RB_JOINT_KIND_COUNT ? name[kind] : "unknown";
+	return kind >= 0 && kind < RB_JOINT_KIND_COUNT ? rb_joint_types[kind]->name : "unknown";
 }
 
 const char *rb_scene_body_label(const struct rb_scene *scene, int id, char out[64])

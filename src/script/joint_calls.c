@@ -14,60 +14,76 @@
 #include <lauxlib.h>
 
 #include "base/error.h"
+#include "model/joint_type.h"
 #include "script/body_calls.h"
 #include "script/fields.h"
 #include "script/joint_handles.h"
 #include "script/values.h"
 
-#define KIND(name) (1u << RB_JOINT_##name)
-enum {
-	ENDS = KIND(ROD) | KIND(ROPE), /* two points apart; all others share one */
-	FREE = KIND(HINGE) | KIND(SLIDER) | KIND(CYLINDRICAL), /* have a free coordinate */
-	ALL = (1u << RB_JOINT_KIND_COUNT) - 1
-};
+/* ---- which kinds have a key, by their rows ---- */
 
-/* Kinds that have a key, and those that cannot do without it; keys that are not here: all, none. */
+static bool has_axis(int kind)
+{
+	return rb_joint_type(kind)->has_axis;
+}
+
+static bool has_axis_b(int kind)
+{
+	return rb_joint_type(kind)->has_axis_b;
+}
+
+static bool is_met(int kind)
+{
+	return rb_joint_is_free(kind) || rb_joint_type(kind)->linkage.one_sided;
+}
+
+static bool has_point(int kind)
+{
+	return !rb_joint_is_line(kind);
+}
+
+/* Kinds that have a key, and must have it where `needed`; keys that are not here: all have them. */
 static const struct {
 	const char *key;
-	unsigned has, needs;
+	bool (*has)(int kind);
+	bool needed;
 } rules[] = {
-	{"at", ALL & ~(unsigned)ENDS, 0},
-	{"axis", FREE | KIND(UNIVERSAL), FREE | KIND(UNIVERSAL)},
-	{"axis_b", KIND(UNIVERSAL), KIND(UNIVERSAL)},
-	{"length", ENDS, 0},
-	{"limits", FREE, 0},
-	{"restitution", FREE | KIND(ROPE), 0},
-	{"friction", FREE, 0},
-	{"motor", FREE, 0},
-	{"stiffness", FREE, 0},
-	{"damping", FREE, 0},
-	{"rest", FREE, 0},
+	{"at", has_point, false},
+	{"axis", has_axis, true},
+	{"axis_b", has_axis_b, true},
+	{"length", rb_joint_is_line, false},
+	{"limits", rb_joint_is_free, false},
+	{"restitution", is_met, false},
+	{"friction", rb_joint_is_free, false},
+	{"motor", rb_joint_is_free, false},
+	{"stiffness", rb_joint_is_free, false},
+	{"damping", rb_joint_is_free, false},
+	{"rest", rb_joint_is_free, false},
 };
 enum { RULE_COUNT = sizeof rules / sizeof *rules };
 
-static bool is_of(unsigned kinds, int kind)
-{
-	RB_ASSERT(kind >= 0 && kind < RB_JOINT_KIND_COUNT);
-	return (kinds & 1u << kind) != 0;
-}
+enum { LIST_SIZE = 24 * RB_JOINT_KIND_COUNT };
 
-/* "hinge, slider and cylindrical". */
-static const char *list_kinds(unsigned kinds, char out[96])
+/* "hinge, slider and cylindrical"; how many these are. */
+static int list_kinds(bool (*has)(int kind), char out[LIST_SIZE])
 {
 	size_t used = 0;
+	int count = 0, left = 0;
 
+	for (int kind = 0; kind < RB_JOINT_KIND_COUNT; kind++)
+		left += has(kind);
 	out[0] = '\0';
 	for (int kind = 0; kind < RB_JOINT_KIND_COUNT; kind++) {
-		if (!is_of(kinds, kind))
+		if (!has(kind))
 			continue;
-		const bool last = (kinds >> kind) == 1;
-		used += (size_t)snprintf(out + used, 96 - used, "%s%s",
-		                         used == 0 ? ""
-		                         : last    ? " and "
-		                                   : ", ",
+		const char *const before = count == 0 ? "" : --left == 1 ? " and " : ", ";
+
+		used += (size_t)snprintf(out + used, LIST_SIZE - used, "%s%s", before,
 		                         rb_joint_kind_name(kind));
+		count++;
 	}
-	return out;
+	RB_ASSERT(used < LIST_SIZE);
+	return count;
 }
 
 /* ---- the call ---- */
@@ -75,19 +91,21 @@ static const char *list_kinds(unsigned kinds, char out[96])
 /* Notes keys that a kind does not have, and those that are missing. */
 static void check_keys(const struct rb_call *call, const struct rb_joint_def *def)
 {
-	char kinds[96];
+	char kinds[LIST_SIZE];
 
 	for (int k = 0; k < RULE_COUNT; k++) {
 		const char *const key = rules[k].key;
+		const bool has = rules[k].has(def->kind);
 
-		if (rb_call_tried(call, key) && !is_of(rules[k].has, def->kind))
+		if (rb_call_tried(call, key) && !has) {
+			const int count = list_kinds(rules[k].has, kinds);
+
 			rb_call_mistake(call, "'%s': a joint of kind '%s' has none (%s: %s)", key,
 			                rb_joint_kind_name(def->kind),
-			                (rules[k].has & (rules[k].has - 1))
-			                        ? "kinds that have it"
-			                        : "the kind that has it",
-			                list_kinds(rules[k].has, kinds));
-		if (!rb_call_tried(call, key) && is_of(rules[k].needs, def->kind) && !call->unknown)
+			                count > 1 ? "kinds that have it" : "the kind that has it",
+			                kinds);
+		}
+		if (!rb_call_tried(call, key) && has && rules[k].needed && !call->unknown)
 			rb_call_mistake(call, "'%s' is missing: a joint of kind '%s' needs it", key,
 			                rb_joint_kind_name(def->kind));
 	}
@@ -117,7 +135,7 @@ static void check_points(const struct rb_call *call, const struct rb_joint_def *
 	const bool at = rb_call_tried(call, "at"), at_a = rb_call_tried(call, "at_a"),
 		   at_b = rb_call_tried(call, "at_b");
 
-	if (is_of(ENDS, def->kind)) {
+	if (rb_joint_is_line(def->kind)) {
 		if (def->b < 0 && !at_b && !rb_call_tried(call, "b") && !call->unknown)
 			rb_call_mistake(
 				call,
@@ -126,16 +144,15 @@ static void check_points(const struct rb_call *call, const struct rb_joint_def *
 				rb_joint_kind_name(def->kind));
 		return;
 	}
-	if (!at && !at_a && !at_b && def->kind != RB_JOINT_FIXED && def->kind != RB_JOINT_SLIDER &&
-	    !call->unknown)
+	if (!at && !at_a && !at_b && !rb_joint_type(def->kind)->is_centered && !call->unknown)
 		rb_call_mistake(call, "'at' is missing: the point that 'a' and 'b' share (or "
 		                      "'at_a' or 'at_b')");
 }
 
-/* The axes of a universal joint: at right angles, to the rounding of what a scene computes. */
+/* Axes of both bodies: at right angles, to the rounding of what a scene computes. */
 static void check_axes(const struct rb_call *call, const struct rb_joint_def *def)
 {
-	if (def->kind != RB_JOINT_UNIVERSAL || !rb_call_given(call, "axis") ||
+	if (!rb_joint_type(def->kind)->has_axis_b || !rb_call_given(call, "axis") ||
 	    !rb_call_given(call, "axis_b"))
 		return;
 	const double cosine = rb_vec3_dot(rb_vec3_unit(def->axis, def->axis),
@@ -191,9 +208,10 @@ static bool check_motor(const struct rb_call *part, const struct rb_joint_def *d
 {
 	const char *const way = rb_joint_way_name(def->kind), *const max = rb_joint_max_name(
 								      def->kind);
-	const bool is_hinge = def->kind == RB_JOINT_HINGE;
-	const char *const other_way = is_hinge ? "way" : "angle";
-	const char *const other_max = is_hinge ? "force" : "torque";
+	const bool turns = rb_joint_type(def->kind)->linkage.coordinate == RB_COORDINATE_ANGLE;
+	const struct rb_coordinate_words *const other =
+		&rb_coordinate_words[turns ? RB_COORDINATE_WAY : RB_COORDINATE_ANGLE];
+	const char *const other_way = other->name, *const other_max = other->load;
 	const bool wrong_way = rb_call_tried(part, other_way),
 		   wrong_max = rb_call_tried(part, other_max);
 	const bool has_speed = rb_call_tried(part, "speed"), has_way = rb_call_tried(part, way);
@@ -247,7 +265,7 @@ static int l_joint(lua_State *L)
 		check_keys(&call, &def);
 		check_points(&call, &def);
 		check_axes(&call, &def);
-		if (is_of(FREE, def.kind)) {
+		if (rb_joint_is_free(def.kind)) {
 			read_limits(&call, &def);
 			read_motor(&call, &def);
 		}

@@ -21,16 +21,12 @@ static const struct rb_handle_kind handle;
 
 const char *rb_joint_way_name(int kind)
 {
-	return !rb_linkage_has_free((enum rb_joint_kind)kind) ? NULL
-	       : kind == RB_JOINT_HINGE                       ? "angle"
-	                                                      : "way";
+	return rb_joint_is_free(kind) ? rb_joint_words(kind)->name : NULL;
 }
 
 const char *rb_joint_max_name(int kind)
 {
-	return !rb_linkage_has_free((enum rb_joint_kind)kind) ? NULL
-	       : kind == RB_JOINT_HINGE                       ? "torque"
-	                                                      : "force";
+	return rb_joint_words(kind)->load;
 }
 
 void rb_joint_handle_push(lua_State *L, int joint)
@@ -76,17 +72,11 @@ static int get_b(lua_State *L, int joint)
 	return 1;
 }
 
-/* What a kind calls the value of its reading; NULL: it has none. */
-static const char *value_name(int kind)
-{
-	return kind == RB_JOINT_ROD || kind == RB_JOINT_ROPE ? "length" : rb_joint_way_name(kind);
-}
-
 /* Raises an error where the kind has no such field. */
 static void need_way(lua_State *L, int joint, const char *name)
 {
 	const int kind = definition(L, joint)->kind;
-	const char *const own = value_name(kind);
+	const char *const own = rb_joint_words(kind)->name;
 	const char *const called = rb_joint_kind_name(kind);
 
 	if (!own)

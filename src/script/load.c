@@ -25,6 +25,7 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "model/element.h"
+#include "model/joint_type.h"
 #include "model/shape.h"
 #include "model/validate.h"
 #include "script/bind.h"
@@ -413,7 +414,7 @@ static enum rb_status start_driven(struct rb_script *script)
 static bool begins_at_start(const struct rb_scene *scene, const struct rb_joint_def *joint,
                             double way)
 {
-	const bool turns = joint->kind == RB_JOINT_HINGE;
+	const bool turns = rb_joint_type(joint->kind)->linkage.coordinate == RB_COORDINATE_ANGLE;
 
 	if (turns || joint->a < 0)
 		return fabs(way) <= 1e-9;

@@ -465,7 +465,7 @@ static void put_joints(struct rb_h5 *h5, const struct rb_model *model)
 {
 	const struct rb_scene *scene = model->scene;
 	const size_t count = (size_t)scene->joint_count;
-	char kinds[160];
+	char kinds[24 * RB_JOINT_KIND_COUNT];
 	size_t used = 0;
 
 	if (count == 0)

@@ -304,7 +304,7 @@ static rb_mat3 geometric_stiffness(const struct rb_solver *solver, const struct 
 		const double along = (is_a ? -1 : 1) * rb_vec3_dot(f, r);
 		const double square = rb_vec3_dot(r, r);
 
-		if (!rb_step_joint_rows_have_point(joint->link.kind) || !(square > 0))
+		if (!rb_linkage_has_point(&joint->link) || !(square > 0))
 			continue;
 		add_about(joined, 1 / (solver->dense.bodies.body[i].inverse_mass + inverse_mass),
 		          r);

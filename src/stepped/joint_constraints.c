@@ -11,16 +11,10 @@ RB_FIELDS_DEFINE(rb_joint_memory_fields, struct rb_joint_memory, RB_JOINT_MEMORY
 
 static const rb_vec3 none = {0, 0, 0};
 
-bool rb_step_joint_rows_have_point(enum rb_joint_kind kind)
-{
-	return kind == RB_JOINT_FIXED || kind == RB_JOINT_BALL || kind == RB_JOINT_HINGE ||
-	       kind == RB_JOINT_UNIVERSAL;
-}
-
 /* Whether the joint has that part, of those after the rows of its linkage. */
 static bool has_part(const struct rb_joint *joint, int part)
 {
-	if (!rb_linkage_has_free(joint->link.kind))
+	if (!rb_linkage_has_free(&joint->link))
 		return false;
 	switch (part) {
 	case RB_JOINT_LOW:
@@ -39,11 +33,10 @@ static bool has_part(const struct rb_joint *joint, int part)
 /* The part of each row, of a FREE one the first of three; returns their number. */
 static int list_parts(const struct rb_joint *joint, int part[RB_JOINT_PARTS])
 {
-	const int count = rb_linkage_row_count(joint->link.kind);
+	const int count = rb_linkage_row_count(&joint->link);
 	int rows = 0;
 
-	for (int k = 0; k < count;
-	     k += k == 0 && rb_step_joint_rows_have_point(joint->link.kind) ? 3 : 1)
+	for (int k = 0; k < count; k += k == 0 && rb_linkage_has_point(&joint->link) ? 3 : 1)
 		part[rows++] = k;
 	for (int k = RB_JOINT_LOW; k < RB_JOINT_PARTS; k++)
 		if (has_part(joint, k))
@@ -159,7 +152,7 @@ static struct rb_constraint linkage_row(const struct filling *f, int k)
 	                                    -(f->link[k].error + bend) / f->query->h_s, &scale);
 
 	row.low = -(double)INFINITY;
-	row.high = f->joint->link.kind == RB_JOINT_ROPE ? 0 : (double)INFINITY;
+	row.high = f->joint->link.type->one_sided ? 0 : (double)INFINITY;
 	return row;
 }
 
@@ -250,9 +243,9 @@ static struct filling begin(const struct rb_joint_query *query, int k, struct rb
 	f.a = pose_of(query->world, query->before, joint->a);
 	f.b = pose_of(query->world, query->before, joint->b);
 	(void)rb_linkage_rows(&joint->link, &f.a, &f.b, f.link);
-	if (rb_linkage_has_free(joint->link.kind)) {
+	if (rb_linkage_has_free(&joint->link)) {
 		f.free = rb_linkage_free(&joint->link, &f.a, &f.b);
-		f.way = joint->link.kind == RB_JOINT_HINGE
+		f.way = rb_linkage_turns(&joint->link)
 		                ? rb_linkage_angle_near(f.free.value, of->last.way)
 		                : f.free.value;
 	}
@@ -268,11 +261,11 @@ void rb_step_joint_rows_fill(const struct rb_joint_query *query, int k, struct r
 
 	RB_ASSERT_COSTLY(query->h_s > 0);
 	if (query->before)
-		of->rate = f.joint->link.kind == RB_JOINT_ROPE
+		of->rate = f.joint->link.type->one_sided
 		                   ? rb_linkage_row_velocity(&f.link[0], &f.a, &f.b)
 		                   : f.free.rate;
 	for (int r = 0; r < rows; r++) {
-		if (part[r] == 0 && rb_step_joint_rows_have_point(f.joint->link.kind)) {
+		if (part[r] == 0 && rb_linkage_has_point(&f.joint->link)) {
 			row[r] = point_row(&f);
 		} else {
 			row[r] = part[r] < RB_JOINT_LOW ? linkage_row(&f, part[r])
@@ -327,7 +320,7 @@ static void note_fixed(struct rb_joint_work *work, const struct rb_constraint *r
 	work->driven += rb_vec3_dot(p, rb_solver_point_velocity(fixed, row->arm_b));
 }
 
-static void note_work(struct rb_joint_work *work, enum rb_joint_kind kind, int part, double done)
+static void note_work(struct rb_joint_work *work, bool one_sided, int part, double done)
 {
 	if (part == RB_JOINT_MOTOR)
 		work->motor += done;
@@ -335,7 +328,7 @@ static void note_work(struct rb_joint_work *work, enum rb_joint_kind kind, int p
 		work->friction -= done;
 	else if (part == RB_JOINT_SPRING)
 		work->spring += done;
-	else if (part == RB_JOINT_LOW || part == RB_JOINT_HIGH || kind == RB_JOINT_ROPE)
+	else if (part == RB_JOINT_LOW || part == RB_JOINT_HIGH || one_sided)
 		work->impacts -= done;
 }
 
@@ -374,7 +367,7 @@ static void note_row(const struct filling *f, int part, const struct rb_constrai
 	}
 	alone.a = 0;
 	alone.b = 1;
-	note_work(&of->work, f->joint->link.kind, part,
+	note_work(&of->work, f->joint->link.type->one_sided, part,
 	          rb_vec3_dot(rb_constraint_impulse(row), rb_constraint_velocity(&pair, &alone)));
 	if (two[1].inverse_mass == 0)
 		note_fixed(&of->work, row, sign < 0 ? f->a.position : f->b.position, &two[1]);
@@ -432,7 +425,7 @@ bool rb_step_joint_rows_rebound(const struct rb_joint_query *query, int k,
 			rb_effective_mass_fill(query->bodies, &row[r]);
 		}
 		const rb_vec3 now = rb_constraint_velocity(query->bodies, &row[r]);
-		const bool rope = joint->link.kind == RB_JOINT_ROPE && part[r] == 0;
+		const bool rope = joint->link.type->one_sided && part[r] == 0;
 		const bool low = part[r] == RB_JOINT_LOW;
 
 		row[r].target = rb_constraint_split(&row[r], now);
@@ -466,11 +459,11 @@ double rb_step_joint_rows_miss(const struct rb_world *world, int k, struct rb_st
 	double square = 0, max = 0;
 
 	for (int r = 0; r < count; r++) {
-		const bool turns = rb_linkage_row_is_couple(joint->link.kind, r);
+		const bool turns = rb_linkage_row_is_couple(&joint->link, r);
 		double error = link[r].error;
 
 		of->miss[r] = error;
-		if (joint->link.kind == RB_JOINT_ROPE)
+		if (joint->link.type->one_sided)
 			error = fmax(0, error);
 		if (turns)
 			max = fmax(max, joint->size * fabs(error));

@@ -85,9 +85,6 @@ struct rb_step_joint {
 /* How many rows a joint has in every step: fixed by its kind and keys. */
 int rb_step_joint_rows_count(const struct rb_joint *joint);
 
-/* Whether it has three rows of a point; their forces are parts 0 to 2, along the world's axes. */
-bool rb_step_joint_rows_have_point(enum rb_joint_kind kind);
-
 /* A body that forces move: its rows are those of this one's group. */
 int rb_step_joint_rows_owner(const struct rb_model *model, const struct rb_joint *joint);
 

@@ -35,9 +35,9 @@ static enum rb_status add(const struct recording *r, enum rb_event_kind kind, do
 static enum rb_status add_impact(const struct recording *r, const struct rb_joint *joint,
                                  const struct rb_step_joint *of, int part)
 {
-	const bool rope = joint->link.kind == RB_JOINT_ROPE;
+	const bool rope = joint->link.type->one_sided;
 	const double approach = part == RB_JOINT_LOW ? -of->rate : of->rate;
-	const double lever = joint->link.kind == RB_JOINT_HINGE ? joint->size : 1;
+	const double lever = rb_linkage_turns(&joint->link) ? joint->size : 1;
 
 	if (of->impulse[part] == 0 || of->last.force[part] != 0 ||
 	    !(lever * approach > r->world->stepped->solver.tolerance))
@@ -73,11 +73,11 @@ static enum rb_status add_joint(const struct recording *r)
 	/* what rests goes on as it did */
 	if (of->first_row < 0)
 		return RB_OK;
-	if (joint->link.kind == RB_JOINT_ROPE) {
+	if (joint->link.type->one_sided) {
 		status = add_impact(r, joint, of, 0);
 		return status == RB_OK ? add_change(r, RB_JOINT_TAUT, of->impulse[0] != 0) : status;
 	}
-	if (!rb_linkage_has_free(joint->link.kind))
+	if (!rb_linkage_has_free(&joint->link))
 		return RB_OK;
 	for (int part = RB_JOINT_LOW; part <= RB_JOINT_HIGH && status == RB_OK; part++)
 		status = add_impact(r, joint, of, part);

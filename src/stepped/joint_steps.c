@@ -57,11 +57,11 @@ static double way_of(const struct rb_world *world, const struct rb_joint *joint,
 	const struct rb_pose a = rb_joints_pose(world, joint->a);
 	const struct rb_pose b = rb_joints_pose(world, joint->b);
 
-	if (!rb_linkage_has_free(joint->link.kind))
+	if (!rb_linkage_has_free(&joint->link))
 		return 0;
 	const double value = rb_linkage_free(&joint->link, &a, &b).value;
 
-	return joint->link.kind == RB_JOINT_HINGE ? rb_linkage_angle_near(value, guess) : value;
+	return rb_linkage_turns(&joint->link) ? rb_linkage_angle_near(value, guess) : value;
 }
 
 void rb_joints_start(struct rb_world *world)
@@ -168,11 +168,11 @@ void rb_joints_bend(struct rb_world *world, const unsigned char *of_group)
 		const struct rb_joint *joint = &world->model->joints->joint[number];
 		struct rb_step_joint *of = &solver->joint[number];
 		const int owner = rb_step_joint_rows_owner(world->model, joint);
-		const bool slack = joint->link.kind == RB_JOINT_ROPE && of->impulse[0] == 0;
+		const bool slack = joint->link.type->one_sided && of->impulse[0] == 0;
 
 		if (of->first_row < 0 || !of_group[solver->island_of[owner]])
 			continue;
-		for (int r = 0; r < rb_linkage_row_count(joint->link.kind); r++)
+		for (int r = 0; r < rb_linkage_row_count(&joint->link); r++)
 			of->bend[r] += slack ? fmax(0, of->miss[r]) : of->miss[r];
 	}
 }
@@ -207,7 +207,7 @@ void rb_joints_blame(struct rb_world *world, const struct rb_cohort *cohort,
 
 static void remember(const struct rb_joint *joint, struct rb_step_joint *of, double h)
 {
-	const bool slack = joint->link.kind == RB_JOINT_ROPE && of->impulse[0] == 0;
+	const bool slack = joint->link.type->one_sided && of->impulse[0] == 0;
 
 	for (int p = 0; p < RB_JOINT_PARTS; p++)
 		of->last.force[p] = of->impulse[p] / h;

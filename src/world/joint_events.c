@@ -12,7 +12,7 @@ struct rb_event rb_joint_event(const struct rb_model *model, enum rb_event_kind 
 	const rb_vec3 p_a = rb_linkage_point_a(&joint->link, &moment->a);
 	const rb_vec3 p_b = rb_linkage_point_b(&joint->link, &moment->b);
 	const rb_vec3 axis = rb_linkage_axis(&joint->link, &moment->a);
-	const bool length = joint->link.kind == RB_JOINT_ROPE || joint->link.kind == RB_JOINT_ROD;
+	const bool length = joint->link.type->coordinate == RB_COORDINATE_LENGTH;
 	const rb_vec3 way = length ? rb_vec3_unit(rb_vec3_sub(p_b, p_a), axis) : axis;
 	const int a = model->id_of[joint->a], b = joint->b < 0 ? a : model->id_of[joint->b];
 	struct rb_event event = {.time_s = moment->time_s,

@@ -55,14 +55,14 @@ static struct rb_linkage_free free_of(const struct rb_world *world, int k)
 	const struct rb_pose a = end_of(world, joint->a), b = end_of(world, joint->b);
 	struct rb_linkage_free free = rb_linkage_free(&joint->link, &a, &b);
 
-	free.value = rb_joint_state_angle(state, joint->link.kind, world->state.time_s, &free);
+	free.value = rb_joint_state_angle(state, &joint->link, world->state.time_s, &free);
 	return free;
 }
 
 void rb_joint_states_see(struct rb_world *world)
 {
 	for (int k = 0; k < count_of(world); k++) {
-		if (!rb_linkage_has_free(world->model->joints->joint[k].link.kind))
+		if (!rb_linkage_has_free(&world->model->joints->joint[k].link))
 			continue;
 		const struct rb_linkage_free free = free_of(world, k);
 
@@ -109,12 +109,12 @@ struct rb_joint_reading rb_joint_state_now(const struct rb_world *world, int k)
 	RB_ASSERT(k >= 0 && k < count_of(world));
 	const struct rb_joint *joint = &world->model->joints->joint[k];
 	now.released = world->joint[k].released;
-	if (rb_linkage_has_free(joint->link.kind)) {
+	if (rb_linkage_has_free(&joint->link)) {
 		const struct rb_linkage_free free = free_of(world, k);
 
 		now.angle = free.value;
 		now.speed = free.rate;
-	} else if (joint->link.kind == RB_JOINT_ROD || joint->link.kind == RB_JOINT_ROPE) {
+	} else if (joint->link.type->coordinate == RB_COORDINATE_LENGTH) {
 		const struct rb_pose a = end_of(world, joint->a), b = end_of(world, joint->b);
 		struct rb_linkage_row row[RB_LINKAGE_ROWS_MAX];
 

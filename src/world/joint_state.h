@@ -45,20 +45,20 @@ void rb_joint_states_pack(struct rb_world *world, struct rb_pack *pack);
 
 /* The free coordinate at a moment, turns counted. */
 static inline double rb_joint_state_angle(const struct rb_joint_state *state,
-                                          enum rb_joint_kind kind, double time_s,
+                                          const struct rb_linkage *link, double time_s,
                                           const struct rb_linkage_free *free)
 {
 	const double turned = 0.5 * (state->speed + free->rate) * (time_s - state->seen_s);
 
-	return kind == RB_JOINT_HINGE ? rb_linkage_angle_near(free->value, state->angle + turned)
+	return rb_linkage_turns(link) ? rb_linkage_angle_near(free->value, state->angle + turned)
 	                              : free->value;
 }
 
 /* The same, and it is what is known of it from then on. */
-static inline void rb_joint_state_see(struct rb_joint_state *state, enum rb_joint_kind kind,
+static inline void rb_joint_state_see(struct rb_joint_state *state, const struct rb_linkage *link,
                                       double time_s, const struct rb_linkage_free *free)
 {
-	state->angle = rb_joint_state_angle(state, kind, time_s, free);
+	state->angle = rb_joint_state_angle(state, link, time_s, free);
 	state->speed = free->rate;
 	state->seen_s = time_s;
 }
