@@ -71,4 +71,19 @@ static inline bool rb_joint_is_line(int kind)
 	return rb_joint_type(kind)->linkage.coordinate == RB_COORDINATE_LENGTH;
 }
 
+/* A key of joint { } that some kinds lack; all have the others. */
+struct rb_joint_key {
+	const char *key;
+	bool (*has)(int kind);
+	bool (*named)(int kind); /* those that its default in the manual names; NULL: none */
+	bool needed;             /* kinds that have it cannot do without */
+};
+extern const struct rb_joint_key rb_joint_keys[];
+extern const int rb_joint_key_count;
+
+enum { RB_JOINT_KINDS_SIZE = 24 * RB_JOINT_KIND_COUNT };
+
+/* "hinge, slider and cylindrical", `last` being " and "; returns how many these are. */
+int rb_joint_list_kinds(bool (*has)(int kind), const char *last, char out[RB_JOINT_KINDS_SIZE]);
+
 #endif

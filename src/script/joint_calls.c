@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The keys of joint { } are one table; which of them a kind of joint has, and which it must have,
- * is another one below. A key that does not apply is refused by name, because a scene that sets it
- * expects an effect. What needs the geometry of the start is for model/joints, once all bodies are
- * placed.
+ * The keys of joint { } are one table (script/rows); which of them a kind of joint has, and which
+ * it must have, is another one (rb_joint_keys). A key that does not apply is refused by name,
+ * because a scene that sets it expects an effect. What needs the geometry of the start is for
+ * model/joints, once all bodies are placed.
  */
 #include "script/joint_calls.h"
 
@@ -20,92 +20,27 @@
 #include "script/joint_handles.h"
 #include "script/values.h"
 
-/* ---- which kinds have a key, by their rows ---- */
-
-static bool has_axis(int kind)
-{
-	return rb_joint_type(kind)->has_axis;
-}
-
-static bool has_axis_b(int kind)
-{
-	return rb_joint_type(kind)->has_axis_b;
-}
-
-static bool is_met(int kind)
-{
-	return rb_joint_is_free(kind) || rb_joint_type(kind)->linkage.one_sided;
-}
-
-static bool has_point(int kind)
-{
-	return !rb_joint_is_line(kind);
-}
-
-/* Kinds that have a key, and must have it where `needed`; keys that are not here: all have them. */
-static const struct {
-	const char *key;
-	bool (*has)(int kind);
-	bool needed;
-} rules[] = {
-	{"at", has_point, false},
-	{"axis", has_axis, true},
-	{"axis_b", has_axis_b, true},
-	{"length", rb_joint_is_line, false},
-	{"limits", rb_joint_is_free, false},
-	{"restitution", is_met, false},
-	{"friction", rb_joint_is_free, false},
-	{"motor", rb_joint_is_free, false},
-	{"stiffness", rb_joint_is_free, false},
-	{"damping", rb_joint_is_free, false},
-	{"rest", rb_joint_is_free, false},
-};
-enum { RULE_COUNT = sizeof rules / sizeof *rules };
-
-enum { LIST_SIZE = 24 * RB_JOINT_KIND_COUNT };
-
-/* "hinge, slider and cylindrical"; how many these are. */
-static int list_kinds(bool (*has)(int kind), char out[LIST_SIZE])
-{
-	size_t used = 0;
-	int count = 0, left = 0;
-
-	for (int kind = 0; kind < RB_JOINT_KIND_COUNT; kind++)
-		left += has(kind);
-	out[0] = '\0';
-	for (int kind = 0; kind < RB_JOINT_KIND_COUNT; kind++) {
-		if (!has(kind))
-			continue;
-		const char *const before = count == 0 ? "" : --left == 1 ? " and " : ", ";
-
-		used += (size_t)snprintf(out + used, LIST_SIZE - used, "%s%s", before,
-		                         rb_joint_kind_name(kind));
-		count++;
-	}
-	RB_ASSERT(used < LIST_SIZE);
-	return count;
-}
-
 /* ---- the call ---- */
 
 /* Notes keys that a kind does not have, and those that are missing. */
 static void check_keys(const struct rb_call *call, const struct rb_joint_def *def)
 {
-	char kinds[LIST_SIZE];
+	char kinds[RB_JOINT_KINDS_SIZE];
 
-	for (int k = 0; k < RULE_COUNT; k++) {
-		const char *const key = rules[k].key;
-		const bool has = rules[k].has(def->kind);
+	for (int k = 0; k < rb_joint_key_count; k++) {
+		const struct rb_joint_key *const rule = &rb_joint_keys[k];
+		const char *const key = rule->key;
+		const bool has = rule->has(def->kind);
 
 		if (rb_call_tried(call, key) && !has) {
-			const int count = list_kinds(rules[k].has, kinds);
+			const int count = rb_joint_list_kinds(rule->has, " and ", kinds);
 
 			rb_call_mistake(call, "'%s': a joint of kind '%s' has none (%s: %s)", key,
 			                rb_joint_kind_name(def->kind),
 			                count > 1 ? "kinds that have it" : "the kind that has it",
 			                kinds);
 		}
-		if (!rb_call_tried(call, key) && has && rules[k].needed && !call->unknown)
+		if (!rb_call_tried(call, key) && has && rule->needed && !call->unknown)
 			rb_call_mistake(call, "'%s' is missing: a joint of kind '%s' needs it", key,
 			                rb_joint_kind_name(def->kind));
 	}

@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "geom/mass.h"
 #include "model/element.h"
+#include "model/joint_type.h"
 
 #define AT(type, member) offsetof(struct type, member)
 #define HAND RB_ROW_BY_HAND
@@ -312,7 +313,7 @@ static const struct rb_row record_rows[] = {
          NULL, "0", "", "0 is none, 9 the most"},
 };
 
-/* Which of these a kind of joint has: script/joint_calls. */
+/* Which of these a kind of joint has: rb_joint_keys. KINDS: those that it names. */
 static const struct rb_row joint_rows[] = {
 	{"kind", RB_ROW_CHOICE, 0, 0, AT(rb_joint_def, kind), RB_JOINT_KIND_NAMES, NULL, "required",
          "", "what it leaves free, see JOINTS"},
@@ -323,7 +324,7 @@ static const struct rb_row joint_rows[] = {
 	{"b", RB_ROW_BODY, 0, 0, AT(rb_joint_def, b), NULL, NULL, "the world", "",
          "another body or its name"},
 	{"at", RB_ROW_VECTOR, 0, 0, AT(rb_joint_def, at), NULL, NULL,
-         "required, or at_a or at_b; fixed, slider: the centre of mass of a", "m",
+         "required, or at_a or at_b; KINDS: the centre of mass of a", "m",
          "the point that a and b share, in world coordinates at the start; not of rods and ropes"},
 	{"at_a", RB_ROW_VECTOR, 0, 0, AT(rb_joint_def, at_a), NULL, NULL,
          "from at or at_b; rod, rope: the centre of mass", "m",
@@ -333,18 +334,18 @@ static const struct rb_row joint_rows[] = {
          "in object coordinates of b, or in world coordinates if b is the world; of rods and ropes "
          "the end on b, required if that is the world"},
 	{"axis", RB_ROW_VECTOR, RB_RANGE_NOT_ZERO, 0, AT(rb_joint_def, axis), NULL, NULL,
-         "required: hinge, slider, cylindrical, universal", "",
+         "required: KINDS", "",
          "of turning or sliding, of any length, in world axes at the start; of a universal joint "
          "the axis that is fixed to a"},
 	{"axis_b", RB_ROW_VECTOR, RB_RANGE_NOT_ZERO, 0, AT(rb_joint_def, axis_b), NULL, NULL,
-         "required: universal", "", "the axis that is fixed to b, at right angles to axis"},
+         "required: KINDS", "", "the axis that is fixed to b, at right angles to axis"},
 	{"length", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_joint_def, length_m), NULL, NULL,
          "the distance of its ends at the start", "m",
          "of a rod the distance of its ends, of a rope the largest"},
 	{"limits", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "none", "rad or m",
-         "{low, high}: the smallest and largest angle of a hinge, way of a slider or cylindrical "
-         "joint; both are 0 at the start, so low is at most 0 and high at least 0; -math.huge or "
-         "math.huge: none on that side"},
+         "{low, high}: the smallest and largest angle or way; both are 0 at the start, so low is "
+         "at "
+         "most 0 and high at least 0; -math.huge or math.huge: none on that side"},
 	{"restitution", RB_ROW_NUMBER, RB_RANGE_UNIT, 0, AT(rb_joint_def, restitution), NULL, NULL,
          "0", "1", "at limits, and of a rope that comes taut"},
 	{"friction", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_joint_def, friction), NULL,
@@ -372,14 +373,15 @@ static const struct rb_row motor_rows[] = {
 	{"speed", RB_ROW_NUMBER, 0, 0, AT(rb_joint_def, motor_speed), NULL, NULL,
          "required, or angle or way", "rad/s or m/s", "the motor keeps this speed"},
 	{"angle", RB_ROW_FUNCTION, 0, 0, AT(rb_joint_def, motor_function), NULL, NULL, "none", "",
-         "of a hinge: a function of t that returns the angle, rad, that it follows; 0 at the "
-         "start"},
+         "of a joint with an angle: a function of t that returns the angle, rad, that it follows; "
+         "0 "
+         "at the start"},
 	{"way", RB_ROW_FUNCTION, 0, 0, AT(rb_joint_def, motor_function), NULL, NULL, "none", "",
-         "the same of a slider or cylindrical joint, m"},
+         "the same of a joint with a way, m"},
 	{"torque", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_joint_def, motor_max), NULL, NULL,
-         "required: hinge", "N m", "the most that it exerts"},
+         "required, if the joint has an angle", "N m", "the most that it exerts"},
 	{"force", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_joint_def, motor_max), NULL, NULL,
-         "required: slider, cylindrical", "N", "the most that it exerts"},
+         "required, if the joint has a way", "N", "the most that it exerts"},
 };
 
 /* The last argument of field. */
@@ -529,6 +531,34 @@ static void print_table(FILE *file, const struct rb_row_table *table)
 	fprintf(file, ".El\n.\\\" end\n");
 }
 
+/* ---- of joints ---- */
+
+/* The key of some kinds, with these in its default. */
+static void print_joint_row(FILE *file, const struct rb_row *row)
+{
+	static const char mark[] = "KINDS";
+	const char *const at = strstr(row->fallback, mark);
+	char kinds[RB_JOINT_KINDS_SIZE] = "", text[RB_JOINT_KINDS_SIZE + 80];
+	struct rb_row named = *row;
+
+	for (int k = 0; at && k < rb_joint_key_count; k++)
+		if (strcmp(rb_joint_keys[k].key, row->key) == 0)
+			(void)rb_joint_list_kinds(rb_joint_keys[k].named, ", ", kinds);
+	if (at)
+		snprintf(text, sizeof text, "%.*s%s%s", (int)(at - row->fallback), row->fallback,
+		         kinds, at + strlen(mark));
+	named.fallback = at ? text : row->fallback;
+	print_row(file, &named);
+}
+
+static void print_joint(FILE *file)
+{
+	fprintf(file, ".\\\" table %s\n.Bl -tag -width Ds -compact\n", rb_rows_joint.name);
+	for (int i = 0; i < rb_rows_joint.count; i++)
+		print_joint_row(file, &rb_rows_joint.rows[i]);
+	fprintf(file, ".El\n.\\\" end\n");
+}
+
 /* ---- of shapes ---- */
 
 struct rb_row_table rb_rows_shape(const struct rb_shape_type *type)
@@ -611,15 +641,16 @@ void rb_fields_print(FILE *file)
 	static const struct rb_row_table *const before[] = {
 		&rb_rows_world, &rb_rows_gravitation, &rb_rows_material, &rb_rows_contact_pair};
 	static const struct rb_row_table *const after[] = {
-		&rb_rows_body,    &rb_rows_force,  &rb_rows_particle, &rb_rows_camera,
-		&rb_rows_light,   &rb_rows_record, &rb_rows_param,    &rb_rows_field,
-		&rb_rows_measure, &rb_rows_joint,  &rb_rows_motor};
+		&rb_rows_body,   &rb_rows_force, &rb_rows_particle, &rb_rows_camera, &rb_rows_light,
+		&rb_rows_record, &rb_rows_param, &rb_rows_field,    &rb_rows_measure};
 
 	for (size_t t = 0; t < sizeof before / sizeof *before; t++)
 		print_table(file, before[t]);
 	print_shapes(file);
 	for (size_t t = 0; t < sizeof after / sizeof *after; t++)
 		print_table(file, after[t]);
+	print_joint(file);
+	print_table(file, &rb_rows_motor);
 	for (int place = 0; place < rb_element_kind_count; place++)
 		print_table(file, &rb_element_kinds[place]->keys);
 }
