@@ -401,7 +401,7 @@ static const struct rb_row param_rows[] = {
 
 static const struct rb_row measure_rows[] = {
 	{"unit", RB_ROW_TEXT, 0, 0, AT(rb_measure_def, units), NULL, NULL, "none", "",
-         "shown behind the number and recorded; a text like \"m/s\""},
+         "shown after the number and recorded; a text like \"m/s\""},
 	{"description", RB_ROW_TEXT, 0, 0, AT(rb_measure_def, description), NULL, NULL, "none", "",
          "recorded"},
 };
@@ -606,7 +606,7 @@ void rb_rows_part(struct rb_part_rows *rows)
 	                               0,       0,
 	                               HAND,    rows->choices,
 	                               NULL,    "required",
-	                               "",      "what it is; with the keys that such a body has:"};
+	                               "",      "what it is; it takes the keys of such a body"};
 	rows->count = 1;
 	for (int k = 0; k < RB_SHAPE_KIND_COUNT; k++)
 		if (rb_shape_types[k]->is_part)
