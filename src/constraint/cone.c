@@ -219,8 +219,8 @@ void rb_cone_apply_normal(struct rb_cone *cone, const rb_along_across *impulse)
 }
 
 /* What the increments do to the point of body i at that arm, or to its turning by a lever. */
-static rb_vec3 felt_by(const struct rb_cone *cone, const struct rb_constraint *row, int i,
-                       rb_vec3 arm)
+static inline rb_vec3 felt_by(const struct rb_cone *cone, const struct rb_constraint *row, int i,
+                              rb_vec3 arm)
 {
 	if (!(cone->first[i + 1] > cone->first[i]))
 		return (rb_vec3){0, 0, 0};

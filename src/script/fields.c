@@ -27,6 +27,38 @@ static const char *synonym_of(const struct rb_call *call, const char *word)
 	return NULL;
 }
 
+/* A key of a table on the stack, as C reads it; NULL: it is no text, or not one that C can read. */
+static const char *key_at(lua_State *L, int at)
+{
+	size_t size;
+	const char *const key = lua_type(L, at) == LUA_TSTRING ? lua_tolstring(L, at, &size) : NULL;
+
+	return key && size > 0 && strlen(key) == size ? key : NULL;
+}
+
+/*
+ * One bit for each row whose key the call's table has; *others: it has something else too. Calls
+ * state few of their rows, and the table holds no nil.
+ */
+static uint64_t find_stated(const struct rb_call *call, bool *others)
+{
+	lua_State *L = call->L;
+	uint64_t stated = 0;
+
+	*others = false;
+	for (lua_pushnil(L); lua_next(L, call->index); lua_pop(L, 1)) {
+		const char *const key = key_at(L, -2);
+		int index;
+
+		if (!key || !rb_row_find(call->table, key, &index)) {
+			*others = true;
+			continue;
+		}
+		stated |= (uint64_t)1 << index;
+	}
+	return stated;
+}
+
 /*
  * Notes the keys that no row knows, in the order of their names and at most 20, and what stands
  * without a key. Each pass over the table finds the next name, which needs no memory.
@@ -40,13 +72,9 @@ static void note_unknown(struct rb_call *call)
 	for (int noted = 0; noted < 20; noted++) {
 		next[0] = '\0';
 		for (lua_pushnil(L); lua_next(L, call->index); lua_pop(L, 1)) {
-			if (lua_type(L, -2) != LUA_TSTRING) {
-				unnamed = true;
-				continue;
-			}
-			size_t size;
-			const char *key = lua_tolstring(L, -2, &size);
-			if (size == 0 || strlen(key) != size) {
+			const char *const key = key_at(L, -2);
+
+			if (!key) {
 				unnamed = true;
 				continue;
 			}
@@ -84,21 +112,24 @@ static void note_unknown(struct rb_call *call)
 void rb_call_read(struct rb_call *call, void *definition)
 {
 	lua_State *L = call->L;
+	bool others;
 	int index = 0;
 
 	RB_ASSERT(definition != NULL);
 	if (call->index == 0)
 		return;
+	const uint64_t stated = find_stated(call, &others);
+
 	for (const struct rb_row_table *table = call->table; table; table = table->more) {
 		for (int i = 0; i < table->count; i++, index++) {
 			const struct rb_row *row = &table->rows[i];
-			RB_ASSERT(index < 64);
-			lua_pushstring(L, row->key);
-			if (lua_rawget(L, call->index) == LUA_TNIL) {
-				lua_pop(L, 1);
-				continue;
-			}
 			bool right = true;
+
+			RB_ASSERT(index < 64);
+			if (!(stated >> index & 1))
+				continue;
+			lua_pushstring(L, row->key);
+			(void)lua_rawget(L, call->index);
 			if (row->type == RB_ROW_LATER) {
 				rb_call_mistake(call, "'%s': not in this version", row->key);
 				right = false;
@@ -109,7 +140,8 @@ void rb_call_read(struct rb_call *call, void *definition)
 			lua_pop(L, 1);
 		}
 	}
-	note_unknown(call);
+	if (others)
+		note_unknown(call);
 }
 
 /* The bit of a key in `given` and `wrong`; 0: no row has it. */

@@ -430,7 +430,8 @@ const struct rb_row *rb_row_find(const struct rb_row_table *table, const char *k
 
 	for (; table; table = table->more) {
 		for (int i = 0; i < table->count; i++) {
-			if (strcmp(table->rows[i].key, key) != 0)
+			/* most differ in the first byte, which costs no call */
+			if (table->rows[i].key[0] != key[0] || strcmp(table->rows[i].key, key) != 0)
 				continue;
 			if (index)
 				*index = first + i;
