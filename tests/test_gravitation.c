@@ -248,6 +248,43 @@ static void what_rests_on_a_fixed_centre_stands_and_the_ledger_holds(void **stat
 	lab_close(&lab);
 }
 
+/* Two balls that lie on each other for 1e3 s, drifting as one: how far they have moved apart, m. */
+static double lie_on_each_other(int method, double drift)
+{
+	double max = 0;
+	struct lab lab;
+
+	open_attracting(&lab, 1000, 0.02);
+	lab_surface(&lab, 0.5, 0.5);
+	lab.scene.world.method = method;
+	lab.scene.world.time_step_s = 0.05;
+	lab_sphere(&lab, 2, 1, (rb_vec3){-2, 0, 0}, (rb_vec3){0, drift, drift / 2});
+	lab_sphere(&lab, 1, 3, (rb_vec3){1, 0, 0}, (rb_vec3){0, drift, drift / 2});
+	lab_seal(&lab, 1);
+	while (rb_world_time(lab.world) < 1000) {
+		lab_step(&lab);
+		const rb_vec3 apart = rb_vec3_sub(position(&lab, 1), position(&lab, 0));
+
+		max = fmax(max, fabs(rb_vec3_length(apart) - 3));
+		max = fmax(max, rb_vec3_max_abs(rb_vec3_sub(apart, (rb_vec3){3, 0, 0})));
+	}
+	lab_close(&lab);
+	return max;
+}
+
+static void two_balls_that_lie_on_each_other_neither_sink_nor_part(void **state)
+{
+	static const int methods[] = {RB_METHOD_LOCATED, RB_METHOD_AUTO, RB_METHOD_STEPPED};
+
+	(void)state;
+	for (int k = 0; k < 3; k++) {
+		assert_true(lie_on_each_other(methods[k], 0) <= 4 * DBL_EPSILON);
+		/* at 128 m two coordinates are rounded by 2^-47; so is what each of 2e4 steps adds */
+		const double steps = methods[k] == RB_METHOD_STEPPED ? 2e4 : 2;
+		assert_true(lie_on_each_other(methods[k], 0.125) <= steps * ldexp(1, -46));
+	}
+}
+
 /* By steps, pairs give each other what they take, however coarse the step. */
 static void steps_keep_linear_and_angular_momentum(void **state)
 {
@@ -313,6 +350,7 @@ int main(void)
 		cmocka_unit_test(a_body_leaves_its_piece_with_what_rounding_has_left),
 		cmocka_unit_test(the_ledger_knows_who_does_not_yield_and_who_does_not_answer),
 		cmocka_unit_test(what_rests_on_a_fixed_centre_stands_and_the_ledger_holds),
+		cmocka_unit_test(two_balls_that_lie_on_each_other_neither_sink_nor_part),
 		cmocka_unit_test(steps_keep_linear_and_angular_momentum),
 		cmocka_unit_test(many_attract_each_other_alike_by_one_thread_and_by_three),
 	};
