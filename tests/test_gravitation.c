@@ -316,6 +316,70 @@ static void steps_keep_linear_and_angular_momentum(void **state)
 	lab_close(&lab);
 }
 
+static void add_grains(struct lab *lab, int count, double radius)
+{
+	const double apart = 3 * radius;
+	rb_vec3 place[64];
+
+	assert_true(count <= 64);
+	for (int i = 0, tries = 0; i < count; tries++) {
+		double x[3];
+		bool fits = true;
+
+		for (int m = 0; m < 3; m++)
+			x[m] = 2 * rb_random_unit(7, (uint64_t)m, (uint64_t)tries) - 1;
+		place[i] = (rb_vec3){x[0], x[1], x[2]};
+		for (int k = 0; k < i && fits; k++)
+			fits = rb_vec3_length(rb_vec3_sub(place[i], place[k])) > apart;
+		if (!fits)
+			continue;
+		lab_sphere(lab, radius, 1.0 / count, place[i], none);
+		i++;
+	}
+}
+
+static rb_vec3 centre(const struct lab *lab, int count)
+{
+	rb_vec3 sum = none;
+
+	for (int i = 0; i < count; i++)
+		sum = rb_vec3_add_scaled(sum, 1.0 / count, position(lab, i));
+	return sum;
+}
+
+/*
+ * A cloud falls in on itself, and steps of groups that meet are taken in parts: neither moves the
+ * whole, and no frame shows an overlap.
+ */
+static void the_centre_of_a_cloud_that_falls_in_stays(void **state)
+{
+	enum { N = 60 };
+	struct lab lab;
+	uint64_t rollbacks = 0;
+
+	(void)state;
+	open_attracting(&lab, 2.5, 20);
+	lab_surface(&lab, 0, 0.5);
+	lab.scene.world.method = RB_METHOD_STEPPED;
+	lab.scene.world.time_step_s = 2e-3;
+	add_grains(&lab, N, 0.1);
+	lab_seal(&lab, 2);
+	const rb_vec3 from = centre(&lab, N);
+	while (rb_world_time(lab.world) < 2.5) {
+		lab_step(&lab);
+		rollbacks += lab.world->frame_counts.rollbacks;
+		assert_true(lab.world->frame_counts.max_penetration_m <= lab.model->tolerance_m);
+	}
+	const struct rb_frame_numbers end = rb_world_totals(lab.world);
+
+	assert_true(rollbacks > 0);
+	assert_true(end.collisions > 1000);
+	assert_true(rb_vec3_length(end.momentum) <= 1e-14);
+	/* 1250 steps, each of which rounds places below 1 */
+	assert_true(rb_vec3_length(rb_vec3_sub(centre(&lab, N), from)) <= 1250 * DBL_EPSILON);
+	lab_close(&lab);
+}
+
 /* Whoever sums it, each body has its own sum. */
 static void many_attract_each_other_alike_by_one_thread_and_by_three(void **state)
 {
@@ -352,6 +416,7 @@ int main(void)
 		cmocka_unit_test(what_rests_on_a_fixed_centre_stands_and_the_ledger_holds),
 		cmocka_unit_test(two_balls_that_lie_on_each_other_neither_sink_nor_part),
 		cmocka_unit_test(steps_keep_linear_and_angular_momentum),
+		cmocka_unit_test(the_centre_of_a_cloud_that_falls_in_stays),
 		cmocka_unit_test(many_attract_each_other_alike_by_one_thread_and_by_three),
 	};
 
