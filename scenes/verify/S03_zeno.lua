@@ -20,7 +20,7 @@ on_transition(function(c)
 end)
 -- A drop height that is rounded by d moves the end by rest d/(2h).
 expect("it rests in time, relative", function()
-	return math.abs((state.rest or 0) / rest - 1), 1e-9 + verify.rounding / (2 * h)
+	return math.abs((state.rest or 0) / rest - 1), 1e-12 + verify.rounding / (2 * h)
 end)
 expect("then it has no speed", function() return ball.velocity:length(), slant * time() end)
 expect("it lies on the floor, m", function()

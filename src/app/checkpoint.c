@@ -34,7 +34,7 @@
  * FORMAT: to be raised with every change of what a section holds. NAME_SIZE: of a section's name,
  * without a zero.
  */
-enum { FORMAT = 5, SECTION_COUNT = 4, NAME_SIZE = 8 };
+enum { FORMAT = 6, SECTION_COUNT = 4, NAME_SIZE = 8 };
 static const uint32_t order_mark = 0x04030201;
 static const char magic[8] = {'r', 'b', 's', 'i', 'm', '-', 'c', 'p'};
 static const char section_names[SECTION_COUNT][NAME_SIZE + 1] = {"about", "world", "script", "run"};

@@ -553,6 +553,8 @@ static void forget_arcs(struct rb_located *l)
 	for (int i = 0; l->piece && i < l->n; i++)
 		if (!rb_located_driven(l, i))
 			l->piece[i].piece.n = 0;
+	for (int i = 0; i < l->n; i++)
+		l->bounces[i] = (struct rb_bounces){.partner = -1};
 	l->merge_count = 0;
 	l->switch_next = 0;
 	l->left.count = 0;

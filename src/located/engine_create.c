@@ -45,6 +45,7 @@ static bool make_rows(struct rb_located *l)
 	if (l->model->keeps_ledger)
 		l->account_s = row(n, sizeof *l->account_s, &failed);
 	l->next = row(n, sizeof *l->next, &failed);
+	l->bounces = row(n, sizeof *l->bounces, &failed);
 	l->cluster_of = row(n, sizeof *l->cluster_of, &failed);
 	l->near = row(n, sizeof *l->near, &failed);
 	l->set = row(n, sizeof *l->set, &failed);
@@ -63,6 +64,7 @@ static bool make_rows(struct rb_located *l)
 	for (int i = 0; i < l->n; i++) {
 		l->cluster_of[i] = l->place[i] = -1;
 		l->next[i] = (struct rb_next){.touch_s = HUGE_VAL, .wall_s = HUGE_VAL};
+		l->bounces[i] = (struct rb_bounces){.partner = -1};
 		if (!l->top)
 			continue;
 		l->top_body[i] = rb_top_body_of(&l->model->inertia[i]);
@@ -150,6 +152,7 @@ void rb_engine_destroy(struct rb_located *l)
 	rb_memory_free(l->generation);
 	rb_memory_free(l->account_s);
 	rb_memory_free(l->next);
+	rb_memory_free(l->bounces);
 	rb_memory_free(l->cluster_of);
 	rb_memory_free(l->near);
 	rb_memory_free(l->set);

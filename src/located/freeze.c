@@ -17,6 +17,7 @@ RB_FIELDS_DEFINE(rb_next_fields, struct rb_next, RB_NEXT_FIELDS);
 RB_FIELDS_DEFINE(rb_held_fields, struct rb_held, RB_HELD_FIELDS);
 RB_FIELDS_DEFINE(rb_account_rates_fields, struct rb_account_rates, RB_ACCOUNT_RATES_FIELDS);
 RB_FIELDS_DEFINE(rb_cluster_fields, struct rb_cluster, RB_CLUSTER_FIELDS);
+RB_FIELDS_DEFINE(rb_bounces_fields, struct rb_bounces, RB_BOUNCES_FIELDS);
 RB_FIELDS_DEFINE(rb_merge_fields, struct rb_merge, RB_MERGE_FIELDS);
 RB_FIELDS_DEFINE_PART(rb_located_fields, struct rb_located, RB_LOCATED_FIELDS);
 
@@ -60,6 +61,7 @@ static void pack_bodies(struct rb_located *l, struct rb_pack *pack)
 	rb_fields_pack(rb_arc_fields(), l->arc, n, NULL, pack);
 	rb_pack_bytes(pack, l->generation, n * sizeof *l->generation);
 	rb_fields_pack(rb_next_fields(), l->next, n, limits.high, pack);
+	rb_fields_pack(rb_bounces_fields(), l->bounces, n, limits.high, pack);
 	if (l->top)
 		rb_fields_pack(rb_top_fields(), l->top, n, NULL, pack);
 	for (int i = 0; pack->loading && i < l->n && !pack->failed; i++) {

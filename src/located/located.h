@@ -206,6 +206,18 @@ struct rb_merge {
 };
 RB_FIELDS_DECLARE(rb_merge_fields);
 
+/* A body's series of bounces with another one: located/bounces. */
+#define RB_BOUNCES_FIELDS(X)                                        \
+	X(double, at_s, , "s", "the bounce before", RB_TIME)        \
+	X(double, due_s, , "s", "the next one, foreseen", RB_TIME)  \
+	X(double, limit_s, , "s", "when all will be over", RB_TIME) \
+	X(double, error_s, , "s", "that is known within", RB_TIME)  \
+	X(int, partner, , "", "body index, -1: none", RB_NONE_UP_TO(RB_LIMIT_ANY_BODY))
+struct rb_bounces {
+	RB_BOUNCES_FIELDS(RB_FIELD_MEMBER)
+};
+RB_FIELDS_DECLARE(rb_bounces_fields);
+
 /* Of the located method, beside what it knows of bodies, clusters and cells. */
 #define RB_LOCATED_FIELDS(X)                                                                   \
 	X(double, now_s, , "s", "the event under way", RB_FINITE)                              \
@@ -259,6 +271,7 @@ struct rb_located {
 	 * nothing is held yet; empty after the advance that has begun with them
 	 */
 	struct rb_contacts left;
+	struct rb_bounces *bounces; /* [n] by the lower index of two */
 	struct rb_merge *merge;
 	int merge_count;
 	size_t merge_capacity;

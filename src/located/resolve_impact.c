@@ -3,7 +3,7 @@
  * Impacts: two plain spheres, or sphere and plane, in closed form; otherwise all that touches is
  * solved simultaneously (constraint/simultaneous) with Newton's restitution and Coulomb's friction.
  * A rebound that would stay below rounding is the start of an infinite series (Zeno): it ends at
- * once and is reported at the time of its limit, 2 u / (a (1 - e)).
+ * once and is reported at the time of its limit (located/bounces).
  */
 #include "located/resolve_impact.h"
 
@@ -15,6 +15,7 @@
 #include "base/memory.h"
 #include "constraint/contact_row.h"
 #include "located/account.h"
+#include "located/bounces.h"
 #include "located/joint_stops.h"
 #include "located/mechanics.h"
 #include "located/external_force.h"
@@ -94,9 +95,8 @@ static double closing_of(const struct rb_located *l, const struct rb_contact_poi
 
 /* True if the rebound would stay within rounding of the size; positions do not matter. */
 static bool ends_here(const struct rb_located *l, const struct rb_contact_point *m,
-                      double target_velocity, double t)
+                      double target_velocity, double closing)
 {
-	const double closing = closing_of(l, m, t);
 	/* a corner's position is less exact than a sphere's surface */
 	const double ulp = rb_set_is_single(l, m->a, m->b) ? SMALLEST_ULP : SMALLEST_CORNER_ULP;
 
@@ -204,12 +204,16 @@ bool rb_resolve_impact_of_pair(struct rb_located *l, int a, int b, double t)
 	const double inverse_b = m.b < l->n ? l->model->inverse_mass[m.b] : 0;
 
 	c.noise = rb_contact_point_noise(l, &m);
-	if (!(approach > c.noise) || m.on_rim || !(target_velocity > c.noise) ||
-	    ends_here(l, &m, target_velocity, t))
+	if (!(approach > c.noise) || m.on_rim || !(target_velocity > c.noise))
+		return false;
+	const double closing = closing_of(l, &m, t);
+	if (ends_here(l, &m, target_velocity, closing))
 		return false;
 	if ((rb_located_on_piece(l, a) || rb_located_on_piece(l, b)) &&
 	    (rb_set_touches_another(l, a, b, t) || rb_set_touches_another(l, b, a, t)))
 		return false;
+	if (closing > 0 && c.restitution < 1)
+		rb_bounces_note(l, &m, t, target_velocity, closing, c.restitution);
 	/*
 	 * divided by n.n, which is 1 only to rounding: a wall is hit a million times along one
 	 * normal
@@ -419,10 +423,13 @@ static bool is_taken_over(const struct impact *s, int k)
 	return false;
 }
 
-/* Duration of the infinite series of rebounds that begins with this one, s; < 0: it is none. */
-static double accumulation(const struct impact *s, int k)
+/*
+ * Duration of the infinite series of rebounds that begins with this one, s; < 0: it is none, but may
+ * be a bounce of one.
+ */
+static double accumulation(struct impact *s, int k)
 {
-	const struct rb_located *l = s->l;
+	struct rb_located *l = s->l;
 	const struct rb_solver_contact *c = &s->joint.contact[k];
 	struct rb_pose pose_a = s->contact_point[k].pose_a, pose_b = s->contact_point[k].pose_b;
 
@@ -441,11 +448,17 @@ static double accumulation(const struct impact *s, int k)
 	/* the other end of a rocking body lifts without an impulse */
 	const bool took_part = c->approach > 0 || rb_vec3_dot(c->impulse, c->normal) > 0 ||
 	                       (!rb_set_is_single(l, m->a, m->b) && rb_set_held_like(l, m));
-	if (!took_part || !(target_velocity > 0) || !ends_here(l, &after, target_velocity, s->t) ||
-	    is_taken_over(s, k))
+	if (!took_part || !(target_velocity > 0))
 		return -1;
 	const double closing = closing_of(l, &after, s->t);
-
+	const bool bounces = closing > 0 && c->approach > 0 && c->restitution > 0 &&
+	                     c->restitution < 1 && rb_set_is_single(l, m->a, m->b);
+	if (bounces)
+		rb_bounces_note(l, &after, s->t, target_velocity, closing, c->restitution);
+	if (!ends_here(l, &after, target_velocity, closing) || is_taken_over(s, k))
+		return -1;
+	if (bounces)
+		return rb_bounces_left(l, &after, s->t);
 	return c->restitution < 1 ? 2 * target_velocity / (closing * (1 - c->restitution)) : 0;
 }
 
@@ -586,7 +599,7 @@ static void stop_together(struct impact *s, bool *ends)
 
 /*
  * Ends series of rebounds that stay within rounding of sizes: the contact lasts from here and is
- * reported at the limit of the series, 2 u / (a (1 - e)) later.
+ * reported at the limit of the series.
  */
 static void end_accumulations(struct impact *s)
 {
