@@ -10,9 +10,10 @@
 --                        apart, each moved by up to `jitter` (0.1) of what is free between neighbours; `velocity` of all
 --   total(grains)        {mass =, centre =, velocity =, radius =}: radius of a homogeneous ball with the same mean square
 --                        distance from the centre, m
+--   ellipsoid(grains, radius)  of the homogeneous ellipsoid with the same second moments, grains as balls of `radius`: {density =,
+--                        axes = {a, b, c}} with c along z, and spin = angular momentum about z over the moment of inertia
 --   momentum_scale(grains)  sum of |m v|
 --   clumps(grains, link) groups of grains whose centres are within `link` of another's, largest first: lists of grains
---   within(grains, centre, r)  those whose centres are nearer to `centre`
 
 local lattice = require "rbsim.lattice"
 local verify = require "rbsim.verify"
@@ -58,12 +59,19 @@ function rubble.momentum_scale(grains)
 	return sum
 end
 
-function rubble.within(grains, centre, r)
-	local inside = {}
+function rubble.ellipsoid(grains, radius)
+	local total = rubble.total(grains)
+	local xx, xy, yy, zz, turning, inertia = 0, 0, 0, 0, 0, 0
+	local own = radius ^ 2 / 5
 	for _, g in ipairs(grains) do
-		if (verify.position(g) - centre):length() < r then inside[#inside + 1] = g end
+		local d, v, share = verify.position(g) - total.centre, verify.velocity(g) - total.velocity, g.mass / total.mass
+		xx, xy, yy, zz = xx + share * (d.x ^ 2 + own), xy + share * d.x * d.y, yy + share * (d.y ^ 2 + own), zz + share * (d.z ^ 2 + own)
+		turning = turning + g.mass * (d.x * v.y - d.y * v.x + 2 * own * verify.spin(g).z)
+		inertia = inertia + g.mass * (d.x ^ 2 + d.y ^ 2 + 2 * own)
 	end
-	return inside
+	local mean, part = (xx + yy) / 2, math.sqrt(((xx - yy) / 2) ^ 2 + xy ^ 2)
+	local axes = {math.sqrt(5 * (mean + part)), math.sqrt(5 * (mean - part)), math.sqrt(5 * zz)}
+	return {axes = axes, density = total.mass / (4 / 3 * math.pi * axes[1] * axes[2] * axes[3]), spin = turning / inertia}
 end
 
 function rubble.clumps(grains, link)
