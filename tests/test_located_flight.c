@@ -4,6 +4,7 @@
 
 #include "force/drag.h"
 #include "force/spring.h"
+#include "located/located.h"
 
 #include "runge.h"
 
@@ -443,6 +444,85 @@ static void drag_slows_down_as_it_should(void **slot)
 	}
 }
 
+/* Of different masses, with friction and spins, in a box; or boxes that tumble. */
+static void open_slowing(struct lab *lab, bool boxes, bool closed)
+{
+	lab_open_located(lab, 1.5, 10);
+	lab_surface(lab, boxes ? 0 : 0.2, 0.9);
+	lab->scene.world.gravity = at(0.5, 0, -2);
+	for (int k = 0; k < 6; k++) {
+		const double sign = k % 2 ? -1 : 1;
+
+		lab_plane(lab, k % 2 ? at(2, 2, 2) : at(-2, -2, -2),
+		          at(k / 2 == 0 ? sign : 0, k / 2 == 1 ? sign : 0, k / 2 == 2 ? sign : 0));
+	}
+	add_drag(lab, 0.3, 0);
+	for (int k = 0; k < (boxes ? 2 : 8); k++) {
+		struct rb_body_def def = lab_sphere_def(
+			0.3, 1 + k % 3, at(k % 2 - 0.5, k / 2 % 2 - 0.5, k / 4 - 0.5 + 0.1 * k),
+			at(3 * sin(7 * k), 3 * cos(5 * k), 2 * sin(3 * k + 1)));
+
+		def.angular_velocity = at(k, 1, -k);
+		if (boxes) {
+			def.call = "box";
+			def.shape = (struct rb_shape){.kind = RB_SHAPE_BOX,
+			                              .size = {0.5, 0.4, 0.3}};
+		}
+		lab_add(lab, &def);
+	}
+	lab_seal(lab, 1);
+	assert_true(lab->world->located->decays);
+	lab->world->located->decays = closed;
+}
+
+/* By rounding, which each collision multiplies: three or four of each body. */
+static void what_slows_down_in_closed_form_goes_as_integrated(void **slot)
+{
+	(void)slot;
+	for (int boxes = 0; boxes < 2; boxes++) {
+		struct lab closed, integrated;
+
+		open_slowing(&closed, boxes, true);
+		open_slowing(&integrated, boxes, false);
+		lab_run(&closed);
+		lab_run(&integrated);
+		const struct rb_frame_numbers one = rb_world_totals(closed.world),
+					      other = rb_world_totals(integrated.world);
+
+		assert_int_equal(one.collisions, other.collisions);
+		assert_in_range(one.collisions, boxes ? 2 : 12, 100);
+		assert_null(closed.world->located->piece);
+		assert_non_null(integrated.world->located->piece);
+		for (int i = 0; i < (boxes ? 2 : 8); i++) {
+			const int id = closed.model->id_of[i];
+
+			assert_vector(rb_world_position(closed.world, id),
+			              rb_world_position(integrated.world, id), 1e-11);
+			assert_vector(rb_world_velocity(closed.world, id),
+			              rb_world_velocity(integrated.world, id), 1e-10);
+		}
+		lab_close(&closed);
+		lab_close(&integrated);
+	}
+}
+
+/* It is pulled down for long: the last digits are those of the place, not of the way without drag. */
+static void stiff_drag_costs_no_digits(void **slot)
+{
+	struct lab lab;
+
+	(void)slot;
+	lab_open_located(&lab, 100, 1);
+	lab.scene.world.gravity = at(0, 0, -1);
+	add_drag(&lab, 1e4, 0);
+	const int ball = lab_sphere(&lab, 0.1, 1, origin, at(3, 0, 0));
+	lab_seal(&lab, 1);
+	lab_run(&lab);
+	assert_vector(rb_world_position(lab.world, ball), at(3e-4, 0, -1e-2 + 1e-8), 1e-17);
+	assert_vector(rb_world_velocity(lab.world, ball), at(0, 0, -1e-4), 1e-19);
+	lab_close(&lab);
+}
+
 enum field { FIELD_ZERO, FIELD_HARMONIC, FIELD_MAGNETIC, FIELD_TIME, FIELD_FAR };
 
 static enum rb_status field(void *user, int id, double t, const rb_vec3 motion[2], rb_vec3 force[2],
@@ -598,6 +678,8 @@ int main(void)
 		cmocka_unit_test(a_spring_far_away_does_as_one_at_the_origin),
 		cmocka_unit_test(a_damped_spring_decays_as_it_should),
 		cmocka_unit_test(drag_slows_down_as_it_should),
+		cmocka_unit_test(what_slows_down_in_closed_form_goes_as_integrated),
+		cmocka_unit_test(stiff_drag_costs_no_digits),
 		cmocka_unit_test(a_field_moves_bodies_as_it_should),
 		cmocka_unit_test(a_field_far_away_is_followed_as_far_as_it_can_be_told),
 		cmocka_unit_test(a_field_of_zero_changes_a_bounce_by_rounding_only),

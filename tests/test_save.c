@@ -12,6 +12,7 @@
 #include "base/memory.h"
 #include "base/pack.h"
 #include "flow/frame.h"
+#include "force/drag.h"
 #include "located/located.h"
 #include "method/save.h"
 
@@ -192,9 +193,23 @@ static void rims(struct lab *lab)
 		           (rb_vec3){0.15 + 0.1 * k, 0.05 * k, 0});
 }
 
+/* Linear drag: bodies that fly slow down in closed form. */
+static void slowing(struct lab *lab)
+{
+	const struct rb_drag_def drag = {.linear = 0.5};
+
+	lab_open_located(lab, 0.9, 10);
+	lab_surface(lab, 0, 0.9);
+	lab_plane(lab, none, up);
+	for (int k = 0; k < 3; k++)
+		lab_sphere(lab, 0.1, 1, (rb_vec3){0.5 * k, 0, 0.5}, (rb_vec3){0.1 * k, 0.5, -3});
+	assert_int_equal(rb_scene_add_drag(&lab->scene, &drag, &lab->error), RB_OK);
+}
+
 static lay_out *const recipes[] = {gas,     stack,          boxes,          dense,
                                    classic, stepped,        classic_global, tables_located,
-                                   rims,    tables_stepped, jointed_chain,  jointed_wheels};
+                                   rims,    tables_stepped, jointed_chain,  jointed_wheels,
+                                   slowing};
 enum { RECIPE_COUNT = sizeof recipes / sizeof *recipes };
 
 /* ---- running ---- */

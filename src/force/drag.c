@@ -54,6 +54,13 @@ static bool act(const struct rb_element_query *query, const void *row, int index
 	return true;
 }
 
+static double damps(const void *row)
+{
+	const struct rb_drag_def *drag = row;
+
+	return drag->quadratic > 0 ? (double)NAN : drag->linear;
+}
+
 const struct rb_element_kind rb_force_drag = {
 	.name = "drag",
 	.plural = "drag",
@@ -66,6 +73,7 @@ const struct rb_element_kind rb_force_drag = {
 	.fault = fault,
 	.matters = matters,
 	.act = act,
+	.damps = damps,
 	.is_drag = true,
 };
 

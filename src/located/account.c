@@ -6,18 +6,52 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "math/decay.h"
 
 /* ---- bodies in flight ---- */
 
-/* A parabola over a span of time, and what its integrals are. */
+/* An arc over a span of time, and what its integrals are. */
 struct span {
 	double seconds;
-	rb_vec3 way;   /* m: how far it goes */
-	rb_vec3 place; /* m s: integral of the position */
+	rb_vec3 way;      /* m: how far it goes */
+	rb_vec3 place;    /* m s: integral of the position */
+	double square;    /* m^2/s^2: integral of the velocity's square, times `decay` */
+	rb_vec3 momentum; /* m^2/s: of position x velocity, times `decay` */
 };
+
+/*
+ * Of an arc that decays: with tau = s f_1, psi = s^2 f_2 of math/decay, whose rates are e^-z and
+ * tau, and k times whose integrals are s - tau and s^2/2 - psi,
+ *
+ *     k int v^2   = k v^2 int e^-2z + k tau^2 v.g + (psi - tau^2/2) g^2
+ *     k int x x v = k x_0 x way + (2 psi - tau^2 - k psi tau) v x g
+ */
+static struct span slowed_span(const struct rb_arc *arc, double from, double to)
+{
+	const double s = to - from, k = arc->decay;
+	const struct rb_decay d = rb_decay_at(k * s);
+	const double before = from - arc->anchor_s;
+	const rb_vec3 g = arc->acceleration, v = rb_decay_velocity(k, before, arc->velocity, g);
+	const rb_vec3 x = rb_vec3_add(arc->position, rb_decay_way(k, before, arc->velocity, g));
+	const double tau = s * d.once, psi = s * s * d.twice;
+	struct span span = {.seconds = s};
+
+	span.way = rb_vec3_add_scaled(rb_vec3_scale(tau, v), psi, g);
+	span.place = rb_vec3_add_scaled(rb_vec3_add_scaled(rb_vec3_scale(s, x), psi, v),
+	                                s * s * s * d.thrice, g);
+	span.square = k * s * rb_decay_at(2 * k * s).once * rb_vec3_dot(v, v) +
+	              k * tau * tau * rb_vec3_dot(v, g) +
+	              (psi - 0.5 * tau * tau) * rb_vec3_dot(g, g);
+	span.momentum = rb_vec3_add_scaled(rb_vec3_scale(k, rb_vec3_cross(x, span.way)),
+	                                   2 * psi - tau * tau - k * psi * tau,
+	                                   rb_vec3_cross(v, g));
+	return span;
+}
 
 static struct span span_of(const struct rb_arc *arc, double from, double to)
 {
+	if (arc->decay > 0)
+		return slowed_span(arc, from, to);
 	const double s = to - from, before = from - arc->anchor_s;
 	const rb_vec3 v = rb_vec3_add_scaled(arc->velocity, before, arc->acceleration);
 	const rb_vec3 x = rb_vec3_add_scaled(
@@ -90,12 +124,19 @@ static void fly(const struct rb_located *l, int i, double from, double to, struc
 	if (!(to > from) || rb_located_on_piece(l, i) || rb_located_driven(l, i))
 		return;
 	if (!(features & (RB_FEATURE_GRAVITY | RB_FEATURE_GRAVITY_FORCE | RB_FEATURE_FORCES |
-	                  RB_FEATURE_PUSHES)))
+	                  RB_FEATURE_PUSHES)) &&
+	    !(l->arc[i].decay > 0))
 		return;
 	const struct span span = span_of(&l->arc[i], from, to);
 
 	add_force(e, RB_MOMENTUM_APPLIED,
 	          rb_vec3_add_scaled(def->gravity_force, l->model->mass[i], def->gravity), &span);
+	if (l->arc[i].decay > 0) {
+		rb_entries_energy(e, RB_ENERGY_DRAG, l->model->mass[i] * span.square);
+		rb_entries_momentum(e, RB_MOMENTUM_DRAG,
+		                    rb_vec3_scale(-l->model->mass[i] * l->arc[i].decay, span.way),
+		                    rb_vec3_scale(-l->model->mass[i], span.momentum));
+	}
 	if (features & RB_FEATURE_FORCES)
 		add_stated(l, i, &span, e);
 	if (features & RB_FEATURE_PUSHES)

@@ -125,7 +125,8 @@ static void start(struct course *c, const struct rb_located *l, int a, int b)
 	c->a = extent_of(l, a, c->of_a.axis);
 	c->b = extent_of(l, b, c->of_b.axis);
 	c->size = fmin(c->a.ball, c->b.ball);
-	c->flies = !rb_located_on_piece(l, a) && !rb_located_on_piece(l, b);
+	c->flies = !rb_located_on_piece(l, a) && !rb_located_on_piece(l, b) &&
+	           !(rb_arc_decay(l, a) > 0) && !(rb_arc_decay(l, b) > 0);
 	c->external_max = c->of_a.own_external + c->of_b.own_external;
 	if (c->flies) {
 		c->external = rb_vec3_sub(rb_arc_acceleration(l, b, 0),

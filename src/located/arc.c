@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where a body is at any time. An arc is a parabola from an anchor with a closed-form or series
- * rotation (math/top); a body on a piece is read from the dense output of the integrator instead
- * (math/gauss), three rows at a time. Positions on pieces are relative to a base, and `rest`
- * carries what the sum rounds away, so that a chain of pieces loses no digits.
+ * Where a body is at any time. An arc is a parabola from an anchor, or one that decays, with a
+ * closed-form or series rotation (math/top); a body on a piece is read from the dense output of the
+ * integrator instead (math/gauss), three rows at a time. Positions on pieces are relative to a
+ * base, and `rest` carries what the sum rounds away, so that a chain of pieces loses no digits.
  */
 #include "located/arc.h"
 
@@ -42,10 +42,32 @@ rb_vec3 rb_arc_piece_position(const struct rb_piece_of *p, double t)
 	return rb_vec3_add(p->base, rb_arc_piece_vector(p, RB_PIECE_POSITION, t));
 }
 
+/* Its acceleration at the anchor, of which e^-z is left later. */
+static rb_vec3 first_acceleration(const struct rb_arc *arc)
+{
+	return rb_vec3_add_scaled(arc->acceleration, -arc->decay, arc->velocity);
+}
+
+double rb_arc_acceleration_max(const struct rb_located *l, int i)
+{
+	if (i >= l->n)
+		return 0;
+	if (rb_located_on_piece(l, i))
+		return l->piece[i].acceleration_max;
+	return rb_vec3_length(l->arc[i].decay > 0 ? first_acceleration(&l->arc[i])
+	                                          : l->arc[i].acceleration);
+}
+
 rb_vec3 rb_arc_acceleration(const struct rb_located *l, int i, double t)
 {
 	if (i >= l->n)
 		return (rb_vec3){0, 0, 0};
+	if (rb_arc_decay(l, i) > 0) {
+		const struct rb_arc *const arc = &l->arc[i];
+		const double z = arc->decay * (t - arc->anchor_s);
+
+		return rb_vec3_scale(rb_decay_at(z).left, first_acceleration(arc));
+	}
 	if (!rb_located_on_piece(l, i))
 		return l->arc[i].acceleration;
 	return rb_arc_piece_rate(&l->piece[i], RB_PIECE_VELOCITY, t);
@@ -152,6 +174,13 @@ void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *
 	}
 	if (l->top)
 		l->top[i] = rb_top_start(&l->top_body[i], pose->orientation, pose->spin, turning);
+}
+
+void rb_arc_slow(struct rb_located *l, int i, double decay)
+{
+	RB_ASSERT_COSTLY(rb_located_moves(l, i) && !rb_located_on_piece(l, i));
+	RB_ASSERT_COSTLY(decay == 0 || (decay > 0 && l->decays));
+	l->arc[i].decay = decay;
 }
 
 /* Not inlined, so that bodies without rotation need no pose on the stack. */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Bounds on speed and acceleration of rotation over the life of an arc or piece, for conservative
- * advancement. Free tops are bounded by what energy and angular momentum conserve, pieces by the
+ * advancement. Linear drag has what
+ * it begins with. Free tops are bounded by what energy and angular momentum conserve, pieces by the
  * sum of their Legendre coefficients (|P_k| <= 1 on [0, 1]).
  */
 #include "located/bounds.h"
@@ -149,7 +150,8 @@ struct rb_bounds rb_bounds_of(const struct rb_located *l, int i)
 			turning_rate = second_rates_max(&p->piece, p->first + RB_PIECE_SPIN);
 		}
 	} else {
-		max.external = rb_vec3_length(l->arc[i].acceleration);
+		max.external = rb_arc_acceleration_max(l, i);
+		max.jerk = rb_arc_decay(l, i) * max.external;
 		if (l->top) {
 			max.turn = rb_vec3_length(l->top[i].spin);
 			max.growing = max.turning = rb_vec3_length(l->top[i].acceleration);

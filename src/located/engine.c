@@ -459,8 +459,7 @@ static void start(struct rb_located *l, double t)
 		struct rb_pose pose = {.position = rb_world_row3(l->world->state.position, i),
 		                       .velocity = rb_world_row3(l->world->state.velocity, i),
 		                       .orientation = l->model->orientation[i]};
-		const struct rb_force_query view = {.time_s = t, .active_s = t};
-		rb_vec3 linear = none, angular = none;
+		rb_vec3 linear = none;
 
 		if (l->top) {
 			pose.orientation = rb_quat_from(l->world->state.orientation +
@@ -474,16 +473,18 @@ static void start(struct rb_located *l, double t)
 			rb_driven_piece(l, i, t);
 			continue;
 		}
-		if (rb_external_is_constant(l, i, t))
-			rb_external_force_at(l, i, &pose, &view, &linear, &angular);
+		const double decay = rb_external_decay(l, i, t);
+		if (!isnan(decay))
+			linear = rb_external_constant(l, i, t, &pose);
 		rb_arc_anchor(l, i, t, &pose, linear, rb_external_turning(l, i));
+		rb_arc_slow(l, i, isnan(decay) ? 0 : decay);
 	}
 	/* too dense at the start: left to steps at once */
 	for (int i = 0; i < l->n && l->status == RB_OK && !rb_located_is_dense(l); i++) {
 		const int touching = rb_predict(l, i, t, -1);
 
 		if (rb_located_driven(l, i) || l->cluster_of[i] >= 0 ||
-		    (touching == 0 && rb_external_is_constant(l, i, t) &&
+		    (touching == 0 && !isnan(rb_external_decay(l, i, t)) &&
 		     !rb_joint_rows_hold(l, i)))
 			continue;
 		rb_set_add(l, i);

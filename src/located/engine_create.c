@@ -111,6 +111,7 @@ enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world
 	l->n = world->model->body_count;
 	l->arena = &world->arena[0];
 	l->end_s = world->model->duration_s;
+	l->decays = rb_external_drag_is_linear(l->model);
 	l->crowd_max = rb_located_can_be_stepped(l)
 	                       ? CROWD_MAX + CROWD_MAX_PER_BODY * (uint64_t)l->n
 	                       : UINT64_MAX;

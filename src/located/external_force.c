@@ -343,6 +343,54 @@ bool rb_external_is_constant(const struct rb_located *l, int i, double t)
 	return are_constant(l, i, t, l->model->features);
 }
 
+bool rb_external_drag_is_linear(const struct rb_model *model)
+{
+	if (!(model->features & RB_FEATURE_DRAG))
+		return false;
+	for (int k = 0; k < model->element_list_count; k++) {
+		const struct rb_elements *elements = &model->elements[k];
+
+		for (int m = 0; m < elements->count && elements->kind->is_drag; m++)
+			if (!elements->kind->damps ||
+			    isnan(elements->kind->damps(rb_elements_row(elements, m))))
+				return false;
+	}
+	return true;
+}
+
+double rb_external_decay(const struct rb_located *l, int i, double t)
+{
+	const rb_features of_elements = RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_ELEMENTS;
+	double sum = 0;
+
+	RB_ASSERT_COSTLY(rb_located_moves(l, i));
+	if (!l->decays)
+		return rb_external_is_constant(l, i, t) ? 0 : (double)NAN;
+	for (int k = 0; k < l->model->element_list_count; k++) {
+		const struct rb_elements *elements = &l->model->elements[k];
+
+		if (elements->end ? elements->first[i] < elements->first[i + 1]
+		                  : !elements->kind->damps)
+			return (double)NAN;
+		for (int m = 0; m < elements->count && !elements->end; m++)
+			sum += elements->kind->damps(rb_elements_row(elements, m));
+	}
+	if (!are_constant(l, i, t, l->model->features & ~of_elements))
+		return (double)NAN;
+	return sum * l->model->inverse_mass[i];
+}
+
+rb_vec3 rb_external_constant(struct rb_located *l, int i, double t, const struct rb_pose *pose)
+{
+	const struct rb_force_query view = {.time_s = t, .active_s = t};
+	struct rb_pose at_rest = *pose;
+	rb_vec3 linear, angular;
+
+	at_rest.velocity = (rb_vec3){0, 0, 0};
+	rb_external_force_at(l, i, &at_rest, &view, &linear, &angular);
+	return linear;
+}
+
 /* True if a driven body attracts. */
 static bool has_driven_center(const struct rb_model *model)
 {

@@ -3,7 +3,8 @@
  * What accelerates a body apart from contact: weights, stated forces, force elements, fields.
  *
  * A force has a closed form when its acceleration is constant from now to the next switch of
- * forces; all others call for the integrator (located/integrate).
+ * forces, apart from linear drag of what flies; all others call for the integrator
+ * (located/integrate).
  */
 #ifndef RB_LOCATED_EXTERNAL_FORCE_H
 #define RB_LOCATED_EXTERNAL_FORCE_H
@@ -62,6 +63,15 @@ void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pos
 bool rb_external_is_constant(const struct rb_located *l, int i, double t);
 /* ... as long as neither the body nor anything that is attracted moves. */
 bool rb_external_is_constant_at_rest(const struct rb_located *l, int i, double t);
+/*
+ * As rb_external_is_constant, but for linear drag: the rate at which it takes velocities, 1/s, of
+ * which the force is then constant at no velocity. NAN: more than that acts.
+ */
+double rb_external_decay(const struct rb_located *l, int i, double t);
+/* Acceleration by what is constant of it, m/s^2, where that is all but drag. */
+rb_vec3 rb_external_constant(struct rb_located *l, int i, double t, const struct rb_pose *pose);
+/* Is the drag of the scene, if there is any, linear? */
+bool rb_external_drag_is_linear(const struct rb_model *model);
 /* The turning by torques only, where rb_external_is_constant: what rb_arc_anchor wants. */
 rb_vec3 rb_external_turning(const struct rb_located *l, int i);
 

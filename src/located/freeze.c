@@ -43,6 +43,8 @@ static bool fits(const struct rb_located *l, int i)
 	if (!isnan(radius) && !(radius == l->model->shape[i].radius) &&
 	    !(radius == 0 && !l->started))
 		return false;
+	if (!(l->arc[i].decay >= 0) || (l->arc[i].decay > 0 && !l->decays))
+		return false;
 	if (isfinite(next->touch_s) && (next->partner < 0 || next->partner == i))
 		return false;
 	/* of a driven body it may be the end of its piece */

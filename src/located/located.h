@@ -13,11 +13,11 @@
  * integrated by Gauss collocation with error control (math/gauss); impacts have the law of
  * constraint/simultaneous.
  *
- * An *arc* is the motion of a body from its anchor on: a parabola of the centre of mass, and a
- * turning (math/top); or, while forces without a closed form act on it, a polynomial piece of its
- * cluster's integrator. Anchors change only by events of that body, so nothing depends on when
- * frames or steps look at it. Bodies joined by lasting contacts or springs form a *cluster* with
- * one clock.
+ * An *arc* is the motion of a body from its anchor on: a parabola of the centre of mass, or what
+ * linear drag makes of it (math/decay), and a turning (math/top); or, while forces without a closed
+ * form act on it, a polynomial piece of its cluster's integrator. Anchors change only by events of
+ * that body, so nothing depends on when frames or steps look at it. Bodies joined by lasting
+ * contacts or springs form a *cluster* with one clock.
  *
  * What happens at an event:
  *
@@ -60,7 +60,8 @@
 #include <math.h>
 
 /*
- * Centre of mass from the anchor on: x + v s + a s^2 / 2. What a neighbour in the same field of
+ * Centre of mass from the anchor on: x + v s + a s^2 / 2, or with linear drag the same that slows
+ * down. What a neighbour in the same field of
  * gravity asks for is one line of memory: of many bodies that is most of what is read.
  */
 #define RB_ARC_FIELDS(X)                                                                         \
@@ -69,7 +70,8 @@
 	X(rb_vec3, velocity, , "m/s", "at the anchor", RB_FINITE)                                \
 	X(double, plain_radius, , "m",                                                           \
 	  "of a sphere about its centre that only the world's gravity pulls, or NAN", RB_NUMBER) \
-	X(rb_vec3, acceleration, , "m/s^2", "constant", RB_FINITE)
+	X(rb_vec3, acceleration, , "m/s^2", "by constant forces", RB_FINITE)                     \
+	X(double, decay, , "1/s", "of velocities by linear drag (math/decay), >= 0", RB_FINITE)
 struct rb_arc {
 	RB_ARC_FIELDS(RB_FIELD_MEMBER)
 };
@@ -240,6 +242,7 @@ struct rb_located {
 	struct rb_arc *arc;
 	struct rb_top *top;           /* NULL where nothing turns */
 	struct rb_top_body *top_body; /* NULL where nothing turns */
+	bool decays;                  /* drag is linear: bodies that fly slow down in closed form */
 	bool *unfelt; /* [n]: how it is turned acts on nothing; NULL where nothing turns */
 	struct rb_piece_of
 		*piece; /* NULL until a force without a closed form or a driven body needs it */

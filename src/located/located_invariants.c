@@ -11,7 +11,8 @@ static enum rb_status validate_arcs(const struct rb_located *l, struct rb_error 
 		const struct rb_arc *const arc = &l->arc[i];
 
 		if (!(arc->anchor_s <= l->now_s) || !rb_vec3_finite(arc->position) ||
-		    !rb_vec3_finite(arc->velocity) || !rb_vec3_finite(arc->acceleration))
+		    !rb_vec3_finite(arc->velocity) || !rb_vec3_finite(arc->acceleration) ||
+		    !(arc->decay >= 0) || (arc->decay > 0 && !l->decays))
 			return RB_FAIL(err, RB_ERR_BUG, "the arc of body %d begins at %.17g s", i,
 			               arc->anchor_s);
 		if (l->place[i] != -1)

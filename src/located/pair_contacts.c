@@ -11,6 +11,7 @@
 #include "located/bounds.h"
 #include "located/relative.h"
 #include "geom/distance.h"
+#include "math/decay.h"
 #include "math/quartic.h"
 #include "model/joints.h"
 
@@ -268,15 +269,6 @@ double rb_pair_extent(const struct rb_located *l, int i)
 	                                         : (double)INFINITY;
 }
 
-/* Bound on the acceleration of the centre of mass, m/s^2. */
-static double external_max(const struct rb_located *l, int i)
-{
-	if (i >= l->n)
-		return 0;
-	return rb_located_on_piece(l, i) ? l->piece[i].acceleration_max
-	                                 : rb_vec3_length(l->arc[i].acceleration);
-}
-
 /* True if the body stays above a plane at rest over the interval. */
 static bool is_above(const struct rb_located *l, int i, int plane, double from, double until)
 {
@@ -289,7 +281,7 @@ static bool is_above(const struct rb_located *l, int i, int plane, double from, 
 	double reach = ball;
 	if (h > 0)
 		reach += h * (fmax(-rb_vec3_dot(n, rb_arc_velocity(l, i, from)), 0) +
-		              0.5 * h * external_max(l, i));
+		              0.5 * h * rb_arc_acceleration_max(l, i));
 	return rb_vec3_dot(n, d) >
 	       1.001 * reach + 1e-12 * (rb_vec3_max_abs(x) + rb_vec3_max_abs(d));
 }
@@ -338,9 +330,11 @@ bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double fr
 	const rb_vec3 x = rb_arc_position(l, a, from), y = rb_arc_position(l, b, from);
 	double reach = sum;
 	if (h > 0)
-		reach += h * (rb_vec3_length(rb_vec3_sub(rb_arc_velocity(l, b, from),
-		                                         rb_arc_velocity(l, a, from))) +
-		              0.5 * h * (external_max(l, a) + external_max(l, b)));
+		reach += h *
+		         (rb_vec3_length(rb_vec3_sub(rb_arc_velocity(l, b, from),
+		                                     rb_arc_velocity(l, a, from))) +
+		          0.5 * h *
+		                  (rb_arc_acceleration_max(l, a) + rb_arc_acceleration_max(l, b)));
 	/* 1e-12 is far above the rounding of positions, speeds and time */
 	return rb_vec3_length(rb_vec3_sub(y, x)) >
 	       1.001 * reach + 1e-12 * (rb_vec3_max_abs(x) + rb_vec3_max_abs(y));
@@ -620,6 +614,46 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 	return t;
 }
 
+/*
+ * Seconds until spheres that slow down alike touch: they move as linear_touch has it in the time
+ * tau of math/decay.
+ */
+static double slowed_touch(double decay, rb_vec3 d, rb_vec3 w, double sum, double noise)
+{
+	const double tau = linear_touch(d, w, sum, noise);
+
+	return decay > 0 && isfinite(tau) ? rb_decay_time(decay, tau) : tau;
+}
+
+/*
+ * quadratic_touch of a sphere that slows down: gap, rate and acceleration by constant forces are
+ * `motion`. Drag alone brings nothing back.
+ */
+static double slowed_fall(double decay, const double motion[3], double band, double noise,
+                          double max)
+{
+	const double gap = motion[0], rate = motion[1], external = motion[2];
+	const bool touching = gap <= band;
+
+	if (!(decay > 0))
+		return quadratic_touch(gap, rate, external, band, noise);
+	if (touching && rate < -noise)
+		return 0;
+	if (touching && (rate <= noise || !(external < 0)))
+		return external < 0 ? 0 : HUGE_VAL;
+	return rb_decay_falls(decay, touching ? 0 : gap, rate, external, max);
+}
+
+/* True if bodies, the second of which may be fixed, do not slow down alike. */
+static bool slow_differently(const struct rb_located *l, int a, int b)
+{
+	const double decay_a = rb_arc_decay(l, a), decay_b = rb_arc_decay(l, b);
+
+	return b < l->n &&
+	       (decay_a != decay_b ||
+	        (decay_a > 0 && !same_vector(l->arc[a].acceleration, l->arc[b].acceleration)));
+}
+
 /* True if the body is on a parabola about its own centre. */
 static bool in_flight(const struct rb_located *l, int i)
 {
@@ -650,9 +684,10 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 		a = b;
 		b = other;
 	}
-	if (!in_flight(l, a) || (b < l->n && !in_flight(l, b)))
+	if (!in_flight(l, a) || (b < l->n && !in_flight(l, b)) || slow_differently(l, a, b))
 		return advance(l, a, b, from, until, again);
 	const rb_vec3 none = {0, 0, 0};
+	const double decay = rb_arc_decay(l, a);
 	const rb_vec3 acceleration_b = b < l->n ? l->arc[b].acceleration : none;
 	const rb_vec3 va = rb_arc_velocity(l, a, from), vb = rb_arc_velocity(l, b, from);
 	if (model->shape[b].kind == RB_SHAPE_SPHERE &&
@@ -665,7 +700,8 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 		                    rb_contact_point_band(l, &m, from),
 		                    rb_contact_point_noise(l, &m), until - from);
 	} else if (model->shape[b].kind == RB_SHAPE_SPHERE) {
-		s = linear_touch(
+		s = slowed_touch(
+			decay,
 			rb_vec3_sub(rb_arc_position(l, b, from), rb_arc_position(l, a, from)),
 			rb_vec3_sub(vb, va), model->shape[a].radius + model->shape[b].radius,
 			8 * DBL_EPSILON * (rb_vec3_max_abs(va) + rb_vec3_max_abs(vb)));
@@ -684,8 +720,10 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 		const struct rb_contact_point m = gap <= band ? rb_contact_point_at(l, a, b, from)
 		                                              : (struct rb_contact_point){0};
 
-		s = quadratic_touch(gap, rate, rb_vec3_dot(l->arc[a].acceleration, n), band,
-		                    gap <= band ? rb_contact_point_noise(l, &m) : 0);
+		const double motion[3] = {gap, rate, rb_vec3_dot(l->arc[a].acceleration, n)};
+
+		s = slowed_fall(decay, motion, band,
+		                gap <= band ? rb_contact_point_noise(l, &m) : 0, until - from);
 	} else {
 		return advance(l, a, b, from, until, again);
 	}

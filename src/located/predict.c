@@ -12,6 +12,7 @@
 #include <float.h>
 
 #include "located/approach.h"
+#include "math/decay.h"
 
 /* Bodies from which on arrays exceed the caches and prefetching pays. */
 enum { MANY = 4096 };
@@ -25,7 +26,8 @@ struct seer {
 	bool plain;   /* a sphere about its centre on a parabola */
 	bool general; /* filters or driven bodies: pairs are tested one by one */
 	bool quick;   /* also under gravity alone, without filters */
-	bool falls;   /* it has an acceleration */
+	bool falls;   /* it has an acceleration by constant forces */
+	double decay; /* 1/s: at which it slows down by linear drag */
 	bool follows; /* it is on a piece, near `parabola` */
 	struct rb_parabola parabola;
 	rb_vec3 position, velocity, acceleration; /* now */
@@ -45,6 +47,12 @@ static inline double largest(rb_vec3 a)
 	return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z)));
 }
 
+/* Seconds from now on, of tau of math/decay where the body slows down. */
+static inline double seconds(const struct seer *s, double tau)
+{
+	return s->decay > 0 ? rb_decay_time(s->decay, tau) : tau;
+}
+
 /* Keeps the earliest touch. */
 static inline void see(struct seer *s, int j, double t, bool again)
 {
@@ -55,7 +63,7 @@ static inline void see(struct seer *s, int j, double t, bool again)
 	s->next.again = again;
 }
 
-/* A sphere at x moving with v at the same moment and acceleration: touching, or the first root. */
+/* A sphere at x moving with v at the same moment, acceleration and decay: touches, or a root. */
 static inline void see_flight(struct seer *s, int j, rb_vec3 x, rb_vec3 v, double radius)
 {
 	const struct rb_located *l = s->l;
@@ -78,7 +86,10 @@ static inline void see_flight(struct seer *s, int j, rb_vec3 x, rb_vec3 v, doubl
 			return;
 		}
 	}
-	/* no touch before c / (-2 b), which may be later than one already known */
+	/*
+	 * no touch before c / (-2 b), which may be later than one already known; slowing down makes
+	 * it later still
+	 */
 	if (!(b < 0) || c * (1 - 1e-9) > -2 * b * (s->next.touch_s - s->now))
 		return;
 	const double square = rb_vec3_dot(w, w);
@@ -92,7 +103,7 @@ static inline void see_flight(struct seer *s, int j, rb_vec3 x, rb_vec3 v, doubl
 		if (discriminant < 0)
 			return;
 	}
-	see(s, j, s->now + c / (sqrt(discriminant) - b), false);
+	see(s, j, s->now + seconds(s, c / (sqrt(discriminant) - b)), false);
 }
 
 /* A pair of spheres under the same acceleration; false: it is none. */
@@ -110,6 +121,13 @@ static bool see_sphere(struct seer *s, int j)
 	const rb_vec3 a = quick ? s->acceleration : arc->acceleration;
 	if (a.x != s->acceleration.x || a.y != s->acceleration.y || a.z != s->acceleration.z)
 		return false;
+	if (s->l->decays) {
+		if (arc->decay != s->decay)
+			return false;
+		see_flight(s, j, rb_arc_position(l, j, s->now), rb_arc_velocity(l, j, s->now),
+		           l->model->shape[j].radius);
+		return true;
+	}
 	const double age = s->now - arc->anchor_s;
 	const rb_vec3 v = rb_vec3_add_scaled(arc->velocity, age, a);
 	const rb_vec3 x = rb_vec3_add_scaled(arc->position, age,
@@ -141,6 +159,11 @@ static inline struct two_vec plus_scaled(struct two_vec a, two s, struct two_vec
 	return (struct two_vec){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
 }
 
+static inline struct two_vec scaled(two s, struct two_vec a)
+{
+	return (struct two_vec){s * a.x, s * a.y, s * a.z};
+}
+
 static inline struct two_vec minus(struct two_vec a, struct two_vec b)
 {
 	return (struct two_vec){a.x - b.x, a.y - b.y, a.z - b.z};
@@ -155,7 +178,7 @@ static inline two dot(struct two_vec a, struct two_vec b)
  * Keeps the candidates that see_sphere must examine: those that are near or will come close, and
  * all that are no plain spheres. Branch-free, since the outcome is random.
  */
-static inline int sift(const struct seer *s, int *near, int count, bool falls)
+static inline int sift(const struct seer *s, int *near, int count, bool falls, bool slows)
 {
 	const struct rb_arc *arcs = s->l->arc;
 	const struct two_vec here = pair_of(s->position, s->position);
@@ -169,15 +192,26 @@ static inline int sift(const struct seer *s, int *near, int count, bool falls)
 		const struct rb_arc *first = &arcs[i], *second = &arcs[j];
 		const two age = both(s->now) - (two){first->anchor_s, second->anchor_s};
 		struct two_vec v = pair_of(first->velocity, second->velocity), mean = v;
+		two radius = {first->plain_radius, second->plain_radius};
 
-		if (falls) {
+		if (slows) {
+			const struct rb_decay d = rb_decay_at(s->decay * age[0]),
+					      e = rb_decay_at(s->decay * age[1]);
+
+			mean = plus_scaled(scaled((two){d.once, e.once}, v),
+			                   (two){d.twice, e.twice} * age, a);
+			v = plus_scaled(scaled((two){d.left, e.left}, v),
+			                (two){d.once, e.once} * age, a);
+			radius[0] = first->decay == s->decay ? radius[0] : (double)NAN;
+			radius[1] = second->decay == s->decay ? radius[1] : (double)NAN;
+		} else if (falls) {
 			mean = plus_scaled(v, both(0.5) * age, a);
 			v = plus_scaled(v, age, a);
 		}
 		const struct two_vec d = minus(
 			plus_scaled(pair_of(first->position, second->position), age, mean), here);
 		const struct two_vec w = minus(v, mine);
-		const two sum = both(s->radius) + (two){first->plain_radius, second->plain_radius};
+		const two sum = both(s->radius) + radius;
 		const two square = sum * sum, b = dot(d, w), c = dot(d, d) - square;
 		/* false for NaN radii; 1e-290: squares of smaller numbers underflow */
 		const __typeof__(b < c) is_far =
@@ -216,7 +250,10 @@ static int sift_near(const struct seer *s, int *near, int count)
 		__builtin_prefetch(&l->arc[near[k]]);
 	near += odd;
 	count -= odd;
-	return odd + (s->falls ? sift(s, near, count, true) : sift(s, near, count, false));
+	if (l->decays)
+		return odd + sift(s, near, count, true, true);
+	return odd +
+	       (s->falls ? sift(s, near, count, true, false) : sift(s, near, count, false, false));
 }
 
 /* A plane at rest against a sphere in flight that is not near it; false: not such a pair. */
@@ -229,7 +266,8 @@ static bool see_plane(struct seer *s, int j)
 	const double rate = rb_vec3_dot(s->velocity, n);
 	const double external = rb_vec3_dot(s->acceleration, n);
 
-	if (!s->plain || !(gap > DBL_EPSILON * (16 * s->reach + 4 * s->now * fabs(rate))))
+	if (!s->plain || s->decay > 0 ||
+	    !(gap > DBL_EPSILON * (16 * s->reach + 4 * s->now * fabs(rate))))
 		return false;
 	const double discriminant = rate * rate - 2 * external * gap;
 	if (discriminant < 0 || (rate >= 0 && external >= 0))
@@ -285,6 +323,8 @@ static void see_fixed(struct seer *s)
 		if (next > k)
 			see_one_fixed(s, &first, l->n + next, gap[1], rate[1]);
 	}
+	if (s->decay > 0)
+		first.t = s->now + seconds(s, first.t - s->now);
 	if (first.t <= s->until)
 		see(s, first.which, first.t, false);
 }
@@ -341,6 +381,12 @@ static inline void find_self(struct seer *s, const struct rb_located *l, int i, 
 	const double age = now - arc->anchor_s;
 
 	s->acceleration = arc->acceleration;
+	s->decay = rb_arc_decay(l, i);
+	if (s->decay > 0) {
+		s->position = rb_arc_position(l, i, now);
+		s->velocity = rb_arc_velocity(l, i, now);
+		return;
+	}
 	s->velocity = rb_vec3_add_scaled(arc->velocity, age, arc->acceleration);
 	s->position = rb_vec3_add_scaled(
 		arc->position, age,
@@ -355,6 +401,7 @@ static inline void open(struct seer *s, struct rb_located *l, int i, double now,
 	s->except = except;
 	s->now = now;
 	s->touching = 0;
+	s->decay = 0;
 	s->general = l->model->group_bit || l->model->driven;
 	s->quick = l->arc[i].plain_radius > 0 && !rb_located_on_piece(l, i) && !s->general;
 	s->plain = s->quick || (l->model->shape[i].kind == RB_SHAPE_SPHERE &&
@@ -398,6 +445,14 @@ static void next_wall_of_piece(struct seer *s)
 	s->next.wall = -1;
 }
 
+/* The same of one that slows down: what it has now, which only fades. */
+static rb_vec3 slowing(const struct seer *s)
+{
+	const rb_vec3 a = rb_vec3_add_scaled(s->acceleration, -s->decay, s->velocity);
+
+	return (rb_vec3){fabs(a.x), fabs(a.y), fabs(a.z)};
+}
+
 /* The time at which the body leaves its cell. */
 static void next_wall(struct seer *s)
 {
@@ -405,6 +460,10 @@ static void next_wall(struct seer *s)
 
 	if (rb_located_on_piece(l, s->i))
 		next_wall_of_piece(s);
+	else if (l->cells && s->decay > 0)
+		s->next.wall_s = s->now + rb_cells_time_inside(l->cells, s->i, s->position,
+		                                               s->velocity, slowing(s),
+		                                               &s->next.wall);
 	else if (l->cells)
 		s->next.wall_s = s->now + rb_cells_leaves(l->cells, s->i, s->position, s->velocity,
 		                                          s->acceleration, &s->next.wall);
@@ -503,7 +562,7 @@ void rb_predict_wall(struct rb_located *l, int i, double now)
 		look_ahead(l);
 	open(&s, l, i, now, -1);
 	s.next = l->next[i];
-	const bool goes = !rb_located_on_piece(l, i) ||
+	const bool goes = (!rb_located_on_piece(l, i) && !(s.decay > 0)) ||
 	                  rb_cells_is_at_wall(l->cells, i, s.next.wall, s.position);
 	int count = goes ? rb_cells_cross(l->cells, i, s.next.wall, l->near) : 0;
 

@@ -141,6 +141,13 @@ struct rb_parabola rb_relative_parabola(const struct rb_located *l, int i, doubl
 	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
 	if (i >= l->n)
 		return (struct rb_parabola){l->model->position[i], none, none, 0, 0};
+	if (rb_arc_decay(l, i) > 0) {
+		/* what is left of it is between all of this and nothing */
+		const rb_vec3 a = rb_vec3_scale(0.5, rb_arc_acceleration(l, i, from_s));
+
+		return (struct rb_parabola){rb_arc_position(l, i, from_s),
+		                            rb_arc_velocity(l, i, from_s), a, rb_vec3_length(a), 0};
+	}
 	if (!rb_located_on_piece(l, i))
 		return (struct rb_parabola){rb_arc_position(l, i, from_s),
 		                            rb_arc_velocity(l, i, from_s), l->arc[i].acceleration,

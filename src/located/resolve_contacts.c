@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Resolves the contacts of a set at a moment: collects the points that touch, removes the drift of
- * those that lasted, finds forces and modes together (constraint/simultaneous), and writes
- * clusters, one for each connected part, or free arcs. The result depends on the set and the moment
- * only.
+ * those that lasted, finds forces and modes together (constraint/simultaneous), and writes one
+ * cluster a connected part, or free arcs. The result depends on set and moment only.
  */
 #include "located/resolve_contacts.h"
 
@@ -591,11 +590,16 @@ static void write_held(struct rb_resolution *s, int part, struct rb_cluster *c, 
 /* Puts a body without contacts on a free arc. */
 static void fly(struct rb_resolution *s, int body)
 {
-	const int place = s->l->place[body];
+	struct rb_located *l = s->l;
+	const int place = l->place[body];
+	const double decay = rb_external_decay(l, body, s->t);
 
 	s->pose[place].rest = (rb_vec3){0, 0, 0};
-	rb_arc_anchor(s->l, body, s->t, &s->pose[place], s->linear[place],
-	              rb_external_turning(s->l, body));
+	rb_arc_anchor(l, body, s->t, &s->pose[place],
+	              decay > 0 ? rb_external_constant(l, body, s->t, &s->pose[place])
+	                        : s->linear[place],
+	              rb_external_turning(l, body));
+	rb_arc_slow(l, body, decay);
 }
 
 /* Of the clusters that were: the shortest step length, and the most of `crept`. */
@@ -624,7 +628,7 @@ static void write_parts(struct rb_resolution *s, const struct pace *pace)
 			held_count += rb_slips_press(s, k) &&
 			              root_of(s->root, l->place[dynamic_of(s, k)]) == part;
 		for (int k = 0; k < count; k++)
-			alone = alone && s->constant[l->place[member[k]]] &&
+			alone = alone && !isnan(rb_external_decay(l, member[k], s->t)) &&
 			        !rb_joint_rows_hold(l, member[k]);
 		if (held_count == 0 && alone) { /* a body in flight */
 			for (int k = 0; k < count; k++)

@@ -189,6 +189,19 @@ static rb_vec3 velocity_of(const struct rb_contact_point *m)
 		rb_vec3_add(m->pose_a.velocity, rb_vec3_cross(m->pose_a.spin, m->arm_a)));
 }
 
+/* A new arc under the same forces as before. */
+static void go_on(struct rb_located *l, int i, double t, const struct rb_pose *pose)
+{
+	if (i >= l->n)
+		return;
+	const double decay = rb_arc_decay(l, i);
+
+	rb_arc_anchor(l, i, t, pose,
+	              decay > 0 ? l->arc[i].acceleration : rb_arc_acceleration(l, i, t),
+	              rb_external_turning(l, i));
+	rb_arc_slow(l, i, decay);
+}
+
 bool rb_resolve_impact_of_pair(struct rb_located *l, int a, int b, double t)
 {
 	RB_ASSERT(rb_located_is_body(l, a) && rb_located_is_body(l, b) && a != b);
@@ -232,18 +245,14 @@ bool rb_resolve_impact_of_pair(struct rb_located *l, int a, int b, double t)
 	}
 	c.impulse = rb_vec3_add_scaled(tangent, normal, m.normal);
 	c.approach = approach;
-	const rb_vec3 acceleration_a = rb_arc_acceleration(l, m.a, t);
-	const rb_vec3 acceleration_b = rb_arc_acceleration(l, m.b, t);
 	const rb_vec3 on_a[2] = {rb_vec3_neg(c.impulse), rb_vec3_neg(tangent)};
 	const rb_vec3 on_b[2] = {c.impulse, tangent};
 	kick(l, m.a, on_a, m.arm_a, &m.pose_a);
 	kick(l, m.b, on_b, m.arm_b, &m.pose_b);
 	if (l->account_s)
 		rb_work_impact(l, &m, c.impulse, m.velocity, velocity_of(&m));
-	if (m.a < l->n)
-		rb_arc_anchor(l, m.a, t, &m.pose_a, acceleration_a, rb_external_turning(l, m.a));
-	if (m.b < l->n)
-		rb_arc_anchor(l, m.b, t, &m.pose_b, acceleration_b, rb_external_turning(l, m.b));
+	go_on(l, m.a, t, &m.pose_a);
+	go_on(l, m.b, t, &m.pose_b);
 	rb_record_impact(l, t, &m, c.impulse, approach);
 	return true;
 }

@@ -65,6 +65,11 @@ struct rb_element_kind {
 	double (*energy)(const struct rb_element_query *query, const void *row);
 	/* W, >= 0: what the damper of one with ends takes. NULL: nothing. */
 	double (*dissipation)(const struct rb_element_query *query, const void *row);
+	/*
+	 * N s/m: of one without ends, what its force is of the velocity, which it is against; NAN:
+	 * it is more than that. NULL: as NAN.
+	 */
+	double (*damps)(const void *row);
 	/* The ledger enters one without ends under drag, else under applied forces. */
 	bool is_drag;
 };

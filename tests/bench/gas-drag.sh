@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What a collision costs of spheres on pieces: a gas with `drag` and with a `field` beside the same without, located, one core,
-# recording off. The time in the field's function is what a second one adds. Processor times, start excluded; of RUNS (3) the
-# least. With valgrind also instructions per collision, which no other program on the machine disturbs.
+# What a collision costs of spheres under forces that vary: a gas with `drag`, in closed form, and with a `field`, on pieces,
+# beside the same without, located, one core, recording off. The time in the field's function is what a second one adds.
+# Processor times, start excluded; of RUNS (3) the least. With valgrind also instructions per collision, which no other program
+# on the machine disturbs.
 . "$(dirname "$0")/functions"
 RUNS=${RUNS:-3}
 SCENE=$BENCH_SCENES/gas.lua
