@@ -121,17 +121,18 @@ static bool see_sphere(struct seer *s, int j)
 	const rb_vec3 a = quick ? s->acceleration : arc->acceleration;
 	if (a.x != s->acceleration.x || a.y != s->acceleration.y || a.z != s->acceleration.z)
 		return false;
-	if (s->l->decays) {
+	const double age = s->now - arc->anchor_s;
+	rb_vec3 v, x;
+	if (l->decays) {
 		if (arc->decay != s->decay)
 			return false;
-		see_flight(s, j, rb_arc_position(l, j, s->now), rb_arc_velocity(l, j, s->now),
-		           l->model->shape[j].radius);
-		return true;
+		v = rb_decay_velocity(s->decay, age, arc->velocity, a);
+		x = rb_vec3_add(arc->position, rb_decay_way(s->decay, age, arc->velocity, a));
+	} else {
+		v = rb_vec3_add_scaled(arc->velocity, age, a);
+		x = rb_vec3_add_scaled(arc->position, age,
+		                       rb_vec3_add_scaled(arc->velocity, 0.5 * age, a));
 	}
-	const double age = s->now - arc->anchor_s;
-	const rb_vec3 v = rb_vec3_add_scaled(arc->velocity, age, a);
-	const rb_vec3 x = rb_vec3_add_scaled(arc->position, age,
-	                                     rb_vec3_add_scaled(arc->velocity, 0.5 * age, a));
 
 	see_flight(s, j, x, v, quick ? arc->plain_radius : l->model->shape[j].radius);
 	return true;
@@ -174,11 +175,18 @@ static inline two dot(struct two_vec a, struct two_vec b)
 	return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+/* 0 where both slow down alike, else NAN. */
+static inline double of_decay(const struct seer *s, const struct rb_arc *arc)
+{
+	return arc->decay == s->decay ? 0 : (double)NAN;
+}
+
 /*
  * Keeps the candidates that see_sphere must examine: those that are near or will come close, and
  * all that are no plain spheres. Branch-free, since the outcome is random.
  */
-static inline int sift(const struct seer *s, int *near, int count, bool falls, bool slows)
+static inline __attribute__((always_inline)) int sift(const struct seer *s, int *near, int count,
+                                                      bool falls, bool slows)
 {
 	const struct rb_arc *arcs = s->l->arc;
 	const struct two_vec here = pair_of(s->position, s->position);
@@ -192,7 +200,6 @@ static inline int sift(const struct seer *s, int *near, int count, bool falls, b
 		const struct rb_arc *first = &arcs[i], *second = &arcs[j];
 		const two age = both(s->now) - (two){first->anchor_s, second->anchor_s};
 		struct two_vec v = pair_of(first->velocity, second->velocity), mean = v;
-		two radius = {first->plain_radius, second->plain_radius};
 
 		if (slows) {
 			const struct rb_decay d = rb_decay_at(s->decay * age[0]),
@@ -202,8 +209,6 @@ static inline int sift(const struct seer *s, int *near, int count, bool falls, b
 			                   (two){d.twice, e.twice} * age, a);
 			v = plus_scaled(scaled((two){d.left, e.left}, v),
 			                (two){d.once, e.once} * age, a);
-			radius[0] = first->decay == s->decay ? radius[0] : (double)NAN;
-			radius[1] = second->decay == s->decay ? radius[1] : (double)NAN;
 		} else if (falls) {
 			mean = plus_scaled(v, both(0.5) * age, a);
 			v = plus_scaled(v, age, a);
@@ -211,7 +216,9 @@ static inline int sift(const struct seer *s, int *near, int count, bool falls, b
 		const struct two_vec d = minus(
 			plus_scaled(pair_of(first->position, second->position), age, mean), here);
 		const struct two_vec w = minus(v, mine);
-		const two sum = both(s->radius) + radius;
+		two sum = both(s->radius) + (two){first->plain_radius, second->plain_radius};
+		if (slows)
+			sum += (two){of_decay(s, first), of_decay(s, second)};
 		const two square = sum * sum, b = dot(d, w), c = dot(d, d) - square;
 		/* false for NaN radii; 1e-290: squares of smaller numbers underflow */
 		const __typeof__(b < c) is_far =

@@ -59,6 +59,20 @@ struct rb_decay rb_decay_at(double z)
 	return d;
 }
 
+rb_vec3 rb_decay_way(double k, double s, rb_vec3 v, rb_vec3 g)
+{
+	const struct rb_decay d = rb_decay_at(k * s);
+
+	return rb_vec3_scale(s, rb_vec3_add_scaled(rb_vec3_scale(d.once, v), d.twice * s, g));
+}
+
+rb_vec3 rb_decay_velocity(double k, double s, rb_vec3 v, rb_vec3 g)
+{
+	const struct rb_decay d = rb_decay_at(k * s);
+
+	return rb_vec3_add_scaled(rb_vec3_scale(d.left, v), d.once * s, g);
+}
+
 /* Time in which x + v t + a t^2 / 2, above zero at first, comes to zero; INFINITY: never. */
 static double parabola_falls(double x, double v, double a)
 {

@@ -23,19 +23,8 @@ struct rb_decay {
 struct rb_decay rb_decay_at(double z);
 
 /* x(s) - x_0 and v(s). */
-static inline rb_vec3 rb_decay_way(double k, double s, rb_vec3 v, rb_vec3 g)
-{
-	const struct rb_decay d = rb_decay_at(k * s);
-
-	return rb_vec3_scale(s, rb_vec3_add_scaled(rb_vec3_scale(d.once, v), d.twice * s, g));
-}
-
-static inline rb_vec3 rb_decay_velocity(double k, double s, rb_vec3 v, rb_vec3 g)
-{
-	const struct rb_decay d = rb_decay_at(k * s);
-
-	return rb_vec3_add_scaled(rb_vec3_scale(d.left, v), d.once * s, g);
-}
+rb_vec3 rb_decay_way(double k, double s, rb_vec3 v, rb_vec3 g);
+rb_vec3 rb_decay_velocity(double k, double s, rb_vec3 v, rb_vec3 g);
 
 /* s: when tau = s f_1(k s) is this one; INFINITY: never. tau >= 0. */
 static inline double rb_decay_time(double k, double tau)
