@@ -71,4 +71,30 @@ static inline void jointed_wheels(struct lab *lab)
 	}
 }
 
+/* A wheel whose motor follows a swing, but lags behind and comes back; `user` is not used. */
+static inline enum rb_status jointed_follow(void *user, int joint, double time_s, double value[2],
+                                            struct rb_error *err)
+{
+	(void)user, (void)joint, (void)err;
+	value[0] = rint(0.8 * sin(3 * time_s) * 0x1p44) * 0x1p-44; /* rounded: near_ulp */
+	value[1] = (double)NAN;
+	return RB_OK;
+}
+
+static inline void jointed_follower(struct lab *lab)
+{
+	lab_open_located(lab, 1.2, 10);
+	struct rb_body_def def = lab_sphere_def(0.5, 2, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 0});
+	struct rb_joint_def joint = rb_joint_def_default();
+
+	def.angular_velocity = (rb_vec3){0, 0, 2.4};
+	joint.kind = RB_JOINT_HINGE;
+	joint.a = lab_add(lab, &def);
+	joint.at = def.position;
+	joint.axis = (rb_vec3){0, 0, -1};
+	joint.motor_function = 0;
+	joint.motor_max = 1.36; /* I = 0.2, and I a w^2 = 1.44 */
+	jointed_add(lab, joint);
+}
+
 #endif

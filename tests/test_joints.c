@@ -216,10 +216,6 @@ static void mistakes_are_named(void **state)
 	def.kind = RB_JOINT_BALL;
 	def.damping = 1;
 	refused(def, "'damping' is of the angle or the way that a joint leaves free; kind 'ball'");
-	def = hinge(0, 2);
-	def.motor_function = 0;
-	def.motor_max = 1;
-	refused(def, "a 'motor' that follows a function: only the stepped method has it");
 	/* by methods that have none */
 	struct lab lab;
 

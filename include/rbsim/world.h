@@ -61,10 +61,11 @@ struct rb_world_hooks {
 	enum rb_status (*motion)(void *user, int id, double time_s, struct rb_driven_pose *pose,
 	                         struct rb_error *err);
 	/*
-	 * Angle or way, rad or m, that the motor of a joint follows, by the joint's number; NULL
-	 * where none follows any. Depends on nothing but these.
+	 * Angle or way, rad or m, that the motor of a joint follows, by the joint's number, and its
+	 * rate, rad/s or m/s, NAN: it is differenced; NULL where none follows any. Depends on
+	 * nothing but these.
 	 */
-	enum rb_status (*follow)(void *user, int joint, double time_s, double *value,
+	enum rb_status (*follow)(void *user, int joint, double time_s, double value[2],
 	                         struct rb_error *err);
 };
 
@@ -206,6 +207,8 @@ void rb_world_set_position(struct rb_world *world, int id, rb_vec3 position);
  * (NAN: as before; a motor that follows a function does so no longer once it has a speed); its end.
  */
 void rb_world_joint_set_motor(struct rb_world *world, int joint, double speed, double max);
+/* Its motor follows this angle, rad, or way, m, from now on; NAN: the function of the scene. */
+void rb_world_joint_follow(struct rb_world *world, int joint, double angle);
 void rb_world_joint_release(struct rb_world *world, int joint);
 /* Where an impulse or force goes that names no point: the centre of mass, world. */
 rb_vec3 rb_world_center_of_mass(const struct rb_world *world, int id);

@@ -365,8 +365,6 @@ static void print_text(struct rb_loaded *loaded, const struct rb_options *option
 	rb_print(stdout, "  method      %s, rollback %s, tolerance %g m, %d %s\n", info->method,
 	         info->rollback, model->tolerance_m, info->threads,
 	         rb_text_plural((uint64_t)info->threads, "thread", "threads"));
-	if (model->method != model->scene->world.method)
-		puts("  auto        by steps: locating has no motors that follow a function yet");
 	if (rb_model_may_change_method(model) && (model->features & RB_FEATURE_CONTACT))
 		puts("  crowds      too dense to locate are left to steps (rbsim-scene(5))");
 	rb_print(stdout,

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A driven body's function of time becomes pieces, polynomials of degree 8 through values or
- * velocities at nodes, so that it moves on the same dense output as integrated bodies. The length
- * of a piece follows from its error at test points; functions with kinks end in tiny pieces, jumps
- * and contradicting velocities are refused (step/motion).
+ * A driven body's function of time, or that which a motor follows, becomes pieces, polynomials of
+ * degree 8 through values or velocities at nodes, so that it moves on the same dense output as
+ * integrated bodies. The length of a piece follows from its error at test points; functions with
+ * kinks end in tiny pieces, jumps and contradicting velocities are refused (step/motion).
  */
 #include "located/driven.h"
 
@@ -20,6 +20,10 @@
  * time below which the end of the run needs no piece.
  */
 enum { NODES = RB_GAUSS_NODES, CHECKS = 3, CALM_PIECES = 8, SLIVER_ULP = 16 };
+/* Of a motor's pieces: as of a body without orientation, of which x counts. */
+enum { MOTOR_ROWS = RB_PIECE_ORIENTATION };
+/* How much longer these may be. */
+enum { MOTOR_LONGER = 4 };
 
 /* Nodes for velocities: those of Lobatto's quadrature, which include both ends. */
 static const double velocity_node[NODES] = {
@@ -84,11 +88,14 @@ struct rb_driven {
 static RB_FIELDS_DECLARE(driven_fields);
 static RB_FIELDS_DEFINE(driven_fields, struct rb_driven, DRIVEN_FIELDS);
 
-/* A body's function over one piece. */
+/* The function of a body, or of what the motor of a joint follows, over one piece. */
 struct drive {
 	struct rb_located *l;
 	struct rb_driven *own;
 	int i;
+	bool motor;  /* i is a joint's number */
+	bool turns;  /* there are orientations */
+	double size; /* of which errors are shares: m; of a hinge's motor 1 rad */
 	double origin_s, length_s;
 	double first_s, longest_s; /* of lengths: tried first, possible */
 	bool given[2];             /* velocities, angular velocities are */
@@ -101,21 +108,29 @@ static bool ask(const struct drive *d, double part, struct rb_driven_pose *pose)
 {
 	struct rb_located *l = d->l;
 
+	const double t = d->origin_s + part * d->length_s;
+
 	if (l->status == RB_OK)
-		l->status = rb_motion_ask(l->world, d->i, d->origin_s + part * d->length_s,
-		                          d->begin.orientation, pose, l->err);
+		l->status = d->motor ? rb_motion_ask_motor(l->world, d->i, t, pose, l->err)
+		                     : rb_motion_ask(l->world, d->i, t, d->begin.orientation, pose,
+		                                     l->err);
+	if (d->motor && part > 0 && l->status == RB_OK && pose->has_velocity != d->given[0]) {
+		char label[128];
+
+		l->status = RB_FAIL(l->err, RB_ERR_SCENE,
+		                    "%s at t = %.9g s: it returns a speed always or never",
+		                    rb_motion_label(l->world, d->i, true, label), t);
+	}
 	return l->status == RB_OK;
 }
 
 /* Samples velocities or poses at their nodes, as the function gives them. */
 static bool sample(struct drive *d)
 {
-	const bool turns = d->l->top != NULL;
-
-	for (int k = 0; k < NODES && (d->given[0] || (turns && d->given[1])); k++)
+	for (int k = 0; k < NODES && (d->given[0] || (d->turns && d->given[1])); k++)
 		if (!ask(d, velocity_node[k], &d->moving[k]))
 			return false;
-	for (int k = 0; k < NODES && (!d->given[0] || (turns && !d->given[1])); k++)
+	for (int k = 0; k < NODES && (!d->given[0] || (d->turns && !d->given[1])); k++)
 		if (!ask(d, pose_node[k], &d->placed[k]))
 			return false;
 	return true;
@@ -276,7 +291,7 @@ static void fit(struct drive *d)
 	else
 		fit_values(d, RB_PIECE_POSITION, 3);
 	derive(d, RB_PIECE_POSITION, RB_PIECE_VELOCITY);
-	if (!d->l->top)
+	if (!d->turns)
 		return;
 	rb_quat_to(piece->start + RB_PIECE_ORIENTATION, d->begin.orientation);
 	if (d->given[1])
@@ -354,12 +369,12 @@ static double change_of(rb_vec3 a, rb_vec3 b)
  */
 static bool inspect(struct drive *d, struct misses *max, struct misses *difference)
 {
-	const double size = d->l->model->size_min_m, length = d->length_s;
+	const double size = d->size, length = d->length_s;
 	const struct rb_driven_pose *const first = &d->moving[0], *const last =
 									  &d->moving[NODES - 1];
 	const rb_vec3 end = d->given[0] ? last->position : d->placed[NODES - 2].position;
 	const double speed = rb_vec3_max_abs(last->velocity);
-	const double spin = d->l->top ? rb_vec3_max_abs(last->angular_velocity) : 0;
+	const double spin = d->turns ? rb_vec3_max_abs(last->angular_velocity) : 0;
 	const struct units at = units_of(d, change_of(end, d->begin.position), rb_vec3_max_abs(end),
 	                                 size);
 	const struct units moves = units_of(d, change_of(last->velocity, first->velocity), speed,
@@ -382,7 +397,7 @@ static bool inspect(struct drive *d, struct misses *max, struct misses *differen
 		if (d->given[0] || k < CHECKS)
 			compare(d, part, RB_PIECE_POSITION, pose.position, &at,
 			        d->given[0] ? difference : max);
-		if (!d->l->top)
+		if (!d->turns)
 			continue;
 		const rb_quat q = pose.orientation;
 		if (d->given[1]) {
@@ -402,6 +417,7 @@ static bool watch(struct drive *d, double part)
 	struct rb_located *l = d->l;
 	struct rb_motion motion = {.world = l->world,
 	                           .i = d->i,
+	                           .motor = d->motor,
 	                           .from_s = d->origin_s,
 	                           .to_s = d->origin_s + part * d->length_s,
 	                           .begin = d->begin,
@@ -417,14 +433,12 @@ static bool watch(struct drive *d, double part)
 static bool refuse(struct drive *d)
 {
 	struct rb_located *l = d->l;
-	char label[64];
+	char label[128];
 
 	if (watch(d, d->first_s / d->length_s))
-		l->status = RB_FAIL(
-			l->err, RB_ERR_SCENE,
-			"'motion' of '%s' at t = %.9g s: no smooth motion follows it",
-			rb_scene_body_label(l->model->scene, l->model->id_of[d->i], label),
-			d->origin_s);
+		l->status = RB_FAIL(l->err, RB_ERR_SCENE,
+		                    "%s at t = %.9g s: no smooth motion follows it",
+		                    rb_motion_label(l->world, d->i, d->motor, label), d->origin_s);
 	return false;
 }
 
@@ -495,30 +509,34 @@ static bool find_length(struct drive *d)
 
 /* ---- a piece ---- */
 
-/* State of body i, allocated when first needed; NULL when memory is out. */
+/* What is kept of a function of n values, allocated when first needed; NULL: no memory. */
+static struct rb_driven *own_of(struct rb_driven **own, int n)
+{
+	if (*own)
+		return *own;
+	struct rb_driven *const made = rb_memory_take(1, sizeof *made);
+
+	if (!made)
+		return NULL;
+	*own = made;
+	made->block = rb_memory_take((size_t)n * (2 + NODES), sizeof *made->block);
+	if (!made->block)
+		return NULL;
+	made->piece = (struct rb_gauss_piece){
+		.n = n, .start = made->block, .coefficient = made->block + 2 * n};
+	made->end_rate = made->block + n;
+	made->end_s = (double)NAN;
+	return made;
+}
+
+/* Of body i. */
 static struct rb_driven *driven_of(struct rb_located *l, int i, int n)
 {
 	if (!l->piece)
 		l->piece = rb_memory_take((size_t)l->n, sizeof *l->piece);
 	if (!l->driven)
 		l->driven = rb_memory_take((size_t)l->n, sizeof *l->driven);
-	if (!l->piece || !l->driven)
-		return NULL;
-	if (!l->driven[i]) {
-		struct rb_driven *made = rb_memory_take(1, sizeof *made);
-
-		if (!made)
-			return NULL;
-		l->driven[i] = made;
-		made->block = rb_memory_take((size_t)n * (2 + NODES), sizeof *made->block);
-		if (!made->block)
-			return NULL;
-		made->piece = (struct rb_gauss_piece){
-			.n = n, .start = made->block, .coefficient = made->block + 2 * n};
-		made->end_rate = made->block + n;
-		made->end_s = (double)NAN;
-	}
-	return l->driven[i];
+	return l->piece && l->driven ? own_of(&l->driven[i], n) : NULL;
 }
 
 /* Start of a piece; q or -q, whichever continues the last piece. */
@@ -527,8 +545,8 @@ static bool begin(struct drive *d)
 	const struct rb_gauss_piece *piece = &d->own->piece;
 	double q[4];
 
-	d->begin.orientation = d->l->model->orientation[d->i];
-	if (!d->fresh && d->l->top) {
+	d->begin.orientation = d->turns ? d->l->model->orientation[d->i] : (rb_quat){1, 0, 0, 0};
+	if (!d->fresh && d->turns) {
 		for (int k = 0; k < 4; k++)
 			q[k] = rb_gauss_value(piece, RB_PIECE_ORIENTATION + k, piece->length_s);
 		d->begin.orientation = rb_quat_from(q);
@@ -540,34 +558,47 @@ static bool begin(struct drive *d)
 	return true;
 }
 
-void rb_driven_piece(struct rb_located *l, int i, double t)
+/* The next piece of a function from `t` on, in d->own; false: l->status says why not. */
+static bool next_piece(struct drive *d, double t)
 {
-	struct rb_driven *own = driven_of(l, i, rb_located_row(l));
-	double square = 0;
+	const struct rb_located *l = d->l;
+	const struct rb_driven *own = d->own;
 
-	RB_ASSERT(rb_located_driven(l, i));
-	RB_ASSERT_COSTLY(l->piece != NULL);
-	if (!own) {
-		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a driven body");
-		return;
-	}
-	/* not so long that events in between could be missed */
-	const double longest = fmax(1 / l->model->frame_rate, l->end_s / 256);
+	/*
+	 * not so long that events in between could be missed; what motors follow touches nothing,
+	 * and its second derivatives, which round by the inverse square, are forces
+	 */
+	const double longest = (d->motor ? MOTOR_LONGER : 1) *
+	                       fmax(1 / l->model->frame_rate, l->end_s / 256);
 	const double length = fmin(own->try_s > 0 ? own->try_s : longest, longest);
 	/*
 	 * a remainder of the run shorter than this is no piece: it would have no second derivative
 	 */
 	const double left = l->end_s - t;
 	const bool ends = left > SLIVER_ULP * DBL_EPSILON * t;
-	struct drive d = {.l = l,
-	                  .own = own,
-	                  .i = i,
-	                  .origin_s = t,
-	                  .length_s = ends && left <= (1 + sliver) * length ? left : length,
-	                  .fresh = !(own->end_s == t)};
-	d.first_s = d.length_s;
-	d.longest_s = longest;
-	if (!begin(&d) || !find_length(&d))
+	d->origin_s = t;
+	d->length_s = ends && left <= (1 + sliver) * length ? left : length;
+	if (d->motor && ends && left > length && left < 2 * length)
+		d->length_s = rounded(0.5 * left); /* rather than a short remainder */
+	d->fresh = !(own->end_s == t);
+	d->first_s = d->length_s;
+	d->longest_s = longest;
+	d->size = rb_motion_size(l->world, d->i, d->motor);
+	return begin(d) && find_length(d);
+}
+
+void rb_driven_piece(struct rb_located *l, int i, double t)
+{
+	struct rb_driven *own = driven_of(l, i, rb_located_row(l));
+	struct drive d = {.l = l, .own = own, .i = i, .turns = l->top != NULL};
+	double square = 0;
+
+	RB_ASSERT(rb_located_driven(l, i));
+	if (!own) {
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a driven body");
+		return;
+	}
+	if (!next_piece(&d, t))
 		return;
 	for (int m = 0; m < 3; m++) {
 		const double max = rb_gauss_rate_bound(&own->piece, RB_PIECE_VELOCITY + m);
@@ -580,37 +611,76 @@ void rb_driven_piece(struct rb_located *l, int i, double t)
 	                                   .acceleration_max = sqrt(square)};
 }
 
+const struct rb_gauss_piece *rb_driven_motor(struct rb_located *l, int joint, double t,
+                                             struct rb_driven **own)
+{
+	struct drive d = {.l = l, .own = own_of(own, MOTOR_ROWS), .i = joint, .motor = true};
+
+	if (!d.own) {
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a motor");
+		return NULL;
+	}
+	return next_piece(&d, t) ? &d.own->piece : NULL;
+}
+
+void rb_driven_free(struct rb_driven *own)
+{
+	if (own)
+		rb_memory_free(own->block);
+	rb_memory_free(own);
+}
+
 void rb_driven_release(struct rb_located *l)
 {
 	for (int i = 0; l->driven && i < l->n; i++)
-		if (l->driven[i]) {
-			rb_memory_free(l->driven[i]->block);
-			rb_memory_free(l->driven[i]);
-		}
+		rb_driven_free(l->driven[i]);
 	rb_memory_free(l->driven);
+}
+
+/* What is kept, where there is something. */
+static void pack_own(struct rb_driven *own, struct rb_pack *pack)
+{
+	const size_t n = (size_t)own->piece.n;
+
+	rb_pack_finite(pack, &own->piece.length_s, 1);
+	rb_pack_finite(pack, own->piece.start, n);
+	rb_pack_finite(pack, own->piece.coefficient, n * NODES);
+	rb_pack_finite(pack, own->end_rate, n);
+	rb_fields_pack(driven_fields(), own, 1, NULL, pack);
+	(void)rb_pack_check(pack, own->piece.length_s > 0, "a piece without length");
 }
 
 void rb_driven_pack(struct rb_located *l, int i, struct rb_pack *pack)
 {
-	const int n = rb_located_row(l);
 	bool has = l->driven && l->driven[i];
 
 	RB_ASSERT(rb_located_driven(l, i));
 	rb_pack_bool(pack, &has);
 	if (!has)
 		return;
-	struct rb_driven *const own = pack->loading ? driven_of(l, i, n) : l->driven[i];
+	struct rb_driven *const own = pack->loading ? driven_of(l, i, rb_located_row(l))
+	                                            : l->driven[i];
 
 	if (!own) {
 		rb_pack_fail_memory(pack);
 		return;
 	}
-	rb_pack_finite(pack, &own->piece.length_s, 1);
-	rb_pack_finite(pack, own->piece.start, (size_t)n);
-	rb_pack_finite(pack, own->piece.coefficient, (size_t)n * NODES);
-	rb_pack_finite(pack, own->end_rate, (size_t)n);
-	rb_fields_pack(driven_fields(), own, 1, NULL, pack);
-	(void)rb_pack_check(pack, own->piece.length_s > 0, "a piece without length");
+	pack_own(own, pack);
 	if (pack->loading && !pack->failed)
 		l->piece[i].piece = own->piece;
+}
+
+const struct rb_gauss_piece *rb_driven_pack_motor(struct rb_driven **own, struct rb_pack *pack)
+{
+	bool has = *own != NULL;
+
+	rb_pack_bool(pack, &has);
+	if (!has)
+		return NULL;
+	if (pack->loading && !own_of(own, MOTOR_ROWS)) {
+		rb_pack_fail_memory(pack);
+		return NULL;
+	}
+	pack_own(*own, pack);
+	return &(*own)->piece;
 }

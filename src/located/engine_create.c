@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/engine_create.h"
 
+#include <string.h>
+
 #include "base/error.h"
 #include "base/memory.h"
 #include "geom/distance.h"
 #include "located/cluster.h"
-#include "located/driven.h"
+#include "located/follow.h"
 #include "located/external_force.h"
 #include "located/joint_rows.h"
 #include "located/pair_contacts.h"
@@ -50,9 +52,15 @@ static bool make_rows(struct rb_located *l)
 	l->near = row(n, sizeof *l->near, &failed);
 	l->set = row(n, sizeof *l->set, &failed);
 	l->place = row(n, sizeof *l->place, &failed);
-	if (l->model->joints)
-		l->drive_mode = row((size_t)l->model->joints->count * RB_JOINT_PARTS_HELD,
-		                    sizeof *l->drive_mode, &failed);
+	if (l->model->joints) {
+		const size_t parts = (size_t)l->model->joints->count * RB_JOINT_PARTS_HELD;
+
+		l->drive_mode = row(parts, sizeof *l->drive_mode, &failed);
+		l->drive_next = row(parts, sizeof *l->drive_next, &failed);
+		if (!failed)
+			memset(l->drive_next, RB_DRIVE_KEEPS, parts);
+		failed = !rb_follow_create(l) || failed;
+	}
 	l->plane_normal = row((size_t)l->model->static_count, sizeof *l->plane_normal, &failed);
 	if (l->world->state.orientation) {
 		l->top = row(n, sizeof *l->top, &failed);
@@ -142,6 +150,7 @@ void rb_engine_destroy(struct rb_located *l)
 		return;
 	rb_cluster_release_all(l);
 	rb_driven_release(l);
+	rb_follow_release(l);
 	rb_queue_destroy(l->queue);
 	rb_cells_destroy(l->cells);
 	rb_memory_free(l->arc);
@@ -160,6 +169,7 @@ void rb_engine_destroy(struct rb_located *l)
 	rb_memory_free(l->place);
 	rb_memory_free(l->plane_normal);
 	rb_memory_free(l->drive_mode);
+	rb_memory_free(l->drive_next);
 	rb_memory_free(l->switch_s);
 	rb_gravitation_release(&l->gravitation);
 	rb_memory_free(l->merge);

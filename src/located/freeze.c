@@ -4,7 +4,7 @@
 #include "located/account.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "located/driven.h"
+#include "located/follow.h"
 #include "located/integrate.h"
 #include "located/past.h"
 #include "model/joints.h"
@@ -274,11 +274,15 @@ void rb_freeze_pack(struct rb_located *l, struct rb_pack *pack)
 	for (int k = 0;
 	     l->model->joints && !pack->failed && k < RB_JOINT_PARTS_HELD * l->model->joints->count;
 	     k++) {
-		int mode = l->drive_mode[k];
+		int mode = l->drive_mode[k], next = l->drive_next[k];
 
 		rb_pack_int(pack, &mode, RB_DRIVE_LOW, RB_DRIVE_REACHED);
+		rb_pack_int(pack, &next, RB_DRIVE_LOW, RB_DRIVE_KEEPS);
 		l->drive_mode[k] = (signed char)mode;
+		l->drive_next[k] = (signed char)next;
 	}
+	if (!pack->failed)
+		rb_follow_pack(l, pack);
 	if (!pack->failed)
 		pack_clusters(l, pack);
 	if (!pack->failed)

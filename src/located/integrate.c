@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "located/account.h"
 #include "located/event_records.h"
+#include "located/follow.h"
 #include "located/landing.h"
 #include "located/mode_checks.h"
 #include "located/past.h"
@@ -223,8 +224,8 @@ static double driven_end(const struct rb_located *l, int body, double soon)
 }
 
 /*
- * Where a driven body that one of the contacts leans on, or that attracts, comes to the end of what
- * is known of it.
+ * Where a driven body that one of the contacts leans on, or that attracts, or what a motor follows,
+ * comes to the end of what is known of it.
  */
 static double partners_end(const struct rb_modes *w)
 {
@@ -240,6 +241,7 @@ static double partners_end(const struct rb_modes *w)
 
 		end = fmin(end, driven_end(w->l, joint->a, soon));
 		end = fmin(end, driven_end(w->l, joint->b, soon));
+		end = fmin(end, rb_follow_end(w->l, w->joints.joint[k], soon));
 	}
 	for (int i = 0; w->l->model->driven && rb_located_gravitates(w->l) && i < w->l->n; i++)
 		if (rb_located_driven(w->l, i) && w->l->model->attraction[i] > 0 &&

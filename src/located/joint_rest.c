@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/joint_rest.h"
 
+#include "located/follow.h"
 #include "located/joint_stops.h"
 
 bool rb_joint_rest_decide(struct rb_resolution *s)
@@ -11,10 +12,20 @@ bool rb_joint_rest_decide(struct rb_resolution *s)
 		if (!multiplier)
 			return false;
 		rb_joint_rows_read_problem(&s->joints, true, s->joint.joint_row, multiplier);
-		rb_joint_rows_decide_drives(&s->joints, multiplier);
+		rb_joint_drives_decide(&s->joints, multiplier);
 	}
 	rb_joint_stops_note(&s->joints, s->t);
 	return s->l->status == RB_OK;
+}
+
+void rb_joint_rest_follow(struct rb_resolution *s)
+{
+	const struct rb_located *l = s->l;
+
+	for (int k = 0; k < s->joints.joint_count; k++)
+		if (rb_follow_moves(l, s->joints.joint[k]))
+			s->constant_at_rest[l->place[rb_joint_stops_body(l, s->joints.joint[k])]] =
+				false;
 }
 
 /* Cause of forces of joints with ends that do not yield: 0 static, 1 driven; -1: no such end. */

@@ -11,6 +11,9 @@
  */
 bool rb_joint_rest_decide(struct rb_resolution *s);
 
+/* What motors that follow move is not at rest, whatever it does at this moment. */
+void rb_joint_rest_follow(struct rb_resolution *s);
+
 /*
  * Rates for the ledger of joints with fixed ends while a part is at rest, `own` being its bodies by
  * place: what balances all other forces on it.

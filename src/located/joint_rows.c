@@ -12,14 +12,13 @@
 #include "base/error.h"
 #include "located/arc.h"
 #include "located/external_force.h"
+#include "located/follow.h"
 #include "located/mechanics.h"
 
 /* Of corrections of positions: each squares what is left. */
 enum { POSITION_ROUNDS = 2 };
 /* Rounding of a rate and of a gap, in ulp of what they are differences of. */
 enum { DRIVE_ULP = 64, STOP_ULP = 16 };
-/* Share of its bound by which the solver may leave a force that is at it below. */
-static const double within_bound = 1e-11;
 
 bool rb_joint_rows_joined(const struct rb_located *l, int a, int b)
 {
@@ -148,13 +147,21 @@ static signed char *mode_of(const struct rb_joint_rows *rows, int joint, int kin
 	return &rows->l->drive_mode[RB_JOINT_PARTS_HELD * joint + kind];
 }
 
-static struct rb_linkage_free free_of(const struct rb_joint_rows *rows, int which, double t)
+void rb_joint_rows_ends(const struct rb_joint_rows *rows, int which, double t,
+                        struct rb_pose end[2])
 {
 	const struct rb_joint *joint = &rows->l->model->joints->joint[which];
-	const struct rb_pose a = end_pose(rows, joint->a, place_of(rows->l, joint->a), t);
-	const struct rb_pose b = end_pose(rows, joint->b, place_of(rows->l, joint->b), t);
 
-	return rb_linkage_free(&joint->link, &a, &b);
+	end[0] = end_pose(rows, joint->a, place_of(rows->l, joint->a), t);
+	end[1] = end_pose(rows, joint->b, place_of(rows->l, joint->b), t);
+}
+
+static struct rb_linkage_free free_of(const struct rb_joint_rows *rows, int which, double t)
+{
+	struct rb_pose end[2];
+
+	rb_joint_rows_ends(rows, which, t, end);
+	return rb_linkage_free(&rows->l->model->joints->joint[which].link, &end[0], &end[1]);
 }
 
 struct rb_joint_stop rb_joint_rows_stop(const struct rb_joint_rows *rows, int which, int stop,
@@ -200,75 +207,12 @@ struct rb_joint_stop rb_joint_rows_stop(const struct rb_joint_rows *rows, int wh
 	return now;
 }
 
-static bool has_drive(const struct rb_located *l, int which)
+/* What a drive keeps at a moment: a speed, or what its motor follows. */
+static struct rb_follow_point kept_by(const struct rb_located *l, int which, int kind, double t)
 {
-	return rb_joint_rows_drive_now(l, which, RB_DRIVE_MOTOR).max > 0 ||
-	       rb_joint_rows_drive_now(l, which, RB_DRIVE_FRICTION).max > 0;
-}
-
-/* m/s or rad/s: rounding of the rate of a free coordinate. */
-static double noise_of(const struct rb_joint_rows *rows, int which, double t)
-{
-	const struct rb_joint *joint = &rows->l->model->joints->joint[which];
-	const struct rb_pose a = end_pose(rows, joint->a, place_of(rows->l, joint->a), t);
-	const struct rb_pose b = end_pose(rows, joint->b, place_of(rows->l, joint->b), t);
-	const double spin = rb_vec3_length(a.spin) + rb_vec3_length(b.spin);
-
-	if (rb_linkage_turns(&joint->link))
-		return DRIVE_ULP * DBL_EPSILON * spin;
-	return DRIVE_ULP * DBL_EPSILON *
-	       (rb_vec3_length(a.velocity) + rb_vec3_length(b.velocity) + spin * joint->size);
-}
-
-/* Of a stop: where it touches and neither parts nor approaches it may hold, as its force says. */
-static void begin_stop(const struct rb_joint_rows *rows, int which, int stop, double t, bool anew,
-                       double slack)
-{
-	const struct rb_joint *joint = &rows->l->model->joints->joint[which];
-	signed char *const mode = mode_of(rows, which, stop);
-
-	if (!rb_joint_rows_has_stop(joint, stop) || (*mode == RB_DRIVE_HELD && !anew))
-		return;
-	const struct rb_joint_stop now = rb_joint_rows_stop(rows, which, stop, t);
-	const double scale = rb_linkage_turns(&joint->link) ? joint->size : 1;
-	const bool touches = *mode == RB_DRIVE_REACHED || now.gap <= now.band;
-
-	*mode = touches && fabs(now.rate) <= now.noise + slack / scale ? RB_DRIVE_HELD
-	                                                               : RB_STOP_OPEN;
-}
-
-/*
- * Has the piece come to its end, at which a drive is at its speed? Something else may have cut it.
- */
-static bool has_ended(const struct rb_located *l, int which, double t)
-{
-	const struct rb_joint *joint = &l->model->joints->joint[which];
-	const int body = rb_located_fixed(l, joint->a) ? joint->b : joint->a;
-
-	return !rb_located_on_piece(l, body) || t >= l->piece[body].until_s;
-}
-
-void rb_joint_rows_begin_drives(const struct rb_joint_rows *rows, double t, bool anew, double slack)
-{
-	for (int k = 0; k < rows->joint_count; k++) {
-		const int which = rows->joint[k];
-
-		for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++)
-			begin_stop(rows, which, stop, t, anew, slack);
-		for (int kind = 0; kind < RB_JOINT_DRIVES && has_drive(rows->l, which); kind++) {
-			signed char *const mode = mode_of(rows, which, kind);
-			const double v = free_of(rows, which, t).rate -
-			                 rb_joint_rows_drive_now(rows->l, which, kind).speed;
-
-			if (!anew && (*mode == RB_DRIVE_HELD ||
-			              (*mode == RB_DRIVE_REACHED && has_ended(rows->l, which, t))))
-				*mode = RB_DRIVE_HELD;
-			else if (fabs(v) <= noise_of(rows, which, t))
-				*mode = RB_DRIVE_HELD;
-			else
-				*mode = v < 0 ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
-		}
-	}
+	if (kind == RB_DRIVE_MOTOR && rb_follow_has(l, which))
+		return rb_follow_at(l, which, t, true);
+	return (struct rb_follow_point){.rate = rb_joint_rows_drive_now(l, which, kind).speed};
 }
 
 double rb_joint_rows_bound(const struct rb_joint_rows *rows, const struct rb_joint_row *row)
@@ -276,21 +220,6 @@ double rb_joint_rows_bound(const struct rb_joint_rows *rows, const struct rb_joi
 	if (rb_joint_rows_is_stop(row))
 		return (double)INFINITY;
 	return rb_joint_rows_drive_now(rows->l, row->joint, row->drive).max / row->scale;
-}
-
-void rb_joint_rows_decide_drives(const struct rb_joint_rows *rows, const double *multiplier)
-{
-	for (int k = 0; k < rows->count; k++) {
-		const struct rb_joint_row *row = &rows->row[k];
-
-		if (rb_joint_rows_is_stop(row) && !(multiplier[k] > 0))
-			*mode_of(rows, row->joint, row->drive) = RB_STOP_OPEN;
-		if (row->drive < 0 ||
-		    fabs(multiplier[k]) < rb_joint_rows_bound(rows, row) * (1 - within_bound))
-			continue;
-		*mode_of(rows, row->joint, row->drive) = multiplier[k] > 0 ? RB_DRIVE_HIGH
-		                                                           : RB_DRIVE_LOW;
-	}
 }
 
 bool rb_joint_rows_drive(const struct rb_joint_rows *rows)
@@ -301,7 +230,7 @@ bool rb_joint_rows_drive(const struct rb_joint_rows *rows)
 	return false;
 }
 
-/* Rows of what keeps its speed. */
+/* Rows of what keeps its speed, or follows. */
 static void fill_drives(struct rb_joint_rows *rows, int which, double t)
 {
 	const struct rb_located *l = rows->l;
@@ -309,18 +238,22 @@ static void fill_drives(struct rb_joint_rows *rows, int which, double t)
 	const double scale = rb_linkage_turns(&joint->link) ? joint->size : 1;
 
 	for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
-		const struct rb_joint_drive drive = rb_joint_rows_drive_now(l, which, kind);
-		const signed char mode = *mode_of(rows, which, kind);
-
-		if (!(drive.max > 0) || (mode != RB_DRIVE_HELD && mode != RB_DRIVE_REACHED))
+		if (!(rb_joint_rows_drive_now(l, which, kind).max > 0) ||
+		    *mode_of(rows, which, kind) != RB_DRIVE_HELD)
 			continue;
 		const struct rb_linkage_free free = free_of(rows, which, t);
-		add_row(rows, which,
-		        &(struct rb_joint_row){.row = -1,
-		                               .drive = kind,
-		                               .scale = scale,
-		                               .velocity = scale * (free.rate - drive.speed)},
-		        &free.row, t);
+		const struct rb_follow_point to = kept_by(l, which, kind, t);
+		struct rb_joint_row row = {.row = -1,
+		                           .drive = kind,
+		                           .scale = scale,
+		                           .velocity = scale * (free.rate - to.rate)};
+
+		if (kind == RB_DRIVE_MOTOR && rb_follow_has(l, which))
+			row.error = scale * (rb_joint_state_angle(&l->world->joint[which],
+			                                          &joint->link, t, &free) -
+			                     to.value);
+		add_row(rows, which, &row, &free.row, t);
+		rows->row[rows->count - 1].bias -= scale * to.acceleration;
 	}
 }
 
@@ -358,7 +291,7 @@ void rb_joint_rows_fill(struct rb_joint_rows *rows, double t)
 	rows->count = 0;
 	for (int k = 0; k < rows->joint_count; k++) {
 		fill_joint(rows, rows->joint[k], t);
-		if (has_drive(rows->l, rows->joint[k]))
+		if (rb_joint_rows_has_drive(rows->l, rows->joint[k]))
 			fill_drives(rows, rows->joint[k], t);
 		fill_stops(rows, rows->joint[k], t);
 	}
@@ -371,7 +304,8 @@ bool rb_joint_rows_spring(const struct rb_joint_rows *rows, int k, double t,
 	const struct rb_joint *joint = &l->model->joints->joint[rows->joint[k]];
 	const int a = place_of(l, joint->a), b = place_of(l, joint->b);
 
-	if (!(joint->stiffness > 0) && !(joint->damping > 0) && !has_drive(l, rows->joint[k]))
+	if (!(joint->stiffness > 0) && !(joint->damping > 0) &&
+	    !rb_joint_rows_has_drive(l, rows->joint[k]))
 		return false;
 	const struct rb_pose pose_a = end_pose(rows, joint->a, a, t);
 	const struct rb_pose pose_b = end_pose(rows, joint->b, b, t);
@@ -392,10 +326,10 @@ bool rb_joint_rows_spring(const struct rb_joint_rows *rows, int k, double t,
 	spring->dissipation = joint->damping * free.rate * free.rate;
 	spring->friction_power = spring->drives = 0;
 	for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
-		const signed char mode = *mode_of(rows, rows->joint[k], kind);
-		const double force = rb_joint_rows_drive_now(l, rows->joint[k], kind).max * mode;
+		const double force = rb_joint_rows_drive_now(l, rows->joint[k], kind).max *
+		                     *mode_of(rows, rows->joint[k], kind);
 
-		if (!(fabs(force) > 0) || mode == RB_DRIVE_REACHED)
+		if (!(fabs(force) > 0))
 			continue;
 		spring->multiplier += force;
 		if (kind == RB_DRIVE_MOTOR)
@@ -422,14 +356,13 @@ void rb_joint_rows_add_springs(const struct rb_joint_rows *rows, double t, rb_ve
 	}
 }
 
-/* W, given by motors that keep their speeds. */
+/* W (J by an impulse), given by motors that keep their speeds or follow. */
 static double power_of(const struct rb_joint_rows *rows, const struct rb_joint_row *row,
-                       double multiplier)
+                       double multiplier, double t)
 {
 	if (row->drive != RB_DRIVE_MOTOR)
 		return 0;
-	return multiplier * row->scale *
-	       rb_joint_rows_drive_now(rows->l, row->joint, row->drive).speed;
+	return multiplier * row->scale * kept_by(rows->l, row->joint, row->drive, t).rate;
 }
 
 void rb_joint_rows_enter_springs(const struct rb_joint_rows *rows, const double *multiplier,
@@ -439,7 +372,7 @@ void rb_joint_rows_enter_springs(const struct rb_joint_rows *rows, const double 
 
 	for (int k = 0; k < rows->count; k++)
 		rb_entries_energy(rate, RB_ENERGY_DRIVEN,
-		                  power_of(rows, &rows->row[k], multiplier[k]));
+		                  power_of(rows, &rows->row[k], multiplier[k], t));
 
 	for (int k = 0; k < rows->joint_count; k++) {
 		if (!rb_joint_rows_spring(rows, k, t, &spring))
@@ -629,6 +562,8 @@ static void enter(const struct rb_joint_rows *rows, const double *impulse, doubl
 	for (int k = 0; k < rows->count; k++) {
 		/* of the mean of J V before and after, which is zero */
 		rb_entries_energy(&e, RB_ENERGY_IMPACTS, -0.5 * impulse[k] * rows->row[k].velocity);
+		rb_entries_energy(&e, RB_ENERGY_DRIVEN,
+		                  power_of(rows, &rows->row[k], impulse[k], t));
 		rb_joint_rows_enter(rows, &rows->row[k], impulse[k], t, &e);
 	}
 	rb_ledger_enter(&rows->l->world->ledger, &e);
@@ -684,7 +619,7 @@ void rb_joint_rows_correct(struct rb_joint_rows *rows, double t, struct rb_pose 
 	const size_t bodies = (size_t)rows->body_count;
 
 	RB_ASSERT(rows->pose == pose);
-	if (rows->count == 0)
+	if (rows->count == 0 || l->status != RB_OK) /* of what a motor follows, say */
 		return;
 	rb_vec3 *const linear = rb_arena_take(l->arena, 2 * bodies, sizeof *linear);
 

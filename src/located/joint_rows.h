@@ -73,6 +73,13 @@ static inline struct rb_joint_drive rb_joint_rows_drive_now(const struct rb_loca
 	return rb_joint_state_drive(&l->world->joint[joint], &l->model->joints->joint[joint], kind);
 }
 
+/* Has it a motor or friction? */
+static inline bool rb_joint_rows_has_drive(const struct rb_located *l, int which)
+{
+	return rb_joint_rows_drive_now(l, which, RB_DRIVE_MOTOR).max > 0 ||
+	       rb_joint_rows_drive_now(l, which, RB_DRIVE_FRICTION).max > 0;
+}
+
 /* Does the joint of that number hold: was it not released? */
 static inline bool rb_joint_rows_holds(const struct rb_located *l, int joint)
 {
@@ -91,6 +98,10 @@ static inline bool rb_joint_rows_hold(const struct rb_located *l, int body)
 	return held;
 }
 
+/* Poses of a joint's ends: of their places, else on their arcs. */
+void rb_joint_rows_ends(const struct rb_joint_rows *rows, int joint, double t,
+                        struct rb_pose end[2]);
+
 /* Is there a joint between the two? */
 bool rb_joint_rows_joined(const struct rb_located *l, int a, int b);
 
@@ -99,17 +110,6 @@ bool rb_joint_rows_joined(const struct rb_located *l, int a, int b);
  * no memory.
  */
 bool rb_joint_rows_collect(struct rb_joint_rows *rows);
-
-/*
- * Before the rows are filled at a moment when modes are decided: whether motors and friction keep
- * their speeds, and stops hold, by the poses. `anew`: velocities have jumped, and round by `slack`,
- * m/s.
- */
-void rb_joint_rows_begin_drives(const struct rb_joint_rows *rows, double t, bool anew,
-                                double slack);
-
-/* From multipliers of a solution: those at their bounds, and stops that do not push, let go. */
-void rb_joint_rows_decide_drives(const struct rb_joint_rows *rows, const double *multiplier);
 
 /* N: the largest multiplier of a row of a drive; INFINITY of a stop. */
 double rb_joint_rows_bound(const struct rb_joint_rows *rows, const struct rb_joint_row *row);

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "located/arc.h"
 #include "located/external_force.h"
+#include "located/follow.h"
 #include "world/joint_events.h"
 
 /* Height of the smallest rebound in ulp of the joint's size. */
@@ -57,7 +58,7 @@ static bool accelerate(struct rb_joint_rows *rows, double t, rb_vec3 *linear, rb
 	for (int p = 0; p < rows->body_count; p++)
 		rb_external_force_at(rows->l, rows->body[p], &rows->pose[p], &view, &linear[p],
 		                     &angular[p]);
-	rb_joint_rows_begin_drives(rows, t, true, 0);
+	rb_joint_drives_begin(rows, t, true, 0);
 	rb_joint_rows_fill(rows, t);
 	rb_joint_rows_add_springs(rows, t, linear, angular);
 	return rows->count == 0 || rb_joint_rows_accelerate(rows, linear, angular);
@@ -243,10 +244,14 @@ void rb_joint_stops_note(const struct rb_joint_rows *rows, double t)
 		struct rb_joint_state *const state = &l->world->joint[which];
 		enum rb_event_kind kind;
 
-		for (int drive = 0; drive < RB_JOINT_DRIVES; drive++)
+		for (int drive = 0; drive < RB_JOINT_DRIVES; drive++) {
+			const bool back = drive == RB_DRIVE_MOTOR && rb_follow_is_back(l, which);
+
 			if (rb_joint_rows_drive_now(l, which, drive).max > 0 &&
-			    rb_joint_event_notes(state, drive, mode[drive] == RB_DRIVE_HELD, &kind))
+			    rb_joint_event_notes(state, drive,
+			                         mode[drive] == RB_DRIVE_HELD && !back, &kind))
 				add(rows, kind, which, 0, 0, t);
+		}
 		if (rb_joint_rows_has_stop(&l->model->joints->joint[which], RB_STOP_HIGH) &&
 		    l->model->joints->joint[which].link.type->one_sided &&
 		    rb_joint_event_notes(state, RB_JOINT_TAUT, mode[RB_STOP_HIGH] == RB_DRIVE_HELD,

@@ -7,6 +7,7 @@
 #define RB_LOCATED_JOINT_STOPS_H
 
 #include "constraint/simultaneous.h"
+#include "located/joint_drives.h"
 #include "located/joint_problem.h"
 
 /* The first of the rows' joints of which a stop touches and approaches beyond rounding; -1. */

@@ -249,6 +249,7 @@ struct rb_located {
 	struct rb_past *past;      /* [n]: located/past; NULL until a piece is integrated */
 	uint64_t moment;           /* of the event under way: they are counted; 0: none */
 	struct rb_driven **driven; /* [n], NULL without driven bodies: located/driven */
+	struct rb_follow *follow;  /* [joints]: located/follow; NULL without motors */
 	uint32_t *generation;
 	/* [n]: up to when the ledger has what acts on bodies in flight; NULL: it is not kept */
 	double *account_s;
@@ -259,8 +260,11 @@ struct rb_located {
 	size_t cluster_capacity;
 	rb_vec3 *plane_normal; /* [statics]: of planes and rectangles */
 
-	/* [joints][RB_JOINT_PARTS_HELD]: enum rb_drive_mode; NULL without joints */
-	signed char *drive_mode;
+	/*
+	 * [joints][RB_JOINT_PARTS_HELD]: enum rb_drive_mode, and the one from the end of the piece
+	 * on, RB_DRIVE_KEEPS: the same; NULL without joints
+	 */
+	signed char *drive_mode, *drive_next;
 
 	struct rb_queue *queue; /* [n] bodies, [n] clusters, 1 switch of forces */
 	struct rb_cells *cells; /* NULL: few bodies, all are candidates */
@@ -298,15 +302,16 @@ RB_FIELDS_DECLARE(rb_located_fields);
 enum rb_joint_part { RB_STOP_LOW = RB_JOINT_DRIVES, RB_STOP_HIGH, RB_JOINT_PARTS_HELD };
 
 /*
- * Motor or friction of a joint: at a bound, keeping its speed, or having just come to it. Of stops:
- * open, holding, or having just come to touch.
+ * Motor or friction of a joint: at a bound, keeping its speed (or what it follows), or just coming
+ * to it. Of stops: open, holding, or just coming to touch.
  */
 enum rb_drive_mode {
 	RB_DRIVE_LOW = -1,
 	RB_STOP_OPEN = RB_DRIVE_LOW,
 	RB_DRIVE_HELD,
 	RB_DRIVE_HIGH,
-	RB_DRIVE_REACHED
+	RB_DRIVE_REACHED,
+	RB_DRIVE_KEEPS
 };
 
 /* Values of a body in a piece: x, v and, where bodies turn, q, w. */

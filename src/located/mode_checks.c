@@ -11,6 +11,8 @@
 #include <float.h>
 #include <string.h>
 
+#include "located/follow.h"
+#include "located/joint_drives.h"
 #include "located/rates.h"
 #include "located/set.h"
 
@@ -416,8 +418,74 @@ static double weight_of(const struct rb_modes *w, const struct rb_joint_row *row
 	return max;
 }
 
-/* The mode that a drive has no more at this state, and what it has then; NULL: all hold. */
-static signed char *broken_drive(struct rb_modes *w, signed char *then)
+/* rad/s^2, m/s^2: by how much the free coordinate is accelerated against what is followed. */
+static double off_acceleration(const struct rb_modes *w, int k)
+{
+	struct rb_joint_spring_row spring;
+
+	if (!rb_joint_rows_spring(&w->joints, k, w->time_s, &spring))
+		return 0;
+	const struct rb_coupled_row row = rb_joint_rows_coupled(&spring.row);
+
+	return rb_coupled_felt(&row, w->linear, w->angular) + spring.row.bias -
+	       rb_follow_at(w->l, spring.row.joint, w->time_s, false).acceleration;
+}
+
+/*
+ * On its way back at a bound: does the motor of the k-th joint, which follows, need its share to
+ * brake from here on, of what it has beside the force that keeps the rate as it is? Forces are
+ * linear in accelerations: that one follows from the bound and from what braking needs. Leaves
+ * forces as if it braked.
+ */
+static bool brakes(struct rb_modes *w, int k, const struct rb_joint_off *off, const double *value)
+{
+	struct rb_located *l = w->l;
+	const int which = w->joints.joint[k];
+	signed char *const mode = &l->drive_mode[RB_JOINT_PARTS_HELD * which + RB_DRIVE_MOTOR];
+	const signed char now = *mode;
+	const double pushed = now * off_acceleration(w, k);
+	const double braked = now * off->rate * off->rate / (2 * off->value);
+	double needed = -1; /* of the bound, to brake: with all of it, it pushes */
+
+	*mode = RB_DRIVE_HELD;
+	rb_follow_go_back(l, which, w->time_s, off->value, off->rate);
+	const bool good = rb_rates_evaluate(w, w->time_s, value);
+	for (int r = 0; r < w->joints.count && good; r++) {
+		const struct rb_joint_row *row = &w->joints.row[r];
+
+		if (row->joint == which && row->drive == RB_DRIVE_MOTOR)
+			needed = -now * w->multiplier[r] / rb_joint_rows_bound(&w->joints, row);
+	}
+	*mode = now;
+	rb_follow_stray(l, which);
+	const double kept = needed + (needed + 1) * braked / (pushed - braked);
+
+	return needed >= kept + rb_follow_brake * (1 - kept);
+}
+
+/* Of a motor that follows, at a bound: the mode that comes then; KEEPS: it goes on. */
+static signed char follow_then(struct rb_modes *w, int k, const double *value)
+{
+	const int which = w->joints.joint[k];
+	const int mode = w->l->drive_mode[RB_JOINT_PARTS_HELD * which + RB_DRIVE_MOTOR];
+
+	if (mode != RB_DRIVE_LOW && mode != RB_DRIVE_HIGH)
+		return RB_DRIVE_KEEPS;
+	const struct rb_joint_off off = rb_joint_drives_off(&w->joints, which, w->time_s);
+
+	if (rb_joint_off_ends(&off, mode))
+		return mode == RB_DRIVE_LOW ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
+	return mode * off.value < -off.band && mode * off.rate > off.noise &&
+	                       brakes(w, k, &off, value)
+	               ? RB_DRIVE_REACHED
+	               : RB_DRIVE_KEEPS;
+}
+
+/*
+ * The mode that a drive has no more at this state (its place among those that come next), and what
+ * it has then; NULL: all hold.
+ */
+static signed char *broken_drive(struct rb_modes *w, const double *value, signed char *then)
 {
 	const struct rb_located *l = w->l;
 
@@ -427,13 +495,13 @@ static signed char *broken_drive(struct rb_modes *w, signed char *then)
 
 		if (stop && w->multiplier[k] < -clear * weight_of(w, row)) {
 			*then = RB_STOP_OPEN;
-			return &l->drive_mode[RB_JOINT_PARTS_HELD * row->joint + row->drive];
+			return &l->drive_next[RB_JOINT_PARTS_HELD * row->joint + row->drive];
 		}
 		if (row->drive < 0 || stop ||
 		    fabs(w->multiplier[k]) <= rb_joint_rows_bound(&w->joints, row) * (1 + clear))
 			continue;
 		*then = w->multiplier[k] > 0 ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
-		return &l->drive_mode[RB_JOINT_PARTS_HELD * row->joint + row->drive];
+		return &l->drive_next[RB_JOINT_PARTS_HELD * row->joint + row->drive];
 	}
 	for (int k = 0; k < w->joints.joint_count; k++) {
 		const int which = w->joints.joint[k];
@@ -443,15 +511,27 @@ static signed char *broken_drive(struct rb_modes *w, signed char *then)
 			continue;
 		for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
 			const struct rb_joint_drive drive = rb_joint_rows_drive_now(l, which, kind);
-			signed char *const mode =
-				&l->drive_mode[RB_JOINT_PARTS_HELD * which + kind];
+			const int part = RB_JOINT_PARTS_HELD * which + kind;
+			const signed char mode = l->drive_mode[part];
 			const double v = spring.row.velocity - drive.speed;
 
+			if (!(drive.max > 0) || isnan(v))
+				continue;
 			*then = RB_DRIVE_REACHED;
-			if (drive.max > 0 &&
-			    ((*mode == RB_DRIVE_HIGH && v > 0) || (*mode == RB_DRIVE_LOW && v < 0)))
-				return mode;
+			if ((mode == RB_DRIVE_HIGH && v > 0) || (mode == RB_DRIVE_LOW && v < 0))
+				return &l->drive_next[part];
 		}
+	}
+	/* last, since looking at what brakes leaves other forces */
+	for (int k = 0; k < w->joints.joint_count; k++) {
+		const int which = w->joints.joint[k];
+
+		if (!rb_follow_has(l, which) ||
+		    !(rb_joint_rows_drive_now(l, which, RB_DRIVE_MOTOR).max > 0))
+			continue;
+		*then = follow_then(w, k, value);
+		if (*then != RB_DRIVE_KEEPS)
+			return &l->drive_next[RB_JOINT_PARTS_HELD * which + RB_DRIVE_MOTOR];
 	}
 	return NULL;
 }
@@ -459,7 +539,7 @@ static signed char *broken_drive(struct rb_modes *w, signed char *then)
 static signed char *broken_drive_at(struct rb_modes *w, double s, double *value, signed char *then)
 {
 	rb_gauss_values(&w->c->piece, s, value);
-	return rb_rates_evaluate(w, w->origin_s + s, value) ? broken_drive(w, then) : NULL;
+	return rb_rates_evaluate(w, w->origin_s + s, value) ? broken_drive(w, value, then) : NULL;
 }
 
 /* Is there a drive, or a stop that holds? */

@@ -201,7 +201,7 @@ static void keep_what_lasts(struct rb_resolution *s)
 		          !parts(s, &s->contact_point[k]) && !opens_anew(s, k);
 	}
 	/* what no longer holds must not while contacts are put right */
-	rb_joint_rows_begin_drives(&s->joints, s->t, s->after_impact || s->l->starting, s->slack);
+	rb_joint_drives_begin(&s->joints, s->t, s->after_impact || s->l->starting, s->slack);
 	rb_drift(&drift);
 	rb_joint_rows_correct(&s->joints, s->t, s->pose, s->after_impact || s->l->starting);
 	for (int k = 0; k < s->contact_point_count; k++) {
@@ -236,6 +236,7 @@ static void sample_external(struct rb_resolution *s)
 		s->constant_at_rest[k] = rb_external_is_constant_at_rest(l, l->set[k], s->t);
 		s->external_max = fmax(s->external_max, rb_vec3_max_abs(s->linear[k]));
 	}
+	rb_joint_rest_follow(s);
 	rb_joint_rows_add_springs(&s->joints, s->t, s->linear, s->angular);
 }
 

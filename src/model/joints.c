@@ -127,12 +127,6 @@ bool rb_joint_turns(const struct rb_scene *scene, const struct rb_joint_def *def
 
 /* ---- mistakes ---- */
 
-/* What of the joint locating does not have yet, only steps have; NULL: nothing. */
-static const char *only_stepped(const struct rb_joint_def *def)
-{
-	return def->motor_function >= 0 ? "a 'motor' that follows a function" : NULL;
-}
-
 static bool ends_fault(const struct rb_scene *scene, const struct rb_joint_def *def,
                        char text[RB_JOINT_FAULT_SIZE])
 {
@@ -304,26 +298,8 @@ bool rb_joint_fault(const struct rb_scene *scene, const struct rb_joint_def *def
                     char text[RB_JOINT_FAULT_SIZE])
 {
 	RB_ASSERT(def->kind >= 0 && def->kind < RB_JOINT_KIND_COUNT);
-	if (ends_fault(scene, def, text) || numbers_fault(def, text) || axes_fault(def, text) ||
-	    free_fault(def, text) || gap_fault(scene, def, text))
-		return true;
-	const char *const missing = only_stepped(def);
-	const bool refuses = missing && scene->world.method == RB_METHOD_LOCATED;
-
-	if (refuses)
-		snprintf(text, RB_JOINT_FAULT_SIZE,
-		         "%s: only the stepped method has it in this version (world { method = "
-		         "\"stepped\" } or \"auto\")",
-		         missing);
-	return refuses;
-}
-
-bool rb_joints_need_steps(const struct rb_scene *scene)
-{
-	for (int k = 0; k < scene->joint_count; k++)
-		if (only_stepped(&scene->joints[k]))
-			return true;
-	return false;
+	return ends_fault(scene, def, text) || numbers_fault(def, text) || axes_fault(def, text) ||
+	       free_fault(def, text) || gap_fault(scene, def, text);
 }
 
 bool rb_scene_joined(const struct rb_scene *scene, int a, int b)

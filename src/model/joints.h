@@ -66,9 +66,6 @@ static inline double rb_joint_spring(const struct rb_joint *joint, double value,
 	return -joint->stiffness * (value - joint->rest) - joint->damping * rate;
 }
 
-/* True if locating lacks what some joint of the scene has: `auto` then takes steps throughout. */
-bool rb_joints_need_steps(const struct rb_scene *scene);
-
 /* What is wrong with the joint by itself or with its bodies at the start; false: nothing. */
 bool rb_joint_fault(const struct rb_scene *scene, const struct rb_joint_def *def,
                     char text[RB_JOINT_FAULT_SIZE]);

@@ -261,8 +261,6 @@ static void fill_numbers(struct rb_model *model)
 	                                           : model->body_count <= LEDGER_BODIES_MAX;
 	model->rollback = world->rollback;
 	model->method = world->method;
-	if (rb_methods[model->method]->changes && rb_joints_need_steps(model->scene))
-		model->method = RB_METHOD_STEPPED; /* what locating does not have yet */
 	model->frame_count = (uint64_t)rb_frame_intervals(model->duration_s, model->frame_rate,
 	                                                  &whole) +
 	                     1;

@@ -46,7 +46,7 @@ struct request {
 	int id, placed;
 	bool starts; /* the first call: whether it turns is not known yet */
 	struct rb_driven_pose pose;
-	double way; /* that a motor follows; `id` is the joint's number then */
+	double way[2]; /* that a motor follows, and its rate; `id` is the joint's number then */
 };
 
 /* Values below the results of a function: what the closures have as upvalues. */
@@ -256,7 +256,7 @@ static int serve_motion(lua_State *L)
 	return 0;
 }
 
-/* Calls the function that a joint's motor follows: one finite number. */
+/* Calls the function that a joint's motor follows: one finite number, and perhaps its rate. */
 static int serve_follow(lua_State *L)
 {
 	struct request *request = lua_touserdata(L, 1);
@@ -265,10 +265,17 @@ static int serve_follow(lua_State *L)
 
 	lua_rawgeti(L, lua_upvalueindex(1), joint->motor_function);
 	lua_pushnumber(L, request->time_s);
-	lua_call(L, 1, 1);
-	if (lua_type(L, -1) != LUA_TNUMBER || !isfinite(lua_tonumber(L, -1)))
-		return rb_function_refuse(L, joint->motor_function, way, "a finite number", -1);
-	request->way = lua_tonumber(L, -1);
+	lua_call(L, 1, 2);
+	for (int k = 0; k < 2; k++) {
+		const int at = k - 2;
+
+		request->way[k] = lua_isnil(L, at) && k > 0 ? (double)NAN : lua_tonumber(L, at);
+		if (lua_type(L, at) != LUA_TNUMBER ? k == 0 || !lua_isnil(L, at)
+		                                   : !isfinite(request->way[k]))
+			return rb_function_refuse(
+				L, joint->motor_function, way,
+				k == 0 ? "a finite number" : "a finite speed second, or none", at);
+	}
 	return 0;
 }
 
@@ -403,8 +410,8 @@ enum rb_status rb_functions_motion(struct rb_script *script, int id, double time
 	return status == RB_OK ? RB_OK : tell(script, id, time_s, status, &own, err);
 }
 
-enum rb_status rb_functions_follow(struct rb_script *script, int joint, double time_s, double *way,
-                                   struct rb_error *err)
+enum rb_status rb_functions_follow(struct rb_script *script, int joint, double time_s,
+                                   double way[2], struct rb_error *err)
 {
 	struct request request = {.time_s = time_s, .id = joint};
 	struct rb_error own;
@@ -412,7 +419,8 @@ enum rb_status rb_functions_follow(struct rb_script *script, int joint, double t
 
 	RB_ASSERT(way && joint >= 0 && joint < script->scene->joint_count);
 	const enum rb_status status = ask(script, script->follow_closure, &request, &own);
-	*way = request.way;
+	way[0] = request.way[0];
+	way[1] = request.way[1];
 	if (status != RB_OK)
 		return RB_FAIL(err, status, "%s (motor of %s at t = %.9g s)", own.text,
 		               rb_joint_label(script->scene, joint, label), time_s);

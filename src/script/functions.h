@@ -48,8 +48,11 @@ RB_CHECKED enum rb_status rb_functions_potential(struct rb_script *script, int i
 RB_CHECKED enum rb_status rb_functions_motion(struct rb_script *script, int id, double time_s,
                                               struct rb_driven_pose *pose, struct rb_error *err);
 
-/* The angle or way, rad or m, that the motor of a joint follows, by the joint's number. */
+/*
+ * The angle or way, rad or m, that the motor of a joint follows, by the joint's number, and its
+ * rate, NAN where the function returns none.
+ */
 RB_CHECKED enum rb_status rb_functions_follow(struct rb_script *script, int joint, double time_s,
-                                              double *way, struct rb_error *err);
+                                              double way[2], struct rb_error *err);
 
 #endif

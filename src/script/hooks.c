@@ -245,7 +245,7 @@ static enum rb_status motion(void *user, int id, double time_s, struct rb_driven
 	return rb_functions_motion(user, id, time_s, pose, err);
 }
 
-static enum rb_status follow(void *user, int joint, double time_s, double *value,
+static enum rb_status follow(void *user, int joint, double time_s, double value[2],
                              struct rb_error *err)
 {
 	return rb_functions_follow(user, joint, time_s, value, err);

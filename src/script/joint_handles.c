@@ -15,6 +15,7 @@
 #include "script/handles.h"
 #include "script/moment.h"
 #include "script/nearest.h"
+#include "script/script.h"
 #include "script/vector.h"
 
 static const struct rb_handle_kind handle;
@@ -155,8 +156,43 @@ static double number_of(lua_State *L, const char *key)
 	return number;
 }
 
-/* Reads speed and the most that the motor exerts; false: the table names neither. */
-static bool read_motor(lua_State *L, const struct rb_joint_def *def, double *speed, double *max)
+/* What a motor is to do; NAN: as before. */
+struct change {
+	double speed, max, way;
+	bool follows; /* `way`, NAN: the scene's function */
+};
+
+/* Is the value on top of the stack the function that the joint's motor has in the scene? */
+static bool is_own_function(lua_State *L, const struct rb_joint_def *def)
+{
+	if (def->motor_function < 0)
+		return false;
+	rb_script_push_function(L, def->motor_function);
+	const bool same = lua_rawequal(L, -1, -2);
+
+	lua_pop(L, 1);
+	return same;
+}
+
+/* The value on top of the stack as what the motor follows from now on. */
+static void read_way(lua_State *L, const struct rb_joint_def *def, const char *key,
+                     struct change *to)
+{
+	char found[80];
+
+	to->follows = true;
+	if (is_own_function(L, def))
+		return;
+	to->way = lua_tonumber(L, -1);
+	if (lua_type(L, -1) != LUA_TNUMBER || !isfinite(to->way))
+		luaL_error(L,
+		           "set_motor: '%s' must be a finite number, or the function that the "
+		           "motor has in the scene (got %s)",
+		           key, rb_describe(L, -1, found));
+}
+
+/* Reads speed, or what it follows, and the most that the motor exerts; false: it names nothing. */
+static bool read_motor(lua_State *L, const struct rb_joint_def *def, struct change *to)
 {
 	const char *const most = rb_joint_max_name(def->kind), *const way = rb_joint_way_name(
 								       def->kind);
@@ -168,23 +204,25 @@ static bool read_motor(lua_State *L, const struct rb_joint_def *def, double *spe
 
 		any = true;
 		if (strcmp(key, "speed") == 0) {
-			*speed = number_of(L, key);
+			to->speed = number_of(L, key);
 		} else if (strcmp(key, most) == 0) {
-			*max = number_of(L, key);
-			if (!(*max >= 0))
+			to->max = number_of(L, key);
+			if (!(to->max >= 0))
 				luaL_error(L, "set_motor: '%s' must be 0 or more (got %f)", key,
-				           *max);
+				           to->max);
 		} else if (strcmp(key, way) == 0) {
-			luaL_error(L, "set_motor: '%s' is a key of joint { motor = ... } only",
-			           way);
+			read_way(L, def, key, to);
 		} else {
 			struct rb_nearest nearest = rb_nearest_to(key);
 			rb_nearest_offer(&nearest, "speed", strlen("speed"));
 			rb_nearest_offer(&nearest, most, strlen(most));
+			rb_nearest_offer(&nearest, way, strlen(way));
 			luaL_error(L, "set_motor: unknown key '%s'%s", key,
 			           rb_nearest_hint(&nearest, hint));
 		}
 	}
+	if (to->follows && !isnan(to->speed))
+		luaL_error(L, "set_motor: 'speed' and '%s' exclude each other", way);
 	return any;
 }
 
@@ -192,7 +230,7 @@ static int l_set_motor(lua_State *L)
 {
 	const int joint = rb_handle_kind_change(L, &handle, "set_motor");
 	const struct rb_joint_def *def = definition(L, joint);
-	double speed = (double)NAN, max = (double)NAN;
+	struct change to = {.speed = (double)NAN, .max = (double)NAN, .way = (double)NAN};
 	char found[80];
 
 	if (!rb_joint_way_name(def->kind))
@@ -204,10 +242,12 @@ static int l_set_motor(lua_State *L)
 	if (lua_type(L, 2) != LUA_TTABLE)
 		return luaL_error(L, "set_motor: wants a table, like {speed = 1, %s = 2} (got %s)",
 		                  rb_joint_max_name(def->kind), rb_describe(L, 2, found));
-	if (!read_motor(L, def, &speed, &max))
-		return luaL_error(L, "set_motor: wants 'speed', '%s' or both",
-		                  rb_joint_max_name(def->kind));
-	rb_world_joint_set_motor(rb_script_of(L)->world, joint, speed, max);
+	if (!read_motor(L, def, &to))
+		return luaL_error(L, "set_motor: wants 'speed' or '%s', '%s', or both",
+		                  rb_joint_way_name(def->kind), rb_joint_max_name(def->kind));
+	rb_world_joint_set_motor(rb_script_of(L)->world, joint, to.speed, to.max);
+	if (to.follows)
+		rb_world_joint_follow(rb_script_of(L)->world, joint, to.way);
 	return 0;
 }
 

@@ -426,25 +426,25 @@ static enum rb_status start_motors(struct rb_script *script)
 {
 	const struct rb_scene *scene = script->scene;
 	struct rb_error err;
-	double way;
+	double way[2];
 
 	for (int k = 0; k < scene->joint_count; k++) {
 		const struct rb_joint_def *joint = &scene->joints[k];
 
 		if (joint->motor_function < 0)
 			continue;
-		const enum rb_status status = rb_functions_follow(script, k, 0, &way, &err);
+		const enum rb_status status = rb_functions_follow(script, k, 0, way, &err);
 		if (status == RB_ERR_SCENE)
 			note_error(script, &err);
 		else if (status != RB_OK)
 			return status;
-		else if (!begins_at_start(scene, joint, way))
+		else if (!begins_at_start(scene, joint, way[0]))
 			rb_script_mistake(
 				script, joint->line,
 				"joint%s%s%s: motor: '%s' must be 0 at t = 0, as that of the "
 				"joint is at the start (got %.12g)",
 				joint->name ? " '" : "", joint->name ? joint->name : "",
-				joint->name ? "'" : "", rb_joint_way_name(joint->kind), way);
+				joint->name ? "'" : "", rb_joint_way_name(joint->kind), way[0]);
 	}
 	return RB_OK;
 }

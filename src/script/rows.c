@@ -373,9 +373,8 @@ static const struct rb_row motor_rows[] = {
 	{"speed", RB_ROW_NUMBER, 0, 0, AT(rb_joint_def, motor_speed), NULL, NULL,
          "required, or angle or way", "rad/s or m/s", "the motor keeps this speed"},
 	{"angle", RB_ROW_FUNCTION, 0, 0, AT(rb_joint_def, motor_function), NULL, NULL, "none", "",
-         "of a joint with an angle: a function of t that returns the angle, rad, that it follows; "
-         "0 "
-         "at the start"},
+         "of a joint with an angle: a function of t that returns the angle, rad, that it follows, 0 "
+         "at the start, and perhaps its speed"},
 	{"way", RB_ROW_FUNCTION, 0, 0, AT(rb_joint_def, motor_function), NULL, NULL, "none", "",
          "the same of a joint with a way, m"},
 	{"torque", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_joint_def, motor_max), NULL, NULL,

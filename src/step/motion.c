@@ -10,10 +10,12 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 
 #include "base/error.h"
 #include "math/quat.h"
 #include "math/vec3.h"
+#include "model/joints.h"
 
 /*
  * Samples that a few kinks and jumps of one interval never need (each takes two for each of some 50
@@ -49,6 +51,54 @@ enum rb_status rb_motion_ask(const struct rb_world *world, int i, double t, rb_q
 		status = hooks->motion(hooks->user, world->model->id_of[i], t, pose, err);
 	pose->orientation = on_side_of(near, pose->orientation);
 	return status;
+}
+
+enum rb_status rb_motion_ask_motor(const struct rb_world *world, int joint, double t,
+                                   struct rb_driven_pose *pose, struct rb_error *err)
+{
+	const struct rb_world_hooks *hooks = &world->hooks;
+
+	double value[2] = {0, 0};
+	const enum rb_status status = hooks->follow
+	                                      ? hooks->follow(hooks->user, joint, t, value, err)
+	                                      : RB_OK;
+
+	*pose = (struct rb_driven_pose){.orientation = {1, 0, 0, 0},
+	                                .position = {value[0], 0, 0},
+	                                .has_velocity = !isnan(value[1]),
+	                                .velocity = {isnan(value[1]) ? 0 : value[1], 0, 0}};
+	return status;
+}
+
+double rb_motion_size(const struct rb_world *world, int i, bool motor)
+{
+	return motor && rb_linkage_turns(&world->model->joints->joint[i].link)
+	               ? 1
+	               : world->model->size_min_m;
+}
+
+const char *rb_motion_label(const struct rb_world *world, int i, bool motor, char out[128])
+{
+	const struct rb_model *model = world->model;
+	char label[96];
+
+	if (motor)
+		snprintf(out, 128, "'%s' of the motor of %s",
+		         rb_linkage_turns(&model->joints->joint[i].link) ? "angle" : "way",
+		         rb_joint_label(model->scene, i, label));
+	else
+		snprintf(out, 128, "'motion' of '%s'",
+		         rb_scene_body_label(model->scene, model->id_of[i], label));
+	return out;
+}
+
+/* The function at a moment, as that of a motion. */
+static enum rb_status ask(const struct rb_motion *motion, double t, rb_quat near,
+                          struct rb_driven_pose *pose, struct rb_error *err)
+{
+	if (motion->motor)
+		return rb_motion_ask_motor(motion->world, motion->i, t, pose, err);
+	return rb_motion_ask(motion->world, motion->i, t, near, pose, err);
 }
 
 /* ---- looking within ---- */
@@ -138,8 +188,7 @@ static bool sample(struct watch *w, const struct moment *begin, const struct mom
 	struct moment *const m = &part->middle;
 
 	m->t = begin->t + 0.5 * (end->t - begin->t);
-	w->status = rb_motion_ask(w->motion->world, w->motion->i, m->t, begin->pose.orientation,
-	                          &m->pose, w->err);
+	w->status = ask(w->motion, m->t, begin->pose.orientation, &m->pose, w->err);
 	part->end.pose.orientation = on_side_of(m->pose.orientation, end->pose.orientation);
 	for (int turns = 0; turns < 2; turns++)
 		part->rough[turns] = roughness(w, begin, m, &part->end, turns) > 0;
@@ -156,30 +205,32 @@ static double angle_between(rb_quat a, rb_quat b)
 
 static void refuse_jump(struct watch *w, const struct moment *a, const struct moment *b)
 {
-	const struct rb_model *model = w->motion->world->model;
+	const struct rb_motion *motion = w->motion;
 	const double way = rb_vec3_length(rb_vec3_sub(b->pose.position, a->pose.position));
 	const double angle = angle_between(a->pose.orientation, b->pose.orientation);
 	const bool turns = angle > way / w->size;
-	char label[64];
+	const bool hinge = motion->motor &&
+	                   rb_linkage_turns(&motion->world->model->joints->joint[motion->i].link);
+	char label[128];
 
 	w->status = RB_FAIL(w->err, RB_ERR_SCENE,
-	                    "'motion' of '%s' jumps by %.3g %s at t = %.9g s: a driven body moves "
-	                    "without jumps",
-	                    rb_scene_body_label(model->scene, model->id_of[w->motion->i], label),
-	                    turns ? angle : way, turns ? "rad" : "m", b->t);
+	                    "%s jumps by %.3g %s at t = %.9g s: %s moves without jumps",
+	                    rb_motion_label(motion->world, motion->i, motion->motor, label),
+	                    turns ? angle : way, turns || hinge ? "rad" : "m", b->t,
+	                    motion->motor ? "what a motor follows" : "a driven body");
 }
 
 static void refuse_velocities(struct watch *w, const struct part *p, bool turns)
 {
-	const struct rb_model *model = w->motion->world->model;
+	const struct rb_motion *motion = w->motion;
 	const double off = roughness(w, &p->begin, &p->middle, &p->end, turns) /
 	                   (p->end.t - p->begin.t);
-	char label[64];
+	char label[128];
 
 	w->status = RB_FAIL(w->err, RB_ERR_SCENE,
-	                    "'motion' of '%s' at t = %.9g s: its %s is %.3g %s off what leads from "
+	                    "%s at t = %.9g s: its %s is %.3g %s off what leads from "
 	                    "one %s to the next (it may be left out)",
-	                    rb_scene_body_label(model->scene, model->id_of[w->motion->i], label),
+	                    rb_motion_label(motion->world, motion->i, motion->motor, label),
 	                    p->begin.t, turns ? "angular velocity" : "velocity",
 	                    turns ? 2 * off : off, turns ? "rad/s" : "m/s",
 	                    turns ? "orientation" : "position");
@@ -213,7 +264,7 @@ enum rb_status rb_motion_watch(const struct rb_motion *motion, struct rb_error *
 	                  .err = err,
 	                  .places = begin.pose.has_velocity && end.pose.has_velocity,
 	                  .turns = begin.pose.has_angular_velocity && end.pose.has_angular_velocity,
-	                  .size = motion->world->model->size_min_m,
+	                  .size = rb_motion_size(motion->world, motion->i, motion->motor),
 	                  .round = fmax(rb_vec3_max_abs(begin.pose.position),
 	                                rb_vec3_max_abs(end.pose.position)),
 	                  .instant = 4 * DBL_EPSILON * fmax(end.t, end.t - begin.t)};

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What the function of a driven body says, and whether a body can move like that: without jumps,
- * and as the velocities say that it returns. Steps and pieces only look at some moments of it.
+ * and as the velocities say that it returns. Steps and pieces only look at some moments of it. The
+ * function that the motor of a joint follows is watched likewise: it is the x of a place.
  */
 #ifndef RB_STEP_MOTION_H
 #define RB_STEP_MOTION_H
@@ -12,10 +13,24 @@
 RB_CHECKED enum rb_status rb_motion_ask(const struct rb_world *world, int i, double t, rb_quat near,
                                         struct rb_driven_pose *pose, struct rb_error *err);
 
+/*
+ * What the motor of a joint is to follow: the angle, rad, or way, m, is pose->position.x, its rate
+ * velocity.x.
+ */
+RB_CHECKED enum rb_status rb_motion_ask_motor(const struct rb_world *world, int joint, double t,
+                                              struct rb_driven_pose *pose, struct rb_error *err);
+
+/* Distances from which jumps are seen: m, the smallest body's; of a hinge's motor 1 rad. */
+double rb_motion_size(const struct rb_world *world, int i, bool motor);
+
+/* "'motion' of 'lid'", "'angle' of hinge 'knee'" for messages; written to `out`, returned. */
+const char *rb_motion_label(const struct rb_world *world, int i, bool motor, char out[128]);
+
 /* What a body is said to do from one moment to another. */
 struct rb_motion {
 	const struct rb_world *world;
 	int i;
+	bool motor; /* i is a joint's number: what its motor follows */
 	double from_s, to_s;
 	struct rb_driven_pose begin, end;
 	/* share of the smallest body's size, of a radian: less than that is not seen */

@@ -116,10 +116,13 @@ enum rb_status rb_joints_try(struct rb_world *world, const struct rb_cohort *coh
 	for (int k; (k = next(world, cohort, &c)) >= 0;) {
 		struct rb_step_joint *of = &world->stepped->solver.joint[k];
 
-		if (world->joint[k].has_motor && isnan(world->joint[k].motor_speed)) {
-			const enum rb_status status = world->hooks.follow(
-				world->hooks.user, k, start + h, &of->wanted, err);
+		of->wanted = world->joint[k].motor_angle;
+		if (rb_joint_state_follows(&world->joint[k]) && isnan(of->wanted)) {
+			double way[2];
+			const enum rb_status status = world->hooks.follow(world->hooks.user, k,
+			                                                  start + h, way, err);
 
+			of->wanted = way[0];
 			if (status != RB_OK)
 				return status;
 		}

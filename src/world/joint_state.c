@@ -33,6 +33,7 @@ enum rb_status rb_joint_states_create(struct rb_world *world, struct rb_error *e
 		const struct rb_joint *joint = &world->model->joints->joint[k];
 
 		world->joint[k] = (struct rb_joint_state){.motor_speed = joint->motor_speed,
+		                                          .motor_angle = (double)NAN,
 		                                          .motor_max = joint->motor_max,
 		                                          .has_motor = joint->has_motor};
 		for (int i = 0; i < RB_JOINT_NOTED; i++)
@@ -132,10 +133,23 @@ void rb_world_joint_set_motor(struct rb_world *world, int k, double speed, doubl
 	struct rb_joint_state *const state = &world->joint[k];
 
 	world->moment++;
-	if (!isnan(speed))
+	if (!isnan(speed)) {
 		state->motor_speed = speed;
+		state->motor_angle = (double)NAN;
+	}
 	if (!isnan(max))
 		state->motor_max = max;
+	world->joints_changed = true;
+}
+
+void rb_world_joint_follow(struct rb_world *world, int k, double angle)
+{
+	RB_ASSERT(k >= 0 && k < count_of(world) && world->joint[k].has_motor);
+	RB_ASSERT(!isnan(angle) || world->model->joints->joint[k].motor_function >= 0);
+
+	world->moment++;
+	world->joint[k].motor_speed = (double)NAN;
+	world->joint[k].motor_angle = angle;
 	world->joints_changed = true;
 }
 

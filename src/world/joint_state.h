@@ -8,6 +8,8 @@
 #ifndef RB_WORLD_JOINT_STATE_H
 #define RB_WORLD_JOINT_STATE_H
 
+#include <math.h>
+
 #include <rbsim/world.h>
 
 #include "base/field_list.h"
@@ -22,6 +24,7 @@ enum { RB_JOINT_TAUT = RB_JOINT_DRIVES, RB_JOINT_NOTED };
 	X(double, speed, , "rad/s, m/s", "of it then", RB_FINITE)                                 \
 	X(double, seen_s, , "s", "when it was seen last", RB_FINITE)                              \
 	X(double, motor_speed, , "rad/s, m/s", "NAN: the motor follows its function", RB_NUMBER)  \
+	X(double, motor_angle, , "rad, m", "that it follows instead; NAN: none", RB_NUMBER)       \
 	X(double, motor_max, , "N m, N", "most that it exerts, >= 0", RB_FINITE)                  \
 	X(int, noted, [RB_JOINT_NOTED], "",                                                       \
 	  "1, 0: what lasts does or does not, as was last told; -1: not known", RB_WITHIN(-1, 1)) \
@@ -71,6 +74,12 @@ static inline struct rb_joint_drive rb_joint_state_drive(const struct rb_joint_s
 	                                     state->has_motor ? state->motor_max : 0};
 
 	return rb_joint_drive(joint, motor, kind);
+}
+
+/* Has it a motor that follows an angle or way, rather than one that keeps a speed? */
+static inline bool rb_joint_state_follows(const struct rb_joint_state *state)
+{
+	return state->has_motor && isnan(state->motor_speed);
 }
 
 /* What its poses tell of a joint, with no force and torque. */

@@ -100,15 +100,43 @@ exits 0 follow.lua --no-record --quiet
 sed 's/return 0.1 \* math.sin(3 \* t) end, f/return t < 0.5 and 0 or "far" end, f/; /^expect/d' follow.lua >wrong.lua
 exits 65 wrong.lua --no-record --quiet
 says err "wrong.lua:3: 'way' must return a finite number \(got the text 'far'\) \(motor of slider #0 at t = 0.5"
-sed 's/method = "stepped", //' follow.lua >auto.lua
-exits 0 follow.lua --quiet -o follow.h5
-exits 0 auto.lua --quiet -o auto.h5
-exits 0 diff -q follow.h5 auto.h5
-exits 0 check auto.lua
-says out 'auto        by steps: locating has no motors that follow a function'
-sed 's/method = "stepped"/method = "located"/' follow.lua >wrong.lua
+# located, exactly; told to go elsewhere and back to its function, also over a checkpoint
+sed 's/method = "stepped"/method = "located"/; s/1e-7/1e-14/; s/mass = 1 }/mass = 1, velocity = {0, 0, 0.3} }/' follow.lua >located.lua
+exits 0 located.lua --no-record --quiet
+sed 's/3 \* t) end, f/3 * t), t < 0.5 and 0.3 * math.cos(3 * t) or nil end, f/; /^expect/d' located.lua >wrong.lua
 exits 65 wrong.lua --no-record --quiet
-says err "joint: .*a 'motor' that follows a function: only the stepped method"
+says err "'way' of the motor of slider #0 at t = .*: it returns a speed always or never"
+sed 's/return 0.1 \* math.sin(3 \* t) end, f/return t < 0.5 and 0 or 0.01 end, f/; /^expect/d; s/velocity = {0, 0, 0.3}/velocity = {0, 0, 0}/' located.lua >wrong.lua
+exits 65 wrong.lua --no-record --quiet
+says err "'way' of the motor of slider #0 jumps by 0.01 m at t = 0.5 s: what a motor follows moves without jumps"
+cat >told.lua <<'END'
+world { duration = 3, frame_rate = 20, gravity = {0, 0, -10}, method = "located" }
+local arm = box { name = "arm", size = {1, 0.1, 0.1}, mass = 1, position = {0.5, 0, 0} }
+local function swing(t) return 0.2 * math.sin(t) ^ 2 end
+local pin = joint { kind = "hinge", a = arm, at = {0, 0, 0}, axis = {0, 1, 0}, motor = {angle = swing, torque = 8} }
+on_frame(function(t, k)
+	if k == 20 then
+		state.follows = math.abs(pin.angle - swing(1))
+		pin:set_motor { angle = -1 }
+	end
+	if k == 30 then state.between = pin.angle end
+	if k == 40 then
+		state.there = math.abs(pin.angle + 1)
+		pin:set_motor { angle = swing, torque = 10 }
+	end
+end)
+expect("it follows", function() return state.follows, 1e-14 end)
+expect("is on its way", function() return state.between > -1 and state.between < 0 end)
+expect("and where it was told", function() return state.there, 1e-13 end)
+expect("and back", function() return math.abs(pin.angle - swing(3)), 1e-13 end)
+END
+exits 0 told.lua --quiet -o whole.h5 --force
+for at in 1.3 2.2; do
+	printf 'at %s checkpoint\nat %s quit\n' $at "$(awk "BEGIN { print $at + 0.1 }")" >commands
+	exits 130 told.lua --quiet -o parts.h5 --commands commands --force
+	exits 0 told.lua --quiet -o parts.h5 --resume
+	exits 0 diff whole.h5 parts.h5
+done
 
 refused()
 {
@@ -117,13 +145,16 @@ world { duration = 0.1, gravity = {0, 0, -10} }
 local a = sphere { name = "a", radius = 0.1, position = {1, 0, 0} }
 local ball = joint { kind = "ball", name = "socket", a = a, at = {0, 0, 0} }
 local hinge = joint { kind = "hinge", a = sphere { radius = 0.1, position = {1, 5, 0} }, at = {0, 5, 0}, axis = {0, 1, 0} }
+local turned = joint { kind = "hinge", a = sphere { radius = 0.1, position = {1, 9, 0} }, at = {0, 9, 0}, axis = {0, 1, 0}, motor = {speed = 1, torque = 1} }
 on_frame(function() $1 end)
 END
 	exits 65 wrong.lua --no-record --quiet
-	says err "wrong.lua:5: .*$2"
+	says err "wrong.lua:6: .*$2"
 }
 refused 'ball:set_motor { speed = 1 }' "set_motor: a joint of kind 'ball' has no motor"
 refused 'hinge:set_motor { speed = 1 }' "set_motor: this joint has none"
+refused 'turned:set_motor { angle = function(t) return t end }' "set_motor: 'angle' must be a finite number, or the function"
+refused 'turned:set_motor { angle = 1, speed = 1 }' "set_motor: 'speed' and 'angle' exclude each other"
 refused 'print(ball.speed)' "a joint of kind 'ball' has no 'speed'"
 refused 'print(hinge.way)' "a joint of kind 'hinge' has no 'way' \(did you mean 'angle'\?\)"
 refused 'hinge.angle = 1' "a joint's 'angle' can't be assigned"

@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/joint_drives.h"
+
+#include <float.h>
+
+#include "located/arc.h"
+#include "located/follow.h"
+
+/* Rounding of a rate and of an angle, in ulp of what they are differences of. */
+enum { DRIVE_ULP = 64, ANGLE_ULP = 16 };
+/* Share of its bound by which the solver may leave a force that is at it below. */
+static const double within_bound = 1e-11;
+
+static signed char *mode_of(const struct rb_joint_rows *rows, int joint, int kind)
+{
+	return &rows->l->drive_mode[RB_JOINT_PARTS_HELD * joint + kind];
+}
+
+static struct rb_linkage_free free_of(const struct rb_joint_rows *rows, int which, double t)
+{
+	struct rb_pose end[2];
+
+	rb_joint_rows_ends(rows, which, t, end);
+	return rb_linkage_free(&rows->l->model->joints->joint[which].link, &end[0], &end[1]);
+}
+
+/* m/s or rad/s: of what the rate of a free coordinate is the difference of. */
+static double rates_of(const struct rb_joint_rows *rows, int which, double t)
+{
+	const struct rb_joint *joint = &rows->l->model->joints->joint[which];
+	struct rb_pose end[2];
+
+	rb_joint_rows_ends(rows, which, t, end);
+	const double spin = rb_vec3_length(end[0].spin) + rb_vec3_length(end[1].spin);
+
+	if (rb_linkage_turns(&joint->link))
+		return spin;
+	return rb_vec3_length(end[0].velocity) + rb_vec3_length(end[1].velocity) +
+	       spin * joint->size;
+}
+
+/* Its rounding. */
+static double noise_of(const struct rb_joint_rows *rows, int which, double t)
+{
+	return DRIVE_ULP * DBL_EPSILON * rates_of(rows, which, t);
+}
+
+struct rb_joint_off rb_joint_drives_off(const struct rb_joint_rows *rows, int which, double t)
+{
+	const struct rb_located *l = rows->l;
+	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const struct rb_linkage_free free = free_of(rows, which, t);
+	const struct rb_follow_point to = rb_follow_at(l, which, t, false);
+	const double value = rb_joint_state_angle(&l->world->joint[which], &joint->link, t, &free);
+	const double size = rb_linkage_turns(&joint->link) ? 1 : joint->size;
+	const double lever = rb_linkage_turns(&joint->link) ? joint->size : 1;
+	const double reach = fmax(size, fmax(fabs(value), fabs(to.value)));
+
+	return (struct rb_joint_off){.value = value - to.value,
+	                             .rate = free.rate - to.rate,
+	                             .band = ANGLE_ULP * DBL_EPSILON * (reach + t * fabs(to.rate)),
+	                             .noise = noise_of(rows, which, t) + to.noise,
+	                             .lever = lever,
+	                             .reach = reach,
+	                             .speed = rates_of(rows, which, t) + to.speed_max};
+}
+
+/* Of a stop: where it touches and neither parts nor approaches it may hold, as its force says. */
+static void begin_stop(const struct rb_joint_rows *rows, int which, int stop, double t, bool anew,
+                       double slack)
+{
+	const struct rb_joint *joint = &rows->l->model->joints->joint[which];
+	signed char *const mode = mode_of(rows, which, stop);
+
+	if (!rb_joint_rows_has_stop(joint, stop) || (*mode == RB_DRIVE_HELD && !anew))
+		return;
+	const struct rb_joint_stop now = rb_joint_rows_stop(rows, which, stop, t);
+	const double scale = rb_linkage_turns(&joint->link) ? joint->size : 1;
+	const bool touches = *mode == RB_DRIVE_REACHED || now.gap <= now.band;
+
+	*mode = touches && fabs(now.rate) <= now.noise + slack / scale ? RB_DRIVE_HELD
+	                                                               : RB_STOP_OPEN;
+}
+
+/*
+ * Has the piece come to its end, at which a drive is at its speed? Something else may have cut it.
+ */
+static bool has_ended(const struct rb_located *l, int which, double t)
+{
+	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const int body = rb_located_fixed(l, joint->a) ? joint->b : joint->a;
+
+	return !rb_located_on_piece(l, body) || t >= l->piece[body].until_s;
+}
+
+/* Modes that are to change at the end of a piece do, if it is that which has ended. */
+static void take_next(const struct rb_joint_rows *rows, int which, double t)
+{
+	struct rb_located *l = rows->l;
+
+	for (int part = 0; part < RB_JOINT_PARTS_HELD; part++) {
+		signed char *const next = &l->drive_next[RB_JOINT_PARTS_HELD * which + part];
+
+		if (*next != RB_DRIVE_KEEPS && has_ended(l, which, t))
+			*mode_of(rows, which, part) = *next;
+		*next = RB_DRIVE_KEEPS;
+	}
+}
+
+/* Of what keeps a speed. */
+static void begin_drive(const struct rb_joint_rows *rows, int which, int kind, double t, bool anew)
+{
+	signed char *const mode = mode_of(rows, which, kind);
+	const double v = free_of(rows, which, t).rate -
+	                 rb_joint_rows_drive_now(rows->l, which, kind).speed;
+
+	if ((!anew && (*mode == RB_DRIVE_HELD || *mode == RB_DRIVE_REACHED)) ||
+	    fabs(v) <= noise_of(rows, which, t))
+		*mode = RB_DRIVE_HELD;
+	else
+		*mode = v < 0 ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
+}
+
+/*
+ * Of a motor that follows. Held, it stays so, whatever it has drifted in the piece, but for jumps:
+ * of what it follows, or by an impact. At a bound it goes on as long as it pushes towards what it
+ * follows, or brakes.
+ */
+static void begin_follow(const struct rb_joint_rows *rows, int which, double t, bool anew,
+                         double slack)
+{
+	struct rb_located *l = rows->l;
+	signed char *const mode = mode_of(rows, which, RB_DRIVE_MOTOR);
+	const bool kept = *mode == RB_DRIVE_HELD, jumps = rb_follow_begin(l, which, t);
+
+	if (l->status != RB_OK || (kept && !jumps && !anew))
+		return;
+	const struct rb_joint_off off = rb_joint_drives_off(rows, which, t);
+	const struct rb_follow_point on = rb_follow_at(l, which, t, true);
+	const struct rb_follow_point to = rb_follow_at(l, which, t, false);
+	/* on the way back it is as far off as that says */
+	const double e = off.value - (kept ? on.value - to.value : 0);
+	const double v = off.rate - (kept ? on.rate - to.rate : 0);
+	const double share = kept ? rb_joint_drift_max : 0;
+	const double noise = off.noise + (anew ? slack / off.lever : 0);
+
+	if (fabs(e) <= fmax(off.band, share * off.reach) &&
+	    fabs(v) <= fmax(noise, jumps ? share * off.speed : 0)) {
+		*mode = RB_DRIVE_HELD;
+		return;
+	}
+	rb_follow_stray(l, which);
+	if (*mode == RB_DRIVE_REACHED && !anew && off.value * off.rate < 0) {
+		rb_follow_go_back(l, which, t, off.value, off.rate);
+		*mode = RB_DRIVE_HELD;
+	} else if ((*mode != RB_DRIVE_LOW && *mode != RB_DRIVE_HIGH) || anew ||
+	           rb_joint_off_ends(&off, *mode)) {
+		const double towards = fabs(off.value) > off.band ? off.value : off.rate;
+
+		*mode = towards < 0 ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
+	}
+}
+
+void rb_joint_drives_begin(const struct rb_joint_rows *rows, double t, bool anew, double slack)
+{
+	for (int k = 0; k < rows->joint_count; k++) {
+		const int which = rows->joint[k];
+
+		take_next(rows, which, t);
+		for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++)
+			begin_stop(rows, which, stop, t, anew, slack);
+		for (int kind = 0;
+		     kind < RB_JOINT_DRIVES && rb_joint_rows_has_drive(rows->l, which); kind++) {
+			if (kind == RB_DRIVE_MOTOR && rb_follow_has(rows->l, which))
+				begin_follow(rows, which, t, anew, slack);
+			else
+				begin_drive(rows, which, kind, t, anew);
+		}
+	}
+}
+
+void rb_joint_drives_decide(const struct rb_joint_rows *rows, const double *multiplier)
+{
+	for (int k = 0; k < rows->count; k++) {
+		const struct rb_joint_row *row = &rows->row[k];
+
+		if (rb_joint_rows_is_stop(row) && !(multiplier[k] > 0))
+			*mode_of(rows, row->joint, row->drive) = RB_STOP_OPEN;
+		if (row->drive < 0 ||
+		    fabs(multiplier[k]) < rb_joint_rows_bound(rows, row) * (1 - within_bound))
+			continue;
+		*mode_of(rows, row->joint, row->drive) = multiplier[k] > 0 ? RB_DRIVE_HIGH
+		                                                           : RB_DRIVE_LOW;
+		if (row->drive == RB_DRIVE_MOTOR)
+			rb_follow_stray(rows->l, row->joint);
+	}
+}

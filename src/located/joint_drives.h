@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Which motors, friction and stops of joints hold, as modes of located/joint_rows: decided when a
+ * piece begins, by the poses, then by the multipliers of a solution.
+ */
+#ifndef RB_LOCATED_JOINT_DRIVES_H
+#define RB_LOCATED_JOINT_DRIVES_H
+
+#include "located/joint_rows.h"
+
+/*
+ * Before the rows are filled at a moment when modes are decided: whether motors and friction keep
+ * their speeds, and stops hold, by the poses. `anew`: velocities have jumped, and round by `slack`,
+ * m/s.
+ */
+void rb_joint_drives_begin(const struct rb_joint_rows *rows, double t, bool anew, double slack);
+
+/* From multipliers of a solution: those at their bounds, and stops that do not push, let go. */
+void rb_joint_drives_decide(const struct rb_joint_rows *rows, const double *multiplier);
+
+/* How far the free coordinate of a joint is off what its motor follows (located/follow). */
+struct rb_joint_off {
+	double value, rate;  /* rad or m, per s */
+	double band, noise;  /* rounding of these */
+	double reach, speed; /* what they are differences of, for shares */
+	double lever;        /* m of a way for a unit of it */
+};
+struct rb_joint_off rb_joint_drives_off(const struct rb_joint_rows *rows, int joint, double t);
+
+/* Does a motor at a bound, LOW or HIGH, neither push towards what it follows nor brake? */
+static inline bool rb_joint_off_ends(const struct rb_joint_off *off, int mode)
+{
+	return mode * off->value > off->band && mode * off->rate > 0;
+}
+
+#endif
