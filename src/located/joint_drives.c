@@ -78,8 +78,11 @@ static void begin_stop(const struct rb_joint_rows *rows, int which, int stop, do
 	const double scale = rb_linkage_turns(&joint->link) ? joint->size : 1;
 	const bool touches = *mode == RB_DRIVE_REACHED || now.gap <= now.band;
 
-	*mode = touches && fabs(now.rate) <= now.noise + slack / scale ? RB_DRIVE_HELD
-	                                                               : RB_STOP_OPEN;
+	/* what has just been found to rise less than it rounds does not part */
+	const bool rises = *mode == RB_DRIVE_REACHED && now.rate > 0;
+
+	*mode = touches && (rises || fabs(now.rate) <= now.noise + slack / scale) ? RB_DRIVE_HELD
+	                                                                          : RB_STOP_OPEN;
 }
 
 /*

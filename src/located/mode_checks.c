@@ -24,6 +24,8 @@ static const double clear = 1e-11;
 /* A piece cut within 1/1024 of its length was cut at once. */
 enum { AT_ONCE = 1024 };
 enum { SAMPLES = 8, GAP_SAMPLES = 16, BISECTIONS = 80, HIT_ULP = 8 };
+/* Of time: a piece within it has no length. */
+enum { RISE_ULP = 2 };
 
 bool rb_check_holds_otherwise(struct rb_modes *w, double t)
 {
@@ -372,6 +374,18 @@ static struct seen_stop *open_stops(const struct rb_modes *w, int *count)
 	return seen;
 }
 
+/*
+ * A stop that touches and closes as soon as the piece begins, while it parts, rises less than gaps
+ * round by: it may hold from then on, or it would come to touch for ever.
+ */
+static void end_rise(struct rb_modes *w, const struct seen_stop *stop, double s, double *value)
+{
+	const struct rb_joint_stop now = stop_at(w, stop, s, value);
+
+	if (now.gap < 0 && now.gap >= -now.band && now.rate > 0)
+		w->l->drive_next[RB_JOINT_PARTS_HELD * stop->joint + stop->stop] = RB_DRIVE_REACHED;
+}
+
 double rb_check_stops_within(struct rb_modes *w, double length, double *value)
 {
 	const rb_arena_mark here = rb_arena_here(w->l->arena);
@@ -399,6 +413,9 @@ double rb_check_stops_within(struct rb_modes *w, double length, double *value)
 			seen[i].rate = now.rate;
 		}
 	}
+	if (end <= RISE_ULP * DBL_EPSILON * w->origin_s)
+		for (int i = 0; i < count; i++)
+			end_rise(w, &seen[i], end, value);
 	rb_arena_back(w->l->arena, here);
 	return fmin(end, length);
 }
@@ -443,13 +460,15 @@ static bool brakes(struct rb_modes *w, int k, const struct rb_joint_off *off, co
 	const int which = w->joints.joint[k];
 	signed char *const mode = &l->drive_mode[RB_JOINT_PARTS_HELD * which + RB_DRIVE_MOTOR];
 	const signed char now = *mode;
+	/* another look may have left other forces */
+	const bool known = rb_rates_evaluate(w, w->time_s, value);
 	const double pushed = now * off_acceleration(w, k);
 	const double braked = now * off->rate * off->rate / (2 * off->value);
 	double needed = -1; /* of the bound, to brake: with all of it, it pushes */
 
 	*mode = RB_DRIVE_HELD;
 	rb_follow_go_back(l, which, w->time_s, off->value, off->rate);
-	const bool good = rb_rates_evaluate(w, w->time_s, value);
+	const bool good = known && rb_rates_evaluate(w, w->time_s, value);
 	for (int r = 0; r < w->joints.count && good; r++) {
 		const struct rb_joint_row *row = &w->joints.row[r];
 
@@ -492,15 +511,18 @@ static signed char *broken_drive(struct rb_modes *w, const double *value, signed
 	for (int k = 0; k < w->joints.count; k++) {
 		const struct rb_joint_row *row = &w->joints.row[k];
 		const bool stop = rb_joint_rows_is_stop(row);
+		const bool holds = row->drive < 0 ||
+		                   (stop ? w->multiplier[k] >= -clear * weight_of(w, row)
+		                         : fabs(w->multiplier[k]) <=
+		                                    rb_joint_rows_bound(&w->joints, row) *
+		                                            (1 + clear));
 
-		if (stop && w->multiplier[k] < -clear * weight_of(w, row)) {
-			*then = RB_STOP_OPEN;
-			return &l->drive_next[RB_JOINT_PARTS_HELD * row->joint + row->drive];
-		}
-		if (row->drive < 0 || stop ||
-		    fabs(w->multiplier[k]) <= rb_joint_rows_bound(&w->joints, row) * (1 + clear))
+		if (holds)
 			continue;
-		*then = w->multiplier[k] > 0 ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
+		*then = stop ? RB_STOP_OPEN : w->multiplier[k] > 0 ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
+		/* of forces that are open, others than the smallest may do */
+		if (w->dense.open && rb_check_holds_otherwise(w, w->time_s))
+			break;
 		return &l->drive_next[RB_JOINT_PARTS_HELD * row->joint + row->drive];
 	}
 	for (int k = 0; k < w->joints.joint_count; k++) {
