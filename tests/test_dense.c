@@ -71,6 +71,65 @@ static void a_band_is_solved(void **slot)
 		assert_near(d.right[k], 1 - k, 1e-12);
 }
 
+/* Row r of a band of chains in parallel, some of which depend on others, some weakly: rows to be swapped, late and open columns. */
+static double banded_entry(int kind, int r, int c)
+{
+	const int off = abs(r - c);
+
+	if (off > 3)
+		return 0;
+	if (kind == 0)
+		return c - r == 1 ? 3 : r - c == 1 ? 2 : r == c ? 1e-3 : 0.1;
+	/* pairs of rows that are the same but for next to nothing, or nothing */
+	if (off == 0)
+		return 1 + (kind == 1 ? 1e-3 * (r % 2) : 0);
+	return abs(r / 2 - c / 2) > 1 ? 0 : r / 2 == c / 2 ? 1 : 0.25;
+}
+
+static void what_is_beside_a_known_band_is_never_read(void **slot)
+{
+	(void)slot;
+	for (int kind = 0; kind < 3; kind++) {
+		double full_store[MOST * MOST + 3 * MOST], store[MOST * MOST + 3 * MOST];
+		int full_places[5 * MOST], places[5 * MOST], first[MOST];
+		struct rb_dense full = take(MOST, full_store, full_places),
+				d = take(MOST, store, places);
+
+		for (int r = 0; r < MOST; r++) {
+			first[r] = r > 3 ? r - 3 : 0;
+			d.last[r] = r + 3 < MOST ? r + 3 : MOST - 1;
+			d.right[r] = full.right[r] = 1 + r % 5;
+			for (int c = 0; c < MOST; c++) {
+				full.matrix[r * MOST + c] = banded_entry(kind, r, c);
+				d.matrix[r * MOST + c] = c >= first[r] && c <= d.last[r]
+				                                 ? banded_entry(kind, r, c)
+				                                 : (double)NAN;
+			}
+		}
+		d.first = first;
+		rb_dense_solve(&full);
+		rb_dense_solve(&d);
+		assert_true(d.open == full.open && d.late == full.late);
+		assert_true(d.products < full.products);
+		assert_memory_equal(d.right, full.right, sizeof *d.right * MOST);
+		for (int k = 0; k < MOST; k++)
+			d.right[k] = full.right[k] = 2 - k % 3;
+		rb_dense_again(&full);
+		rb_dense_again(&d);
+		assert_memory_equal(d.right, full.right, sizeof *d.right * MOST);
+		for (int k = 0; k < MOST; k++) {
+			assert_true(rb_dense_is_open(&d, k) == rb_dense_is_open(&full, k));
+			if (!rb_dense_is_open(&d, k))
+				continue;
+			rb_dense_opened(&full, k);
+			rb_dense_opened(&d, k);
+			assert_memory_equal(d.right, full.right, sizeof *d.right * MOST);
+		}
+		assert_true(kind != 2 || d.open);
+		assert_true(kind != 1 || d.late > 0);
+	}
+}
+
 /* Rows are swapped several times over, and one unknown is open. */
 static void another_right_side_needs_no_new_elimination(void **slot)
 {
@@ -298,6 +357,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_regular_system_is_solved),
 		cmocka_unit_test(a_band_is_solved),
+		cmocka_unit_test(what_is_beside_a_known_band_is_never_read),
 		cmocka_unit_test(another_right_side_needs_no_new_elimination),
 		cmocka_unit_test(what_nothing_determines_is_left_open),
 		cmocka_unit_test(what_is_open_but_for_rounding_is_seen_at_the_end),

@@ -25,7 +25,7 @@ bool rb_coupled_reserve_dense(struct rb_arena *arena, struct rb_dense *dense, in
 
 	dense->matrix = rb_arena_take(arena, n * n + 1, sizeof *dense->matrix);
 	dense->right = rb_arena_take(arena, 3 * n + 1, sizeof *dense->right);
-	dense->last = rb_arena_take(arena, 5 * n + 1, sizeof *dense->last);
+	dense->last = rb_arena_take(arena, 6 * n + 1, sizeof *dense->last);
 	if (!dense->matrix || !dense->right || !dense->last)
 		return false;
 	dense->size = dense->right + n;
@@ -110,15 +110,39 @@ static void fill_side(const struct rb_coupled *system, const struct rb_coupled_r
 		to[system->of[e]] += entry(row, is_b, &system->row[system->of[e]], place);
 }
 
-void rb_coupled_fill(const struct rb_coupled *system, double *matrix)
+/* Widens the ends of a row to all that act on the body at `place`. */
+static void reach(const struct rb_coupled *system, int place, int *first, int *last)
 {
-	const size_t n = (size_t)system->count;
+	if (place < 0)
+		return;
+	const int begin = system->of[system->first[place]];
+	const int end = system->of[system->first[place + 1] - 1];
 
-	memset(matrix, 0, n * n * sizeof *matrix);
-	for (size_t k = 0; k < n; k++) {
-		fill_side(system, &system->row[k], false, matrix + k * n);
-		fill_side(system, &system->row[k], true, matrix + k * n);
+	*first = begin < *first ? begin : *first;
+	*last = end > *last ? end : *last;
+}
+
+void rb_coupled_fill(const struct rb_coupled *system, struct rb_dense *dense)
+{
+	const int n = system->count;
+	int *const first = dense->order + n, *const last = dense->last;
+
+	RB_ASSERT_COSTLY(dense->n == n);
+	for (int k = n; k-- > 0;) {
+		/* no later row begins before */
+		first[k] = k + 1 < n && first[k + 1] < k ? first[k + 1] : k;
+		last[k] = k;
+		reach(system, system->row[k].a, &first[k], &last[k]);
+		reach(system, system->row[k].b, &first[k], &last[k]);
 	}
+	for (int k = 0; k < n; k++) {
+		double *const to = dense->matrix + (size_t)k * (size_t)n;
+
+		memset(to + first[k], 0, (size_t)(last[k] + 1 - first[k]) * sizeof *to);
+		fill_side(system, &system->row[k], false, to);
+		fill_side(system, &system->row[k], true, to);
+	}
+	dense->first = first;
 }
 
 double rb_coupled_felt(const struct rb_coupled_row *row, const rb_vec3 *linear,

@@ -4,7 +4,7 @@
  *
  * Of each row there is an unknown: a wrench on both of its bodies; and what is asked for: a
  * combination of their velocities (or accelerations). The matrix of what each unknown does to each
- * row, J_i M^-1 W_j, is filled through lists of rows by body: entries of rows that share none stay
+ * row, J_i M^-1 W_j, is filled through lists of rows by body: entries of rows that share none are
  * zero, which math/dense passes over. Rows come in the order of their bodies' places; of a chain
  * whose bodies follow each other that is a band.
  *
@@ -49,8 +49,8 @@ void rb_coupled_respond(const struct rb_coupled *system, struct rb_coupled_row *
 /* Lists of rows by body, once all rows are there. */
 void rb_coupled_sort(struct rb_coupled *system);
 
-/* The matrix of all rows, [count][count]; rb_coupled_sort was called. */
-void rb_coupled_fill(const struct rb_coupled *system, double *matrix);
+/* The matrix of all rows, and where it is zero; rb_coupled_sort was called. */
+void rb_coupled_fill(const struct rb_coupled *system, struct rb_dense *dense);
 
 /* J V of a row, without what bodies do that do not yield; by place. */
 double rb_coupled_felt(const struct rb_coupled_row *row, const rb_vec3 *linear,

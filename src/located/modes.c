@@ -213,14 +213,15 @@ static void fill_coupled(struct rb_modes *w, double t)
 	for (int k = 0; k < system->count; k++)
 		rb_coupled_respond(system, &system->row[k]);
 	rb_coupled_sort(system);
-	rb_coupled_fill(system, w->dense.matrix);
+	rb_coupled_fill(system, &w->dense);
 	row = joints;
 	for (int i = 0; i < w->c->held_count; i++)
 		for (int k = 0; k < rb_modes_unknowns(&w->c->held[i]); k++, row++) {
 			const double guess = guess_of(w, i, k);
 
 			for (int r = 0; r < system->count && guess != 0; r++)
-				right[r] -= guess * w->dense.matrix[r * w->dense.n + row];
+				if (row >= w->dense.first[r] && row <= w->dense.last[r])
+					right[r] -= guess * w->dense.matrix[r * w->dense.n + row];
 		}
 }
 
@@ -346,6 +347,7 @@ static bool solve_modes(struct rb_modes *w, double t)
 	if (n > RB_MODES_DENSE)
 		return false;
 	w->dense.n = n;
+	w->dense.first = NULL;
 	if (w->joints.count > 0)
 		fill_coupled(w, t);
 	for (int i = 0; i < c->held_count && w->joints.count == 0;

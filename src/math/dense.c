@@ -9,7 +9,7 @@
  * (rb_dense_opened).
  *
  * `down`, `last` and `size` hold the envelope of the matrix, by which rows and columns of zeros are
- * skipped. The multipliers stay in the eliminated entries for further right sides.
+ * skipped: where the caller knows it, what is outside is neither zeroed nor read. The multipliers stay in the eliminated entries for further right sides.
  */
 #include "math/dense.h"
 
@@ -43,6 +43,13 @@ static void swap(double *x, double *y)
 	*y = kept;
 }
 
+/* Zeros behind the last column of a row that nothing has written, where it grows to `end`. */
+static void widen(const struct rb_dense *d, int r, int end)
+{
+	for (int c = d->last[r] + 1; d->first && c <= end; c++)
+		d->matrix[r * d->n + c] = 0;
+}
+
 /*
  * Swaps rows p and q in the columns left. Used columns hold multipliers, which stay where they are:
  * rb_dense_again applies the swaps in the same order.
@@ -52,6 +59,8 @@ static void swap_rows(struct rb_dense *d, int p, int q, const struct left *left)
 	double *const x = d->matrix + p * d->n, *const y = d->matrix + q * d->n;
 	const int last = d->last[p], end = last > d->last[q] ? last : d->last[q];
 
+	widen(d, p, end);
+	widen(d, q, end);
 	for (int c = left->from; c <= end; c++)
 		swap(&x[c], &y[c]);
 	for (int i = 0; i < left->late_count; i++)
@@ -59,6 +68,24 @@ static void swap_rows(struct rb_dense *d, int p, int q, const struct left *left)
 	swap(&d->right[p], &d->right[q]);
 	d->last[p] = d->last[q];
 	d->last[q] = last;
+}
+
+/* Columns of a row that may not be zero. */
+static void ends_of(const struct rb_dense *d, int r, int *first, int *last)
+{
+	const double *const row = d->matrix + r * d->n;
+
+	*first = 0;
+	*last = d->n - 1;
+	if (d->first) {
+		*first = d->first[r];
+		*last = d->last[r];
+		return;
+	}
+	while (*first < d->n - 1 && row[*first] == 0)
+		++*first;
+	while (*last > *first && row[*last] == 0)
+		--*last;
 }
 
 /*
@@ -75,14 +102,14 @@ static void survey(struct rb_dense *d)
 	}
 	for (int r = 0; r < n; r++) {
 		const double *const row = d->matrix + r * n;
-		int first = 0, last = n - 1;
+		int first, last;
 
-		while (first < n - 1 && row[first] == 0)
-			first++;
-		while (last > first && row[last] == 0)
-			last--;
+		ends_of(d, r, &first, &last);
+		RB_ASSERT_COSTLY(first >= 0 && last < n);
+		RB_ASSERT_COSTLY(!d->first || r == 0 || d->first[r - 1] <= first);
 		d->down[first] = r;
 		d->last[r] = last;
+		d->products += d->first ? last + 1 - first : n;
 		for (int c = first; c <= last; c++)
 			if (fabs(row[c]) > d->size[c])
 				d->size[c] = fabs(row[c]);
@@ -90,6 +117,14 @@ static void survey(struct rb_dense *d)
 	for (int c = 1; c < n; c++)
 		if (d->down[c] < d->down[c - 1])
 			d->down[c] = d->down[c - 1];
+}
+
+/* A column that waits for the end is asked for in all rows, also those that do not reach to it. */
+static void put_off(struct rb_dense *d, int k)
+{
+	for (int r = 0; d->first && r < d->n; r++)
+		if (k < d->first[r] || k > d->last[r])
+			d->matrix[r * d->n + k] = 0;
 }
 
 /* Subtracts multiples of the pivot row from the rows below, as far as column k reaches. */
@@ -107,6 +142,7 @@ static void eliminate(struct rb_dense *d, int row, int k, const struct left *lef
 			continue;
 		const double share = at[k] / top[k];
 		at[k] = share; /* for rb_dense_again */
+		widen(d, r, d->last[row]);
 		for (int c = left->from; c <= d->last[row]; c++)
 			at[c] -= share * top[c];
 		for (int i = 0; i < left->late_count; i++)
@@ -162,6 +198,15 @@ static int best_row(const struct rb_dense *d, int row, int k, double least)
 	return row < d->n && fabs(d->matrix[best * d->n + k]) > least * d->size[k] ? best : -1;
 }
 
+/* Rows that may hold the pivot of column k reach to it: redundant ones end before. */
+static void reach(struct rb_dense *d, int row, int k)
+{
+	for (int r = row; d->first && r <= d->down[k]; r++) {
+		widen(d, r, k);
+		d->last[r] = d->last[r] > k ? d->last[r] : k;
+	}
+}
+
 /* Makes row `best` the pivot row of column k at position `row` and eliminates below it. */
 static void use(struct rb_dense *d, int row, int best, int k, const struct left *left)
 {
@@ -187,15 +232,18 @@ void rb_dense_solve(struct rb_dense *d)
 
 	d->open = false;
 	d->late = 0;
-	d->products = (long)n * n;
+	d->products = 0;
 	survey(d);
 	for (int k = 0; k < n; k++) {
 		const struct left left = {k + 1, d->order + n - d->late, d->late};
+
+		reach(d, row, k);
 		const int best = best_row(d, row, k, least);
 
 		d->pivot[k] = -1;
 		if (best >= 0 && !(fabs(d->matrix[best * n + k]) > early * d->size[k])) {
 			d->order[n - ++d->late] = k;
+			put_off(d, k);
 			continue;
 		}
 		d->order[count++] = k;

@@ -11,8 +11,13 @@ struct rb_dense {
 		*right;       /* [n][n], [n]: used up; afterwards the solution stands in `right` */
 	double *size, *found; /* [n] scratch */
 	int *last, *down, *pivot, *from, *order; /* [n] scratch */
-	int n, late;                             /* late: columns that were left for the end */
-	long products; /* out: of rb_dense_solve, and its look at each entry */
+	/*
+	 * [n], in, with `last` [n]: the first and last column of each row that may not be zero; others
+	 * are not read. No row's first is after that of a row below it. NULL: all may be.
+	 */
+	const int *first;
+	int n, late;   /* late: columns that were left for the end */
+	long products; /* out: of rb_dense_solve, and its look at each entry that may not be zero */
 	/* in: what is left of a column, as a share, is nothing up to here; 0: rounding */
 	double least;
 	bool open; /* out: the solution is one of many; unknowns that nothing determines are zero */
@@ -22,7 +27,8 @@ struct rb_dense {
  * Gaussian elimination with row pivots; of a column of which next to nothing is left it waits for
  * all others, since that may be another one's, by rounding. A column of which only rounding is
  * left, as a share of what it was, is open; what is then over-determined is left as it is. Zeros
- * are passed over, so that a band costs what its width is, and a look at each entry.
+ * are passed over, so that a band costs what its width is, and a look at each entry where its place
+ * is not known.
  */
 void rb_dense_solve(struct rb_dense *dense);
 
