@@ -6,6 +6,14 @@
 #include "base/error.h"
 #include "located/external_force.h"
 
+/*
+ * What has to be left of a row for factors without pivots: its square root is the least sine of the
+ * angle between a row and those before it.
+ */
+static const double independent = 0x1p-26;
+
+typedef double pair __attribute__((vector_size(2 * sizeof(double))));
+
 bool rb_coupled_reserve(struct rb_coupled *system, int max)
 {
 	struct rb_arena *const arena = system->l->arena;
@@ -16,14 +24,22 @@ bool rb_coupled_reserve(struct rb_coupled *system, int max)
 	system->row = rb_arena_take(arena, (size_t)max + 1, sizeof *system->row);
 	system->first = rb_arena_take(arena, (size_t)system->body_count + 2, sizeof *system->first);
 	system->of = rb_arena_take(arena, 2 * (size_t)max + 1, sizeof *system->of);
-	return system->row && system->first && system->of;
+	system->inverse_inertia = rb_arena_take(arena, (size_t)system->body_count + 1,
+	                                        sizeof *system->inverse_inertia);
+	struct rb_envelope *const e = &system->factor;
+
+	e->block = rb_arena_take(arena, (size_t)max + 1, sizeof *e->block);
+	e->of = rb_arena_take(arena, (size_t)max + 1, sizeof *e->of);
+	e->inverse = rb_arena_take(arena, (size_t)max + 1, sizeof *e->inverse);
+	return system->row && system->first && system->of && system->inverse_inertia && e->block &&
+	       e->of && e->inverse;
 }
 
 bool rb_coupled_reserve_dense(struct rb_arena *arena, struct rb_dense *dense, int max)
 {
 	const size_t n = (size_t)max;
 
-	dense->matrix = rb_arena_take(arena, n * n + 1, sizeof *dense->matrix);
+	dense->matrix = rb_arena_take(arena, rb_envelope_size_max(max) + 1, sizeof *dense->matrix);
 	dense->right = rb_arena_take(arena, 3 * n + 1, sizeof *dense->right);
 	dense->last = rb_arena_take(arena, 6 * n + 1, sizeof *dense->last);
 	if (!dense->matrix || !dense->right || !dense->last)
@@ -37,77 +53,117 @@ bool rb_coupled_reserve_dense(struct rb_arena *arena, struct rb_dense *dense, in
 	return true;
 }
 
-static rb_vec3 turned_by(const struct rb_coupled *system, int place, rb_vec3 torque)
+void rb_coupled_turn(const struct rb_coupled *system)
 {
 	const struct rb_located *l = system->l;
 
-	if (!l->top)
+	for (int p = 0; l->top && p < system->body_count; p++) {
+		const rb_mat3 *const own = &l->model->inverse_inertia[system->body[p]];
+		const double scalar = l->model->inverse_inertia_scalar[system->body[p]];
+		rb_mat3 *const to = &system->inverse_inertia[p];
+
+		*to = rb_mat3_diagonal(scalar, scalar, scalar);
+		if (!isnan(scalar))
+			continue;
+		const rb_mat3 turn = rb_quat_to_mat3(system->pose[p].orientation);
+		const rb_mat3 half = rb_mat3_multiply(&turn, own), back = rb_mat3_transposed(&turn);
+		*to = rb_mat3_multiply(&half, &back);
+	}
+}
+
+static rb_vec3 turned_by(const struct rb_coupled *system, int place, rb_vec3 torque)
+{
+	if (!system->l->top)
 		return (rb_vec3){0, 0, 0};
-	return rb_inverse_inertia_apply(l, system->body[place], system->pose[place].orientation,
-	                                torque);
+	if (!system->inverse_inertia) /* a row on its own */
+		return rb_inverse_inertia_apply(system->l, system->body[place],
+		                                system->pose[place].orientation, torque);
+	return rb_mat3_apply(&system->inverse_inertia[place], torque);
+}
+
+struct rb_coupled_row rb_coupled_row(int a, int b, const struct rb_coupled_wrench *asked,
+                                     const struct rb_coupled_wrench *unit)
+{
+	return (struct rb_coupled_row){
+		.a = a,
+		.b = b,
+		.is_couple = rb_vec3_max_abs(asked->linear) == 0,
+		.side = {{rb_vec3_neg(asked->linear), asked->angular_a, rb_vec3_neg(unit->linear),
+	                  unit->angular_a},
+	                 {asked->linear, asked->angular_b, unit->linear, unit->angular_b}}};
 }
 
 void rb_coupled_respond(const struct rb_coupled *system, struct rb_coupled_row *row)
 {
 	const double *const inverse = system->l->model->inverse_mass;
-	const rb_vec3 none = {0, 0, 0};
 
-	row->linear_a = row->turn_a = row->linear_b = row->turn_b = none;
-	if (row->a >= 0) {
-		row->linear_a = rb_vec3_scale(-inverse[system->body[row->a]], row->unit.linear);
-		row->turn_a = turned_by(system, row->a, row->unit.angular_a);
-	}
-	if (row->b >= 0) {
-		row->linear_b = rb_vec3_scale(inverse[system->body[row->b]], row->unit.linear);
-		row->turn_b = turned_by(system, row->b, row->unit.angular_b);
+	for (int e = 0; e < 2; e++) {
+		const int place = e == 0 ? row->a : row->b;
+		struct rb_coupled_side *const side = &row->side[e];
+
+		if (place < 0)
+			continue;
+		side->linear = rb_vec3_scale(inverse[system->body[place]], side->linear);
+		side->angular = turned_by(system, place, side->angular);
 	}
 }
 
 void rb_coupled_sort(struct rb_coupled *system)
 {
+	struct rb_envelope *const factor = &system->factor;
 	int *const next = system->first + 1;
 
 	memset(system->first, 0, ((size_t)system->body_count + 2) * sizeof *system->first);
+	factor->n = system->count;
+	factor->block_count = 0;
 	for (int k = 0; k < system->count; k++) {
 		const struct rb_coupled_row *row = &system->row[k];
+		struct rb_envelope_block *const block = &factor->block[factor->block_count];
 
 		RB_ASSERT_COSTLY(row->a < system->body_count && row->b < system->body_count);
 		if (row->a >= 0)
 			next[row->a + 1]++;
 		if (row->b >= 0)
 			next[row->b + 1]++;
+		if (k > 0 && row->a == row[-1].a && row->b == row[-1].b &&
+		    block[-1].count < RB_ENVELOPE_BLOCK) {
+			block[-1].count++;
+		} else {
+			*block = (struct rb_envelope_block){.begin = k, .count = 1};
+			factor->block_count++;
+		}
 	}
 	for (int p = 0; p < system->body_count; p++)
 		next[p + 1] += next[p];
 	for (int k = 0; k < system->count; k++) {
-		if (system->row[k].a >= 0)
-			system->of[next[system->row[k].a]++] = k;
-		if (system->row[k].b >= 0)
-			system->of[next[system->row[k].b]++] = k;
+		const struct rb_coupled_row *row = &system->row[k];
+
+		if (row->a >= 0)
+			system->of[next[row->a]++] = (struct rb_coupled_at){&row->side[0], k};
+		if (row->b >= 0)
+			system->of[next[row->b]++] = (struct rb_coupled_at){&row->side[1], k};
 	}
 }
 
-/* Of row i, what its body at that place feels of unknown j. */
-static double entry(const struct rb_coupled_row *i, bool i_is_b, const struct rb_coupled_row *j,
-                    int place)
+/* Of a side of a row, what its body feels of the unknowns `first` to `last` that act on it. */
+static void fill_side(const struct rb_coupled *system, int place,
+                      const struct rb_coupled_side *side, int first, int last, double *to,
+                      size_t stride)
 {
-	const bool j_is_b = j->b == place;
-	const rb_vec3 linear = j_is_b ? j->linear_b : j->linear_a;
-	const rb_vec3 turn = j_is_b ? j->turn_b : j->turn_a;
-	const double along = rb_vec3_dot(i->asked.linear, linear);
+	if (place < 0)
+		return;
+	const struct rb_coupled_at *at = system->of + system->first[place];
+	const struct rb_coupled_at *const end = system->of + system->first[place + 1];
+	const rb_vec3 l = side->asked_linear, m = side->asked_angular;
+	const pair x = {l.x, l.y}, y = {l.z, m.x}, z = {m.y, m.z};
 
-	return (i_is_b ? along : -along) +
-	       rb_vec3_dot(i_is_b ? i->asked.angular_b : i->asked.angular_a, turn);
-}
+	for (; at < end && at->row <= last; at++) {
+		const rb_vec3 linear = at->side->linear, angular = at->side->angular;
+		const pair sum = x * (pair){linear.x, linear.y} + y * (pair){linear.z, angular.x} +
+		                 z * (pair){angular.y, angular.z};
 
-static void fill_side(const struct rb_coupled *system, const struct rb_coupled_row *row, bool is_b,
-                      double *to)
-{
-	const int place = is_b ? row->b : row->a;
-
-	for (int e = place >= 0 ? system->first[place] : 0;
-	     place >= 0 && e < system->first[place + 1]; e++)
-		to[system->of[e]] += entry(row, is_b, &system->row[system->of[e]], place);
+		to[(size_t)(at->row - first) * stride] += sum[0] + sum[1];
+	}
 }
 
 /* Widens the ends of a row to all that act on the body at `place`. */
@@ -115,14 +171,43 @@ static void reach(const struct rb_coupled *system, int place, int *first, int *l
 {
 	if (place < 0)
 		return;
-	const int begin = system->of[system->first[place]];
-	const int end = system->of[system->first[place + 1] - 1];
+	const int begin = system->of[system->first[place]].row;
+	const int end = system->of[system->first[place + 1] - 1].row;
 
 	*first = begin < *first ? begin : *first;
 	*last = end > *last ? end : *last;
 }
 
-void rb_coupled_fill(const struct rb_coupled *system, struct rb_dense *dense)
+/* Factors; false: rows may depend on each other. */
+static bool factor(struct rb_coupled *system, struct rb_dense *dense)
+{
+	struct rb_envelope *const f = &system->factor;
+
+	f->value = dense->matrix;
+	dense->products = 0;
+	for (int i = 0; i < f->block_count; i++) {
+		struct rb_envelope_block *const block = &f->block[i];
+		const long width = block->begin + block->count - dense->first[block->begin];
+
+		block->first = dense->first[block->begin];
+		dense->products += block->count * width * (width + 3) / 2;
+	}
+	memset(f->value, 0, rb_envelope_lay_out(f) * sizeof *f->value);
+	for (int k = 0; k < f->n; k++) {
+		const struct rb_coupled_row *const row = &system->row[k];
+		size_t stride;
+		double *const to = rb_envelope_row(f, k, &stride);
+		const int first = f->block[f->of[k]].first;
+
+		fill_side(system, row->a, &row->side[0], first, k, to, stride);
+		fill_side(system, row->b, &row->side[1], first, k, to, stride);
+	}
+	dense->open = false;
+	dense->late = 0;
+	return rb_envelope_factor(f, independent);
+}
+
+void rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense)
 {
 	const int n = system->count;
 	int *const first = dense->order + n, *const last = dense->last;
@@ -135,14 +220,32 @@ void rb_coupled_fill(const struct rb_coupled *system, struct rb_dense *dense)
 		reach(system, system->row[k].a, &first[k], &last[k]);
 		reach(system, system->row[k].b, &first[k], &last[k]);
 	}
-	for (int k = 0; k < n; k++) {
-		double *const to = dense->matrix + (size_t)k * (size_t)n;
-
-		memset(to + first[k], 0, (size_t)(last[k] + 1 - first[k]) * sizeof *to);
-		fill_side(system, &system->row[k], false, to);
-		fill_side(system, &system->row[k], true, to);
-	}
 	dense->first = first;
+	system->is_factored = system->is_symmetric && factor(system, dense);
+	for (int k = 0; k < n && !system->is_factored; k++) {
+		const struct rb_coupled_row *const row = &system->row[k];
+		double *const to = dense->matrix + (size_t)k * (size_t)n + first[k];
+
+		memset(to, 0, (size_t)(last[k] + 1 - first[k]) * sizeof *to);
+		fill_side(system, row->a, &row->side[0], first[k], last[k], to, 1);
+		fill_side(system, row->b, &row->side[1], first[k], last[k], to, 1);
+	}
+}
+
+void rb_coupled_solve(const struct rb_coupled *system, struct rb_dense *dense)
+{
+	if (system->is_factored)
+		rb_envelope_solve(&system->factor, dense->right);
+	else
+		rb_dense_solve(dense);
+}
+
+void rb_coupled_again(const struct rb_coupled *system, struct rb_dense *dense)
+{
+	if (system->is_factored)
+		rb_envelope_solve(&system->factor, dense->right);
+	else
+		rb_dense_again(dense);
 }
 
 double rb_coupled_felt(const struct rb_coupled_row *row, const rb_vec3 *linear,
@@ -150,24 +253,29 @@ double rb_coupled_felt(const struct rb_coupled_row *row, const rb_vec3 *linear,
 {
 	double sum = 0;
 
-	if (row->a >= 0)
-		sum = rb_vec3_dot(row->asked.angular_a, angular[row->a]) -
-		      rb_vec3_dot(row->asked.linear, linear[row->a]);
-	if (row->b >= 0)
-		sum += rb_vec3_dot(row->asked.linear, linear[row->b]) +
-		       rb_vec3_dot(row->asked.angular_b, angular[row->b]);
+	for (int e = 0; e < 2; e++) {
+		const int place = e == 0 ? row->a : row->b;
+		const struct rb_coupled_side *const side = &row->side[e];
+
+		if (place < 0)
+			continue;
+		sum += rb_vec3_dot(side->asked_angular, angular[place]);
+		if (!row->is_couple)
+			sum += rb_vec3_dot(side->asked_linear, linear[place]);
+	}
 	return sum;
 }
 
 void rb_coupled_add(const struct rb_coupled_row *row, double share, rb_vec3 *linear,
                     rb_vec3 *angular)
 {
-	if (row->a >= 0) {
-		linear[row->a] = rb_vec3_add_scaled(linear[row->a], share, row->linear_a);
-		angular[row->a] = rb_vec3_add_scaled(angular[row->a], share, row->turn_a);
-	}
-	if (row->b >= 0) {
-		linear[row->b] = rb_vec3_add_scaled(linear[row->b], share, row->linear_b);
-		angular[row->b] = rb_vec3_add_scaled(angular[row->b], share, row->turn_b);
+	for (int e = 0; e < 2; e++) {
+		const int place = e == 0 ? row->a : row->b;
+		const struct rb_coupled_side *const side = &row->side[e];
+
+		if (place < 0)
+			continue;
+		linear[place] = rb_vec3_add_scaled(linear[place], share, side->linear);
+		angular[place] = rb_vec3_add_scaled(angular[place], share, side->angular);
 	}
 }

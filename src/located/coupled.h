@@ -15,17 +15,30 @@
 
 #include "located/located.h"
 #include "math/dense.h"
+#include "math/envelope.h"
 
 /* l on b's velocity and -l on a's, m_a and m_b on spins: signs as in geom/linkage. */
 struct rb_coupled_wrench {
 	rb_vec3 linear, angular_a, angular_b;
 };
 
+/* What a row asks of a body, and what its unknown does to it. */
+struct rb_coupled_side {
+	rb_vec3 asked_linear, asked_angular; /* for velocity and spin */
+	/* force and torque of a unit; after rb_coupled_respond what these add to the velocities */
+	rb_vec3 linear, angular;
+};
+
+/* One of those that act on a body. */
+struct rb_coupled_at {
+	const struct rb_coupled_side *side;
+	int row;
+};
+
 struct rb_coupled_row {
-	int a, b; /* places of bodies that yield, -1: it does not */
-	struct rb_coupled_wrench asked, unit;
-	/* what a unit of the unknown adds to velocities of a and b */
-	rb_vec3 linear_a, turn_a, linear_b, turn_b;
+	int a, b;                       /* places of bodies that yield, -1: it does not */
+	bool is_couple;                 /* asks for nothing of velocities */
+	struct rb_coupled_side side[2]; /* of a, b */
 };
 
 struct rb_coupled {
@@ -35,7 +48,13 @@ struct rb_coupled {
 	int body_count;             /* of places */
 	struct rb_coupled_row *row; /* [max] */
 	int count, max;
-	int *first, *of; /* [body_count + 2], [2 max]: rows of a body */
+	int *first;               /* [body_count + 2]: in `of`, of a body */
+	struct rb_coupled_at *of; /* [2 max]: by body, then by row */
+	rb_mat3 *inverse_inertia; /* [body_count]: world axes, at the poses; NULL: not kept */
+	/* in: units are what rows ask for, as those of joints, not of contacts that slip */
+	bool is_symmetric;
+	bool is_factored; /* out of rb_coupled_fill: `factor` is the system, else the dense one */
+	struct rb_envelope factor;
 };
 
 /* Rooms for so many rows; false: no memory. */
@@ -43,14 +62,32 @@ bool rb_coupled_reserve(struct rb_coupled *system, int max);
 /* Arrays of a dense system of so many unknowns; false: no memory. */
 bool rb_coupled_reserve_dense(struct rb_arena *arena, struct rb_dense *dense, int max);
 
-/* What the row's unknown does to its bodies, from a, b, unit. */
+/* At poses that have changed, before rows respond. */
+void rb_coupled_turn(const struct rb_coupled *system);
+
+/* A row from what it asks for and a unit of its unknown. */
+struct rb_coupled_row rb_coupled_row(int a, int b, const struct rb_coupled_wrench *asked,
+                                     const struct rb_coupled_wrench *unit);
+
+/* What the row's unknown does to its bodies. */
 void rb_coupled_respond(const struct rb_coupled *system, struct rb_coupled_row *row);
 
-/* Lists of rows by body, once all rows are there. */
+/*
+ * Lists of rows by body, once all rows are there, and blocks of rows of the same bodies that follow
+ * each other.
+ */
 void rb_coupled_sort(struct rb_coupled *system);
 
-/* The matrix of all rows, and where it is zero; rb_coupled_sort was called. */
-void rb_coupled_fill(const struct rb_coupled *system, struct rb_dense *dense);
+/*
+ * The matrix of all rows, and where it is zero; rb_coupled_sort was called. Symmetric ones are
+ * factored at once, where all rows are independent by more than half of all digits. The dense system
+ * is as large; its right side is that of both.
+ */
+void rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense);
+
+/* Once filled: rb_dense_solve, and rb_dense_again for another right side. */
+void rb_coupled_solve(const struct rb_coupled *system, struct rb_dense *dense);
+void rb_coupled_again(const struct rb_coupled *system, struct rb_dense *dense);
 
 /* J V of a row, without what bodies do that do not yield; by place. */
 double rb_coupled_felt(const struct rb_coupled_row *row, const rb_vec3 *linear,

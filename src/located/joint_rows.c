@@ -386,8 +386,7 @@ void rb_joint_rows_enter_springs(const struct rb_joint_rows *rows, const double 
 
 struct rb_coupled_row rb_joint_rows_coupled(const struct rb_joint_row *row)
 {
-	return (struct rb_coupled_row){
-		.a = row->a, .b = row->b, .asked = row->wrench, .unit = row->wrench};
+	return rb_coupled_row(row->a, row->b, &row->wrench, &row->wrench);
 }
 
 /* ---- joints alone ---- */
@@ -399,11 +398,13 @@ static bool assemble(const struct rb_joint_rows *rows, struct rb_coupled *system
 	*system = (struct rb_coupled){.l = rows->l,
 	                              .pose = rows->pose,
 	                              .body = rows->body,
-	                              .body_count = rows->body_count};
+	                              .body_count = rows->body_count,
+	                              .is_symmetric = true};
 	*dense = (struct rb_dense){.n = rows->count};
 	if (!rb_coupled_reserve(system, rows->count) ||
 	    !rb_coupled_reserve_dense(rows->l->arena, dense, rows->count))
 		return false;
+	rb_coupled_turn(system);
 	for (int k = 0; k < rows->count; k++) {
 		system->row[k] = rb_joint_rows_coupled(&rows->row[k]);
 		rb_coupled_respond(system, &system->row[k]);
@@ -440,7 +441,7 @@ bool rb_joint_hold_take(struct rb_joint_hold *hold, struct rb_located *l,
 		return false;
 	for (int k = 0; k < hold->rows.count; k++)
 		hold->dense.right[k] = 0;
-	rb_dense_solve(&hold->dense);
+	rb_coupled_solve(&hold->system, &hold->dense);
 	return true;
 }
 
@@ -450,7 +451,7 @@ void rb_joint_hold_apply(struct rb_joint_hold *hold, rb_vec3 *linear, rb_vec3 *a
 		return;
 	for (int k = 0; k < hold->rows.count; k++)
 		hold->dense.right[k] = -rb_coupled_felt(&hold->system.row[k], linear, angular);
-	rb_dense_again(&hold->dense);
+	rb_coupled_again(&hold->system, &hold->dense);
 	for (int k = 0; k < hold->rows.count; k++)
 		rb_coupled_add(&hold->system.row[k], hold->dense.right[k], linear, angular);
 }
@@ -466,7 +467,7 @@ bool rb_joint_rows_accelerate(const struct rb_joint_rows *rows, rb_vec3 *linear,
 	for (int k = 0; k < rows->count; k++)
 		dense.right[k] = -(rb_coupled_felt(&system.row[k], linear, angular) +
 		                   rows->row[k].bias);
-	rb_dense_solve(&dense);
+	rb_coupled_solve(&system, &dense);
 	for (int k = 0; k < rows->count; k++)
 		rb_coupled_add(&system.row[k], dense.right[k], linear, angular);
 	rb_arena_back(rows->l->arena, here);
@@ -582,7 +583,7 @@ static bool correct_once(struct rb_joint_rows *rows, bool places, rb_vec3 *linea
 	memset(angular, 0, (size_t)rows->body_count * sizeof *angular);
 	for (int k = 0; k < rows->count; k++)
 		dense.right[k] = places ? -rows->row[k].error : -rows->row[k].velocity;
-	rb_dense_solve(&dense);
+	rb_coupled_solve(&system, &dense);
 	for (int k = 0; k < rows->count; k++)
 		rb_coupled_add(&system.row[k], dense.right[k], linear, angular);
 	if (!places)

@@ -181,11 +181,12 @@ static struct rb_coupled_row contact_row(const struct rb_modes *w, int contact, 
 
 	if (w->c->held[contact].slipping)
 		asked = k == 0 ? m->normal : aside(w, contact);
-	return (struct rb_coupled_row){
-		.a = rb_modes_place(w, m->a),
-		.b = rb_modes_place(w, m->b),
-		.asked = {asked, rb_vec3_cross(asked, m->arm_a), rb_vec3_cross(m->arm_b, asked)},
-		.unit = {unit, rb_vec3_cross(unit, m->arm_a), rb_vec3_cross(m->arm_b, unit)}};
+	const struct rb_coupled_wrench asks = {asked, rb_vec3_cross(asked, m->arm_a),
+	                                       rb_vec3_cross(m->arm_b, asked)};
+	const struct rb_coupled_wrench does = {unit, rb_vec3_cross(unit, m->arm_a),
+	                                       rb_vec3_cross(m->arm_b, unit)};
+
+	return rb_coupled_row(rb_modes_place(w, m->a), rb_modes_place(w, m->b), &asks, &does);
 }
 
 /* All rows, those of joints first; the matrix; the right side with the guessed forces. */
@@ -197,6 +198,8 @@ static void fill_coupled(struct rb_modes *w, double t)
 	int row = joints;
 
 	system->count = w->dense.n;
+	system->is_symmetric = w->c->held_count == 0;
+	rb_coupled_turn(system);
 	for (int k = 0; k < joints; k++) {
 		system->row[k] = rb_joint_rows_coupled(&w->joints.row[k]);
 		right[k] = -(rb_coupled_felt(&system->row[k], w->linear, w->angular) +
@@ -353,7 +356,10 @@ static bool solve_modes(struct rb_modes *w, double t)
 	for (int i = 0; i < c->held_count && w->joints.count == 0;
 	     row += rb_modes_unknowns(&c->held[i]), i++)
 		fill_row(w, i, row, t);
-	rb_dense_solve(&w->dense);
+	if (w->joints.count > 0)
+		rb_coupled_solve(&w->coupled, &w->dense);
+	else
+		rb_dense_solve(&w->dense);
 	return choose_forces(w);
 }
 
@@ -578,7 +584,10 @@ bool rb_modes_refine(struct rb_modes *w, double t)
 		if (!(left > 4 * DBL_EPSILON * w->max) || !(left < 0.5 * before))
 			return true;
 		before = left;
-		rb_dense_again(&w->dense);
+		if (row > 0)
+			rb_coupled_again(&w->coupled, &w->dense);
+		else
+			rb_dense_again(&w->dense);
 		for (int k = 0; k < row; k++) {
 			w->joint_change[k] = w->dense.right[k];
 			w->multiplier[k] += w->joint_change[k];

@@ -12,8 +12,8 @@ struct rb_dense {
 	double *size, *found; /* [n] scratch */
 	int *last, *down, *pivot, *from, *order; /* [n] scratch */
 	/*
-	 * [n], in, with `last` [n]: the first and last column of each row that may not be zero; others
-	 * are not read. No row's first is after that of a row below it. NULL: all may be.
+	 * [n], in, with `last` [n]: the first and last column of each row that may not be zero;
+	 * others are not read. No row's first is after that of a row below it. NULL: all may be.
 	 */
 	const int *first;
 	int n, late;   /* late: columns that were left for the end */
