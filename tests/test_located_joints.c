@@ -101,8 +101,9 @@ static void balances(struct lab *lab, double energy, double momentum, double ope
 	const struct rb_ledger_values *l = &numbers.ledger;
 	const double unexplained = fabs(l->energy[RB_ENERGY_CAUSES]) /
 	                           fmax(l->energy_scale, gravity); /* of 1 kg by 1 m */
+	/* of what only turns all momentum is rounding: of a millionth of its angular momentum by 1 m */
 	const double linear = rb_vec3_length(l->momentum[RB_MOMENTUM_CAUSES][0]) /
-	                      fmax(l->momentum_scale[0], DBL_MIN);
+	                      fmax(fmax(l->momentum_scale[0], 1e-6 * l->momentum_scale[1]), DBL_MIN);
 	const double angular = rb_vec3_length(l->momentum[RB_MOMENTUM_CAUSES][1]) /
 	                       fmax(l->momentum_scale[1], DBL_MIN);
 

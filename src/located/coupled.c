@@ -145,10 +145,16 @@ void rb_coupled_sort(struct rb_coupled *system)
 	}
 }
 
-/* Of a side of a row, what its body feels of the unknowns `first` to `last` that act on it. */
+/* Entries `first` to `last` of a row of a matrix, `stride` apart. */
+struct strip {
+	double *to;
+	size_t stride;
+	int first, last;
+};
+
+/* Of a side of a row, what its body feels of the unknowns that act on it. */
 static void fill_side(const struct rb_coupled *system, int place,
-                      const struct rb_coupled_side *side, int first, int last, double *to,
-                      size_t stride)
+                      const struct rb_coupled_side *side, const struct strip *strip)
 {
 	if (place < 0)
 		return;
@@ -157,13 +163,21 @@ static void fill_side(const struct rb_coupled *system, int place,
 	const rb_vec3 l = side->asked_linear, m = side->asked_angular;
 	const pair x = {l.x, l.y}, y = {l.z, m.x}, z = {m.y, m.z};
 
-	for (; at < end && at->row <= last; at++) {
+	for (; at < end && at->row <= strip->last; at++) {
 		const rb_vec3 linear = at->side->linear, angular = at->side->angular;
 		const pair sum = x * (pair){linear.x, linear.y} + y * (pair){linear.z, angular.x} +
 		                 z * (pair){angular.y, angular.z};
 
-		to[(size_t)(at->row - first) * stride] += sum[0] + sum[1];
+		strip->to[(size_t)(at->row - strip->first) * strip->stride] += sum[0] + sum[1];
 	}
+}
+
+static void fill_strip(const struct rb_coupled *system, int k, const struct strip *strip)
+{
+	const struct rb_coupled_row *const row = &system->row[k];
+
+	fill_side(system, row->a, &row->side[0], strip);
+	fill_side(system, row->b, &row->side[1], strip);
 }
 
 /* Widens the ends of a row to all that act on the body at `place`. */
@@ -194,13 +208,10 @@ static bool factor(struct rb_coupled *system, struct rb_dense *dense)
 	}
 	memset(f->value, 0, rb_envelope_lay_out(f) * sizeof *f->value);
 	for (int k = 0; k < f->n; k++) {
-		const struct rb_coupled_row *const row = &system->row[k];
-		size_t stride;
-		double *const to = rb_envelope_row(f, k, &stride);
-		const int first = f->block[f->of[k]].first;
+		struct strip strip = {.first = f->block[f->of[k]].first, .last = k};
 
-		fill_side(system, row->a, &row->side[0], first, k, to, stride);
-		fill_side(system, row->b, &row->side[1], first, k, to, stride);
+		strip.to = rb_envelope_row(f, k, &strip.stride);
+		fill_strip(system, k, &strip);
 	}
 	dense->open = false;
 	dense->late = 0;
@@ -223,12 +234,13 @@ void rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense)
 	dense->first = first;
 	system->is_factored = system->is_symmetric && factor(system, dense);
 	for (int k = 0; k < n && !system->is_factored; k++) {
-		const struct rb_coupled_row *const row = &system->row[k];
-		double *const to = dense->matrix + (size_t)k * (size_t)n + first[k];
+		const struct strip strip = {.to = dense->matrix + (size_t)k * (size_t)n + first[k],
+		                            .stride = 1,
+		                            .first = first[k],
+		                            .last = last[k]};
 
-		memset(to, 0, (size_t)(last[k] + 1 - first[k]) * sizeof *to);
-		fill_side(system, row->a, &row->side[0], first[k], last[k], to, 1);
-		fill_side(system, row->b, &row->side[1], first[k], last[k], to, 1);
+		memset(strip.to, 0, (size_t)(last[k] + 1 - first[k]) * sizeof *strip.to);
+		fill_strip(system, k, &strip);
 	}
 }
 

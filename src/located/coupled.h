@@ -80,8 +80,8 @@ void rb_coupled_sort(struct rb_coupled *system);
 
 /*
  * The matrix of all rows, and where it is zero; rb_coupled_sort was called. Symmetric ones are
- * factored at once, where all rows are independent by more than half of all digits. The dense system
- * is as large; its right side is that of both.
+ * factored at once, where all rows are independent by more than half of all digits. The dense
+ * system is as large; its right side is that of both.
  */
 void rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense);
 

@@ -87,6 +87,8 @@ static void start_rows(const struct rb_modes *w, int k, int *rate_row)
 	for (int m = 0; m < w->row; m++) {
 		rest[m] = 0;
 		rate_row[first + m] = m < RB_PIECE_VELOCITY ? first + RB_PIECE_VELOCITY + m : -1;
+		if (m >= RB_PIECE_ORIENTATION && m < RB_PIECE_SPIN)
+			rate_row[first + m] = RB_GAUSS_QUICK;
 	}
 	rb_vec3_to(v + RB_PIECE_POSITION, pose.rest);
 	rb_vec3_to(v + RB_PIECE_VELOCITY, pose.velocity);
@@ -503,6 +505,7 @@ static void run(struct rb_modes *w, const struct columns *columns)
 	struct rb_gauss_problem problem = {
 		.n = c->piece.n,
 		.rates = rb_rates,
+		.quick_rates = l->top && w->joints.joint_count > 0 ? rb_rates_turning : NULL,
 		.noise = l->model->features & RB_FEATURE_FIELD ? rb_modes_noise : NULL,
 		.user = w,
 		.rate_row = columns->rate_row,

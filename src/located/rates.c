@@ -206,6 +206,22 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 	return count_inspection(w);
 }
 
+void rb_rates_turning(void *user, const double *value, double *rate)
+{
+	const struct rb_modes *w = user;
+
+	for (int k = 0; k < w->c->member_count && w->l->top; k++) {
+		const double *const v = value + (size_t)k * (size_t)w->row;
+		const rb_vec3 spin = rb_vec3_from(v + RB_PIECE_SPIN);
+		const rb_quat half = {0, 0.5 * spin.x, 0.5 * spin.y, 0.5 * spin.z};
+		rb_quat turn = {0, 0, 0, 0};
+
+		if (!w->l->unfelt[w->c->member[k]])
+			turn = rb_quat_multiply(half, rb_quat_from(v + RB_PIECE_ORIENTATION));
+		rb_quat_to(rate + (size_t)k * (size_t)w->row + RB_PIECE_ORIENTATION, turn);
+	}
+}
+
 enum rb_status rb_rates(void *user, double t, const double *value, double *rate,
                         struct rb_error *err)
 {
@@ -221,23 +237,14 @@ enum rb_status rb_rates(void *user, double t, const double *value, double *rate,
 		               ? w->l->status
 		               : RB_FAIL(err, RB_ERR_MEMORY, "no memory for a cluster");
 	for (int k = 0; k < w->c->member_count; k++) {
-		const double *v = value + (size_t)k * (size_t)w->row;
 		double *r = rate + (size_t)k * (size_t)w->row;
 
 		/* those of positions are rows */
 		rb_vec3_to(r + RB_PIECE_VELOCITY, w->linear[k]);
-		if (!w->l->top)
-			continue;
-		rb_vec3_to(r + RB_PIECE_SPIN, w->angular[k]);
-		if (w->l->unfelt[w->c->member[k]]) {
-			rb_quat_to(r + RB_PIECE_ORIENTATION, (rb_quat){0, 0, 0, 0});
-			continue;
-		}
-		const rb_quat turn = {0, 0.5 * w->pose[k].spin.x, 0.5 * w->pose[k].spin.y,
-		                      0.5 * w->pose[k].spin.z};
-		rb_quat_to(r + RB_PIECE_ORIENTATION,
-		           rb_quat_multiply(turn, rb_quat_from(v + RB_PIECE_ORIENTATION)));
+		if (w->l->top)
+			rb_vec3_to(r + RB_PIECE_SPIN, w->angular[k]);
 	}
+	rb_rates_turning(w, value, rate);
 	return RB_OK;
 }
 

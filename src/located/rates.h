@@ -27,6 +27,9 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value);
 enum rb_status rb_rates(void *user, double t, const double *value, double *rate,
                         struct rb_error *err);
 
+/* rb_gauss_quick_rates of a struct rb_modes: of orientations. */
+void rb_rates_turning(void *user, const double *value, double *rate);
+
 /*
  * Keeps what acts at a node of the integrator for the ledger: `visited` of a struct
  * rb_gauss_problem.

@@ -9,7 +9,8 @@
  * (rb_dense_opened).
  *
  * `down`, `last` and `size` hold the envelope of the matrix, by which rows and columns of zeros are
- * skipped: where the caller knows it, what is outside is neither zeroed nor read. The multipliers stay in the eliminated entries for further right sides.
+ * skipped: where the caller knows it, what is outside is neither zeroed nor read. The multipliers
+ * stay in the eliminated entries for further right sides.
  */
 #include "math/dense.h"
 

@@ -157,12 +157,28 @@ static void value_at(const struct attempt *a, int at)
 	}
 }
 
+/* Quick rates at all nodes, from values by the newest rates. */
+static void quicken(const struct attempt *a, double *rate)
+{
+	const struct rb_gauss_problem *p = a->problem;
+
+	for (int j = 0; j < NODES && p->quick_rates; j++) {
+		value_at(a, j);
+		p->quick_rates(p->user, a->value, rate);
+		for (size_t i = 0; i < (size_t)p->n; i++)
+			if (rate_row(p, i) == RB_GAUSS_QUICK)
+				a->g[1 + j][i] = a->h_s * rate[i];
+	}
+}
+
 /* One visit of all nodes, each with the newest rates of the others. `rate` is scratch. */
 static enum rb_status sweep(const struct attempt *a, bool first, double *rate, double *change)
 {
 	const bool shows = a->shows && a->problem->visited;
 
 	*change = 0;
+	if (!first)
+		quicken(a, rate);
 	for (int i = 0; i < NODES; i++) {
 		if (first) {
 			value_ahead(a, i);

@@ -38,6 +38,15 @@ typedef enum rb_status rb_gauss_rates(void *user, double time_s, const double *v
                                       struct rb_error *err);
 
 /*
+ * Rates of rows that follow from values alone, with next to no cost (RB_GAUSS_QUICK), as those of
+ * orientations from spins: into `rate`, of which nothing else is written.
+ */
+typedef void rb_gauss_quick_rates(void *user, const double *value, double *rate);
+
+/* In rate_row: of a row whose rate `quick_rates` says, too. */
+enum { RB_GAUSS_QUICK = -2 };
+
+/*
  * What the rates' own rounding is over a step with these coefficients, as a share of scale: a step
  * is not asked for less. Of a step that is not accepted they may be anything.
  */
@@ -68,6 +77,11 @@ struct rb_gauss_guess {
 struct rb_gauss_problem {
 	int n;
 	rb_gauss_rates *rates;
+	/*
+	 * Called for all nodes before each visit of them, so that what the last one has changed
+	 * goes through a chain q' = w, w' = f(q) in one visit instead of two. NULL: none.
+	 */
+	rb_gauss_quick_rates *quick_rates;
 	rb_gauss_noise *noise; /* NULL: below the tolerance */
 	void *user;
 	/*
