@@ -19,6 +19,13 @@ enum { NEIGHBOURS_MAX = 48 };
  * mass, 1e-6.
  */
 static const double redundant_share = 1e-10;
+/*
+ * Of its diagonal, what a row gives way by: where rows are redundant but for next to nothing, as
+ * those of a chain that is held taut, which sags within the tolerance, drift of second order would
+ * else make velocities that are as many times larger. Others drift by this share of what they
+ * change in a step.
+ */
+static const double compliance_share = 1e-9;
 /* A refinement that leaves more than this of what was off is the last one. */
 static const double progress_share = 0.5;
 
@@ -31,7 +38,8 @@ struct unknown {
 	rb_vec3 linear;             /* along, or 0 of couples */
 	rb_vec3 torque_a, torque_b; /* of a unit impulse, on a and b */
 	rb_vec3 turn_a, turn_b;     /* spin that it makes */
-	double diagonal;            /* K_ii and softness, 1/kg */
+	double diagonal;            /* K_ii, softness and compliance, 1/kg */
+	double compliance;          /* 1/kg */
 	enum bound bound;
 };
 
@@ -52,6 +60,13 @@ struct system {
 };
 
 /* ---- unknowns ---- */
+
+/* Motors, limits and springs are redundant to nothing. */
+static bool is_held(const struct rb_constraint *row)
+{
+	return row->set == RB_CONSTRAINT_FREE ||
+	       (row->softness == 0 && isinf(row->low) && isinf(row->high));
+}
 
 static void add_unknown(struct system *s, int row_number, rb_vec3 along)
 {
@@ -77,6 +92,10 @@ static void add_unknown(struct system *s, int row_number, rb_vec3 along)
 		u->diagonal += bodies->body[row->a].inverse_mass +
 		               bodies->body[row->b].inverse_mass;
 	RB_ASSERT_COSTLY(u->diagonal > 0);
+	if (is_held(row)) {
+		u->compliance = compliance_share * u->diagonal;
+		u->diagonal += u->compliance;
+	}
 	if (row->set != RB_CONSTRAINT_INTERVAL)
 		return;
 	u->bound = row->impulse.n > row->low && row->impulse.n < row->high ? INSIDE
@@ -230,21 +249,15 @@ static void fill_block(struct system *s, int i, int j)
 		block->m[k][k] = 1;
 }
 
-/* Motors, limits and springs are redundant to nothing. */
-static bool is_held(const struct system *s, int x)
-{
-	const struct rb_constraint *row = &s->dense->row[s->unknown[x].row];
-
-	return row->set == RB_CONSTRAINT_FREE ||
-	       (row->softness == 0 && isinf(row->low) && isinf(row->high));
-}
-
 static bool factor(struct system *s)
 {
 	rb_blocks_clear(&s->blocks);
 	memset(s->least, 0, RB_BLOCK * (size_t)s->block_count * sizeof *s->least);
 	for (int x = 0; x < s->count; x++)
-		*least_of(s, x) = is_held(s, x) ? redundant_share * s->unknown[x].diagonal : 0;
+		*least_of(s, x) = s->unknown[x].compliance > 0
+		                          ? (redundant_share + compliance_share) *
+		                                    s->unknown[x].diagonal
+		                          : 0;
 	s->blocks.least = s->least;
 	for (int k = 0; k < s->block_count; k++)
 		fill_block(s, k, k);
@@ -262,7 +275,8 @@ static double short_of(const struct system *s, const struct unknown *x)
 	const rb_vec3 u = rb_constraint_velocity(&s->dense->bodies, row);
 	const rb_vec3 off = rb_vec3_sub(rb_constraint_joined(row, row->target), u);
 
-	return rb_vec3_dot(off, x->along) - row->softness * row->impulse.n;
+	return rb_vec3_dot(off, x->along) - row->softness * row->impulse.n -
+	       x->compliance * rb_vec3_dot(rb_constraint_impulse(row), x->along);
 }
 
 static void give(struct system *s, const struct unknown *x, double impulse)

@@ -428,7 +428,7 @@ static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *g
 		if (s->bad_count > 0) {
 			take_back(world);
 			world->frame_counts.rollbacks++;
-			if (++halvings > RB_HALVINGS_MAX)
+			if (rb_halvings_end(halvings++, h, dt))
 				return rb_local_rollback_give_up(world, start + done, &outcome,
 				                                 err);
 			h *= 0.5;

@@ -13,6 +13,8 @@
 #ifndef RB_STEPPED_LOCAL_ROLLBACK_H
 #define RB_STEPPED_LOCAL_ROLLBACK_H
 
+#include <math.h>
+
 #include "stepped/inside.h"
 
 /*
@@ -31,7 +33,16 @@ enum rb_status rb_local_rollback_give_up(const struct rb_world *world, double st
                                          const struct rb_attempt_outcome *outcome,
                                          struct rb_error *err);
 
-/* Halvings of a step before it is given up. */
-enum { RB_HALVINGS_MAX = 24 };
+/* Halvings of a step before it is given up: in a row, and of the whole step. */
+enum { RB_HALVINGS_MAX = 24, RB_HALVINGS_IN_ALL = 32 };
+
+/*
+ * Is a part of dt_s that has failed, after so many halvings in a row, not to be halved again? Parts
+ * that hold now and then in between come to no end where nothing holds beyond a moment.
+ */
+static inline bool rb_halvings_end(int in_a_row, double h_s, double dt_s)
+{
+	return in_a_row >= RB_HALVINGS_MAX || !(h_s > ldexp(dt_s, -RB_HALVINGS_IN_ALL));
+}
 
 #endif

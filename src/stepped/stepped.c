@@ -342,7 +342,7 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 		s->candidates.valid = false;
 		world->frame_counts.rollbacks++;
 		world->frame_counts.discarded_body_steps += (uint64_t)s->member_count;
-		if (++halvings > RB_HALVINGS_MAX)
+		if (rb_halvings_end(halvings++, h, dt))
 			return rb_local_rollback_give_up(world, start + done, &outcome, err);
 		h *= 0.5;
 	}
