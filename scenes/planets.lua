@@ -20,7 +20,7 @@ if moon then
 	callisto = sphere { name = "moon", radius = 2.4e6, mass = 1e23, gravitational_mass = 0, material = gas,
 		position = jupiter.position + vec3(0, 0, r), velocity = jupiter.velocity + vec3(math.sqrt(G * jupiter.mass / r), 0, 0) }
 end
-camera { name = "above", trails = {jupiter, saturn}, overlay = {"title", "time"}, speed = 2 * year, background = {0, 0, 0} }
+camera { name = "above", trails = {jupiter, saturn}, overlay = {"title", "time", "scale"}, units = {length = "AU", time = "yr"}, speed = 2 * year, background = {0, 0, 0} }
 
 local bodies = {sun, jupiter, saturn}
 local function centre()

@@ -281,7 +281,12 @@ struct rb_camera_vector {
 };
 
 enum { RB_CAMERA_LIGHTS_MAX = 8, RB_CAMERA_TRAILS_MAX = 64 };
-enum { RB_OVERLAY_TIME = 1u << 0, RB_OVERLAY_TITLE = 1u << 1, RB_OVERLAY_ENERGY = 1u << 2 };
+enum {
+	RB_OVERLAY_TIME = 1u << 0,
+	RB_OVERLAY_TITLE = 1u << 1,
+	RB_OVERLAY_ENERGY = 1u << 2,
+	RB_OVERLAY_SCALE = 1u << 3
+};
 enum { RB_VECTORS_VELOCITY = 1u << 0, RB_VECTORS_CONTACT = 1u << 1, RB_VECTORS_JOINT = 1u << 2 };
 
 enum rb_light_kind { RB_LIGHT_LAMP, RB_LIGHT_SUN, RB_LIGHT_SPOT, RB_LIGHT_AMBIENT };
@@ -293,6 +298,12 @@ struct rb_light_def {
 	double angle;            /* rad: of a spot, from the axis of its cone to its edge */
 	double softness;         /* of `angle`, over which a spot's light fades out */
 	double color[3], intensity;
+};
+
+/* What a camera's texts tell a quantity in. */
+struct rb_unit_def {
+	const char *name; /* NULL: chosen by the largest value */
+	double size;      /* in the scene's units: SI, or whatever it takes for them */
 };
 
 /* A film or pictures of the run: what is drawn how, from where, when and to which files. */
@@ -321,6 +332,7 @@ struct rb_camera_def {
 	bool shadows;
 	int samples;                                   /* of each pixel */
 	unsigned overlay, vectors;                     /* RB_OVERLAY_*, RB_VECTORS_* */
+	struct rb_unit_def length_unit, time_unit;     /* of its texts */
 	int trails[RB_CAMERA_TRAILS_MAX], trail_count; /* ids of bodies */
 	bool wireframe;
 	const char *png, *video; /* output patterns, NULL: none */

@@ -45,8 +45,12 @@ void rb_panel_transport(struct rb_screen *screen, rb_area area, const struct rb_
 	const uint64_t last = status->frame_count > 0 ? status->frame_count - 1 : 0;
 
 	print_speed(speed, viewer);
-	snprintf(first, sizeof first, " %-11s t %.4f of %.6g s  %s", rb_viewer_state(viewer),
-	         viewer->frame.time_s, status->duration_s, speed);
+	const struct rb_unit_def unit = viewer->camera.time_unit.name
+	                                        ? viewer->camera.time_unit
+	                                        : (struct rb_unit_def){"s", 1};
+	snprintf(first, sizeof first, " %-11s t %.4f of %.6g %s  %s", rb_viewer_state(viewer),
+	         viewer->frame.time_s / unit.size, status->duration_s / unit.size, unit.name,
+	         speed);
 	snprintf(second, sizeof second, " frame %" PRIu64 " of %" PRIu64 "%s%s  %s: %s",
 	         viewer->frame.index, last, late, stops, viewer->options.name, status->state);
 	if (area.height == 1) {

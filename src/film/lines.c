@@ -46,7 +46,7 @@ struct rb_lines {
 
 /* Lengths of arrows in diameters of a typical body: of a usual speed, of its weight. */
 static const double SPEED_SIZES = 1.5, WEIGHT_SIZES = 1;
-static const double TRAIL_PX = 2.2, WIRE_PX = 1.8, ARROW_PX = 3.2, HEAD_PX = 13;
+static const double TRAIL_PX = 2.2, DOT_PX = 6, WIRE_PX = 1.8, ARROW_PX = 3.2, HEAD_PX = 13;
 /* Widths are for this height of the picture; others scale with it. */
 static const double USUAL_HEIGHT_PX = 720;
 
@@ -206,6 +206,23 @@ static double thickness(const struct rb_lines *lines, double px)
 	return px * fmax(0.75, lines->setup.camera->size_px[1] / USUAL_HEIGHT_PX);
 }
 
+/*
+ * Where the body at the end of a trail is too small to be seen (planets on their orbits), a dot, as
+ * wide as it is long.
+ */
+static void add_dot(struct pen *pen, const struct rb_view *view, rb_vec3 at, double radius,
+                    double dot_px)
+{
+	const double half = 0.5 * dot_px * rb_view_pixel_at(view, -at.z), trail_px = pen->width_px;
+	const rb_vec3 side = {half, 0, 0};
+
+	if (!(radius < half) || (!view->parallel && at.z >= 0))
+		return;
+	pen->width_px = dot_px;
+	stroke(pen, rb_vec3_sub(at, side), rb_vec3_add(at, side), 1, 1);
+	pen->width_px = trail_px;
+}
+
 /* Trails fade from old to new and end at the body. */
 static void add_trails(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
                        const struct rb_view *view, const struct rb_trails *trails)
@@ -245,6 +262,7 @@ static void add_trails(struct rb_lines *lines, struct pen *pen, const struct rb_
 			before = here;
 			alpha_before = alpha;
 		}
+		add_dot(pen, view, before, rb_model_reach(model, index), thickness(lines, DOT_PX));
 	}
 }
 

@@ -29,8 +29,8 @@ enum {
  * of wide pictures only 9/16 of the width counts as height.
  */
 static const double size_part = 1.0 / 24, size_min_px = 9, height_most = 9.0 / 16;
-/* Shares of the letters' size: rim, distance from the edge, line spacing. */
-static const double rim_part = 0.14, margin_part = 0.6, line_part = 1.35;
+/* Shares of the letters' size: rim, distance from the edge, line spacing, thickness of a bar. */
+static const double rim_part = 0.14, margin_part = 0.6, line_part = 1.35, bar_part = 0.12;
 static const double rim_strength = 0.92; /* share of the background that the rim takes */
 /* The letters, in linear light. */
 static const float ink = 0.96f;
@@ -464,6 +464,39 @@ void rb_overlay_write(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
 	const int x = right ? pixmap->width - margin - text_width : margin;
 	const int y = bottom ? pixmap->height - down - (int)lrint(1.25 * overlay->size_px) : down;
 	put_line(overlay, pixmap, letters, count, (const int[]){x - rim, y - rim, width, height});
+}
+
+/* Blends a box of the ink with its rim, sharp, since it has no slanted edges. */
+static void put_box(struct rb_overlay *overlay, struct rb_pixmap *pixmap, const int box[4])
+{
+	const int rim = overlay->rim;
+
+	for (int y = box[1] - rim; y < box[1] + box[3] + rim; y++)
+		for (int x = box[0] - rim; x < box[0] + box[2] + rim; x++) {
+			const bool inside = x >= box[0] && x < box[0] + box[2] && y >= box[1] &&
+			                    y < box[1] + box[3];
+			if (x < 0 || y < 0 || x >= pixmap->width || y >= pixmap->height)
+				continue;
+			uint8_t *const pixel = pixmap->rgba +
+			                       4 * ((size_t)y * (size_t)pixmap->width + (size_t)x);
+			blend(overlay, pixel, inside ? 255 : 0, inside ? 0 : 255);
+		}
+}
+
+void rb_overlay_bar(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
+                    enum rb_overlay_corner corner, int line, int length_px, const char *text)
+{
+	const bool right = corner == RB_OVERLAY_TOP_RIGHT || corner == RB_OVERLAY_BOTTOM_RIGHT;
+	const bool bottom = corner == RB_OVERLAY_BOTTOM_LEFT || corner == RB_OVERLAY_BOTTOM_RIGHT;
+	const int thick = (int)fmax(1, rint(overlay->size_px * bar_part));
+	const int down = overlay->margin + (bottom ? line : line + 1) * overlay->line_height +
+	                 (bottom ? 0 : overlay->line_height / 4);
+
+	RB_ASSERT(length_px > 0);
+	rb_overlay_write(overlay, pixmap, corner, bottom ? line + 1 : line, text);
+	put_box(overlay, pixmap,
+	        (const int[]){right ? pixmap->width - overlay->margin - length_px : overlay->margin,
+	                      bottom ? pixmap->height - down - thick : down, length_px, thick});
 }
 
 bool rb_overlay_fits(struct rb_overlay *overlay, int width_px, const char *left, const char *right)

@@ -38,6 +38,13 @@ enum rb_overlay_corner {
 void rb_overlay_write(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
                       enum rb_overlay_corner corner, int line, const char *text);
 
+/*
+ * A line of text as above, with a bar of `length_px` below it that ends where the text does: two
+ * lines high.
+ */
+void rb_overlay_bar(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
+                    enum rb_overlay_corner corner, int line, int length_px, const char *text);
+
 /* Do both have room side by side, one in a left corner and one in a right one of a picture? */
 bool rb_overlay_fits(struct rb_overlay *overlay, int width_px, const char *left, const char *right);
 

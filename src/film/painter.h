@@ -41,6 +41,9 @@ RB_CHECKED enum rb_status rb_painter_draw(struct rb_painter *painter, const stru
                                           const struct rb_trails *trails, struct rb_pixmap *picture,
                                           struct rb_error *err);
 
+/* Width of a pixel where the last picture's camera looks at, m; 0 before the first. */
+double rb_painter_pixel_m(const struct rb_painter *painter);
+
 /* Wall time spent so far, ns. */
 struct rb_painter_times {
 	uint64_t draw_ns, read_ns; /* until GL has finished; copying the pixels out of it */

@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -19,10 +20,8 @@ enum { TEXT_SIZE = 256, DECIMALS_MAX = 9, ENERGY_DIGITS = 4 };
 /* U+2007, as wide as a digit: numbers keep their place while they grow. */
 static const char figure_space[] = "\xe2\x80\x87";
 
-struct unit {
-	const char *name;
-	double size; /* in SI units */
-};
+/* Part of the picture's width that a bar of the scale takes at most. */
+static const double bar_part = 0.2;
 
 struct rb_take {
 	const struct rb_model *model;
@@ -32,7 +31,7 @@ struct rb_take {
 	struct rb_trails trails;
 
 	/* how times are written: chosen once, so that they look the same in all pictures */
-	struct unit time_unit;
+	struct rb_unit_def time_unit;
 	int time_decimals, time_digits; /* behind and before the point */
 	char speed[64];                 /* "" at true speed */
 	double largest_energy;          /* J, of those seen so far */
@@ -41,20 +40,26 @@ struct rb_take {
 /* Unit and decimals of the time: enough to distinguish two pictures. */
 static void choose_time_format(struct rb_take *take)
 {
-	static const struct unit units[] = {
-		{"s", 1}, {"ms", 1e-3}, {"\xc2\xb5s", 1e-6}, {"ns", 1e-9}};
+	/* the first of which the whole time has a tenth */
+	static const struct rb_unit_def units[] = {
+		{"yr", 31557600}, {"d", 86400},        {"s", 1},
+		{"ms", 1e-3},     {"\xc2\xb5s", 1e-6}, {"ns", 1e-9}};
+	/* a run of hours is still told in seconds, one of weeks in days, one of decades in years */
+	static const double least[] = {3e8, 1e6, 0.1, 0.1e-3, 0.1e-6, 0};
 	const struct rb_schedule schedule = rb_schedule_of(take->camera, take->model->frame_rate,
 	                                                   take->model->duration_s);
 	const double end = schedule.to_s, step = schedule.speed / schedule.fps;
 	int u = 0;
 
-	while (u < 3 && end > 0 && end < 0.1 * units[u].size)
+	while (u < 5 && end < least[u])
 		u++;
-	take->time_unit = units[u];
+	take->time_unit = take->camera->time_unit;
+	if (!take->time_unit.name)
+		take->time_unit = units[end > 0 ? u : 2];
 	/* 0.9999: a step of 0.001, rounded, is one */
-	const double decimals = ceil(-log10(step / units[u].size) * 0.9999);
+	const double decimals = ceil(-log10(step / take->time_unit.size) * 0.9999);
 	take->time_decimals = (int)fmin(fmax(decimals, 0), DECIMALS_MAX);
-	const double whole = end / units[u].size;
+	const double whole = end / take->time_unit.size;
 	take->time_digits = whole < 10 ? 1 : 1 + (int)fmin(floor(log10(whole)), 15);
 }
 
@@ -65,7 +70,12 @@ static void choose_speed_text(struct rb_take *take)
 
 	if (speed == 1)
 		return;
-	if (slower > 1 && fabs(slower - nearbyint(slower)) < 1e-9 * slower && slower < 1e9)
+	/* in a unit that was asked for, and in large ones: how much of it a second of film shows */
+	if ((take->camera->time_unit.name && strcmp(take->time_unit.name, "s") != 0) ||
+	    take->time_unit.size > 1)
+		snprintf(take->speed, sizeof take->speed, "%.6g %s/s", speed / take->time_unit.size,
+		         take->time_unit.name);
+	else if (slower > 1 && fabs(slower - nearbyint(slower)) < 1e-9 * slower && slower < 1e9)
 		snprintf(take->speed, sizeof take->speed, "1/%.0f speed", slower);
 	else
 		snprintf(take->speed, sizeof take->speed, "%.4g\xc3\x97 speed", speed);
@@ -148,26 +158,51 @@ static void print_time(const struct rb_take *take, double time_s, char out[TEXT_
 	         take->speed[0] ? "    " : "", take->speed);
 }
 
+/* 10^power, in superscripts: where no prefix is left. */
+static void print_power(char out[48], int power)
+{
+	static const char *const digits[] = {
+		"\xe2\x81\xb0", "\xc2\xb9",     "\xc2\xb2",     "\xc2\xb3",     "\xe2\x81\xb4",
+		"\xe2\x81\xb5", "\xe2\x81\xb6", "\xe2\x81\xb7", "\xe2\x81\xb8", "\xe2\x81\xb9"};
+	char number[16];
+
+	snprintf(number, sizeof number, "%d", abs(power));
+	strcpy(out, power < 0 ? "\xc3\x97"
+	                        "10\xe2\x81\xbb"
+	                      : "\xc3\x97"
+	                        "10");
+	for (const char *at = number; *at; at++)
+		strcat(out, digits[*at - '0']);
+	strcat(out, " J");
+}
+
 /* Energies with digits that suit the largest so far: small ones then look small. */
 static void print_energy(const struct rb_take *take, double total, double kinetic,
                          char out[TEXT_SIZE])
 {
-	static const struct unit units[] = {{"nJ", 1e-9}, {"\xc2\xb5J", 1e-6}, {"mJ", 1e-3},
-	                                    {"J", 1},     {"kJ", 1e3},         {"MJ", 1e6},
-	                                    {"GJ", 1e9}};
-	int u = 0;
+	enum { UNITS = 9, JOULE = 3 };
+	static const struct rb_unit_def units[UNITS] = {
+		{"nJ", 1e-9}, {"\xc2\xb5J", 1e-6}, {"mJ", 1e-3}, {"J", 1},    {"kJ", 1e3},
+		{"MJ", 1e6},  {"GJ", 1e9},         {"TJ", 1e12}, {"PJ", 1e15}};
+	const double most = take->largest_energy;
+	struct rb_unit_def unit = units[JOULE];
+	char power_of_ten[48];
 
-	while (u < 6 && take->largest_energy >= units[u + 1].size)
-		u++;
-	if (!(take->largest_energy > 0))
-		u = 3;
-	const double size = units[u].size, largest = take->largest_energy / size;
+	for (int u = 0; most > 0 && u < UNITS; u++)
+		if (u == 0 || most >= units[u].size)
+			unit = units[u];
+	if (most > 0 && isfinite(most) && (most < 1e-9 || most >= 1e18)) {
+		const int power = 3 * (int)floor(log10(most) / 3);
+		print_power(power_of_ten, power);
+		unit = (struct rb_unit_def){power_of_ten, pow(10, power)};
+	}
+	const double size = unit.size, largest = most / size;
 	const int before = largest >= 1 && largest < 1e15 ? 1 + (int)floor(log10(largest)) : 1;
 	const int decimals = before < ENERGY_DIGITS ? ENERGY_DIGITS - before : 0;
 	char e[64], k[64];
 	pad_number(e, "E = ", total / size, decimals, before);
 	pad_number(k, "(kinetic ", kinetic / size, decimals, before);
-	snprintf(out, TEXT_SIZE, "%s %s %s)", e, units[u].name, k);
+	snprintf(out, TEXT_SIZE, "%s %s %s)", e, unit.name, k);
 }
 
 /* Writes the energy beside the time, or above it if the longest one would not fit. */
@@ -185,6 +220,33 @@ static void write_energy(struct rb_take *take, const struct rb_frame *frame, con
 	rb_overlay_write(take->overlay, picture, RB_OVERLAY_BOTTOM_RIGHT, fits ? 0 : 1, text);
 }
 
+/* A bar of a round length, which changes only where the camera comes nearer or goes away. */
+static void write_scale(struct rb_take *take, struct rb_pixmap *picture)
+{
+	static const struct rb_unit_def units[] = {
+		{"nm", 1e-9},         {"\xc2\xb5m", 1e-6},     {"mm", 1e-3}, {"m", 1}, {"km", 1e3},
+		{"AU", 149597870700}, {"ly", 9460730472580800}};
+	enum { UNITS = sizeof units / sizeof *units };
+	const double pixel = rb_painter_pixel_m(take->painter);
+	const double room = bar_part * picture->width * pixel;
+	struct rb_unit_def unit = take->camera->length_unit;
+	char text[TEXT_SIZE];
+
+	if (!(room > 0 && isfinite(room)))
+		return;
+	for (int u = 0; !take->camera->length_unit.name && u < UNITS; u++)
+		/* 0.1 AU is told as such, not as fifteen million kilometres */
+		if (u == 0 || room >= (u < UNITS - 2 ? 1 : 0.1) * units[u].size)
+			unit = units[u];
+	const double decade = pow(10, floor(log10(room / unit.size)));
+	const double lead = room / unit.size / decade;
+	const double length = (lead >= 5 ? 5 : lead >= 2 ? 2 : 1) * decade;
+	const int bar_px = (int)lrint(length * unit.size / pixel);
+	snprintf(text, sizeof text, "%.12g %s", length, unit.name);
+	rb_overlay_bar(take->overlay, picture, RB_OVERLAY_TOP_RIGHT, 0, bar_px > 0 ? bar_px : 1,
+	               text);
+}
+
 /* The texts that the camera asks for. */
 static void write_texts(struct rb_take *take, const struct rb_frame *frame,
                         struct rb_pixmap *picture)
@@ -199,6 +261,8 @@ static void write_texts(struct rb_take *take, const struct rb_frame *frame,
 		print_time(take, frame->time_s, time);
 		rb_overlay_write(take->overlay, picture, RB_OVERLAY_BOTTOM_LEFT, 0, time);
 	}
+	if (wanted & RB_OVERLAY_SCALE)
+		write_scale(take, picture);
 	if (wanted & RB_OVERLAY_ENERGY)
 		write_energy(take, frame, time, picture);
 }

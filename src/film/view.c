@@ -187,6 +187,7 @@ static enum rb_status aim(struct rb_view *view, const struct rb_model *model,
 		               file_of(model, camera), camera->line, label(camera), frame->time_s,
 		               up.x, up.y, up.z);
 	view->back = back;
+	view->aim_m = rb_vec3_length(rb_vec3_sub(view->eye, target));
 	view->right = rb_vec3_unit(across, across);
 	view->up = rb_vec3_cross(view->back, view->right);
 	return RB_OK;

@@ -36,6 +36,7 @@ struct rb_view {
 	 */
 	double near, far;
 	int width, height;
+	double aim_m; /* from the eye to what it looks at, along the line of sight */
 };
 
 /* Of a body by its id; the model's where it never moves or the frame has no orientations. */

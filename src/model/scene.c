@@ -421,7 +421,8 @@ enum rb_status rb_scene_add_camera(struct rb_scene *scene, const struct rb_camer
 	struct rb_camera_def camera = *def;
 
 	if (!own(scene, &camera.name) || !own(scene, &camera.file) || !own(scene, &camera.png) ||
-	    !own(scene, &camera.video) ||
+	    !own(scene, &camera.video) || !own(scene, &camera.length_unit.name) ||
+	    !own(scene, &camera.time_unit.name) ||
 	    !reserve(scene, &scene->cameras, ARRAY_CAMERAS, scene->camera_count, sizeof camera))
 		return out_of_memory("cameras", err);
 	scene->cameras[scene->camera_count++] = camera;

@@ -15,6 +15,7 @@
 #include "math/vec3.h"
 #include "script/body_calls.h"
 #include "script/fields.h"
+#include "script/nearest.h"
 #include "script/values.h"
 
 /*
@@ -122,6 +123,115 @@ static void read_trails(struct rb_call *call, struct rb_camera_def *def)
 		def->trail_count = count;
 		lua_pop(call->L, 1);
 	}
+}
+
+struct named_size {
+	const char *key, *name; /* what a scene writes, and what a picture shows */
+	double size;            /* m or s */
+};
+
+/* Radii: nominal ones of IAU 2015 B3 (of planets at the equator); of the Moon the mean one. */
+static const struct named_size lengths[] = {
+	{"nm", "nm", 1e-9},
+	{"um", "\xc2\xb5m", 1e-6},
+	{"mm", "mm", 1e-3},
+	{"cm", "cm", 1e-2},
+	{"m", "m", 1},
+	{"km", "km", 1e3},
+	{"R_moon", "R\xe2\x98\xbe", 1.7374e6},
+	{"R_earth", "R\xe2\x8a\x95", 6.3781e6},
+	{"R_jupiter", "R\xe2\x99\x83", 7.1492e7},
+	{"R_sun", "R\xe2\x98\x89", 6.957e8},
+	{"AU", "AU", 149597870700},
+	{"ly", "ly", 9460730472580800},
+	{"pc", "pc", 3.0856775814913673e16},
+	{NULL, NULL, 0},
+};
+
+/* A year is 365.25 days. */
+static const struct named_size times[] = {
+	{"ns", "ns", 1e-9},
+	{"us", "\xc2\xb5s", 1e-6},
+	{"ms", "ms", 1e-3},
+	{"s", "s", 1},
+	{"min", "min", 60},
+	{"h", "h", 3600},
+	{"d", "d", 86400},
+	{"yr", "yr", 31557600},
+	{"kyr", "kyr", 31557600e3},
+	{"Myr", "Myr", 31557600e6},
+	{NULL, NULL, 0},
+};
+
+/* Notes a name that is none, with the nearest that is one. */
+static void no_such_unit(const struct rb_call *part, const char *key, const char *word,
+                         const struct named_size *known)
+{
+	struct rb_nearest nearest = rb_nearest_to(word);
+	char hint[96];
+
+	for (; known->key; known++)
+		rb_nearest_offer(&nearest, known->key, strlen(known->key));
+	rb_call_mistake(part, "'%s': unknown unit '%.40s'%s", key, word,
+	                rb_nearest_hint(&nearest, hint));
+}
+
+/* Reads {NAME, SIZE}, which is at the top of the stack; false: it is none. */
+static bool read_own_unit(lua_State *L, struct rb_unit_def *unit)
+{
+	enum { NAME_MOST = 16 };
+
+	if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != 2)
+		return false;
+	lua_rawgeti(L, -1, 1);
+	lua_rawgeti(L, -2, 2);
+	const bool right = lua_type(L, -2) == LUA_TSTRING && lua_rawlen(L, -2) > 0 &&
+	                   lua_rawlen(L, -2) <= NAME_MOST && lua_type(L, -1) == LUA_TNUMBER &&
+	                   lua_tonumber(L, -1) > 0 && isfinite(lua_tonumber(L, -1));
+	/* the text lives in the scene's table while the call lasts; the scene then copies it */
+	if (right)
+		*unit = (struct rb_unit_def){lua_tostring(L, -2), lua_tonumber(L, -1)};
+	lua_pop(L, 2);
+	return right;
+}
+
+/* Reads a unit by its name, or one of the scene's own. */
+static void read_unit(struct rb_call *part, const char *key, const struct named_size *known,
+                      struct rb_unit_def *unit)
+{
+	lua_State *const L = part->L;
+	char found[80];
+	const int type = rb_call_push(part, key);
+
+	if (type == LUA_TSTRING) {
+		const char *const word = lua_tostring(L, -1);
+		const struct named_size *at = known;
+		while (at->key && strcmp(at->key, word) != 0)
+			at++;
+		if (at->key)
+			*unit = (struct rb_unit_def){at->name, at->size};
+		else
+			no_such_unit(part, key, word, known);
+	} else if (type != LUA_TNIL && !read_own_unit(L, unit)) {
+		rb_call_mistake(part, "'%s' must be the name of a unit, or {NAME, SIZE} (got %s)",
+		                key, rb_describe(L, -1, found));
+	}
+	lua_pop(L, 1);
+}
+
+/* Reads `units`. */
+static void read_units(struct rb_call *call, struct rb_camera_def *def)
+{
+	if (rb_call_push(call, "units") != LUA_TNIL) {
+		struct rb_call part = rb_call_part(call, &rb_rows_units, -1, 0);
+
+		rb_call_read(&part, def);
+		if (lua_type(call->L, -1) == LUA_TTABLE) {
+			read_unit(&part, "length", lengths, &def->length_unit);
+			read_unit(&part, "time", times, &def->time_unit);
+		}
+	}
+	lua_pop(call->L, 1);
 }
 
 bool rb_camera_is_numbered(const char *pattern)
@@ -237,6 +347,7 @@ static int l_camera(lua_State *L)
 	rb_call_read(&call, &def);
 	read_lights(&call, &def);
 	read_trails(&call, &def);
+	read_units(&call, &def);
 	check_camera(&call, &def);
 	rb_name_take(&call, "camera", def.name);
 	rb_sandbox_charge_bytes(L, sizeof def);

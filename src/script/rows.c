@@ -245,10 +245,13 @@ static const struct rb_row camera_rows[] = {
          "whether lights cast shadows; of the default lights only the sun does"},
 	{"samples", RB_ROW_INTEGER, RB_RANGE_SAMPLES, 0, AT(rb_camera_def, samples), NULL, NULL,
          "4", "", "per pixel, against jagged edges"},
-	{"overlay", RB_ROW_FLAGS, 0, 0, AT(rb_camera_def, overlay), "time, title, energy", NULL,
-         "none", "",
-         "text over the picture: simulated time with the speed, title of the world, energies; "
-         "one or a list"},
+	{"overlay", RB_ROW_FLAGS, 0, 0, AT(rb_camera_def, overlay), "time, title, energy, scale",
+         NULL, "none", "",
+         "text over the picture: simulated time with the speed, title of the world, energies, a "
+         "bar "
+         "with its length at the distance of look_at; one or a list"},
+	{"units", RB_ROW_TABLE, 0, 0, HAND, NULL, NULL, "by size", "",
+         "in which the overlay tells lengths and times: {length = \"AU\", time = \"d\"}"},
 	{"trails", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "none", "",
          "a list of bodies whose paths since the start are drawn, at most 64"},
 	{"vectors", RB_ROW_FLAGS, 0, 0, AT(rb_camera_def, vectors), "velocity, contact, joint",
@@ -267,6 +270,14 @@ static const struct rb_row camera_rows[] = {
          "pictures, with one %d for their number, which counts from 0: frames/%05d.png"},
 	{"video", RB_ROW_FILE, 0, 0, AT(rb_camera_def, video), NULL, NULL, "none", "",
          "a film: .mp4, .webm or .gif, made by ffmpeg"},
+};
+
+static const struct rb_row units_rows[] = {
+	{"length", RB_ROW_TEXT, 0, 0, HAND, NULL, NULL, "by size", "",
+         "nm, um, mm, cm, m, km, R_moon, R_earth, R_jupiter, R_sun, AU, ly or pc; or {NAME, SIZE}, "
+         "SIZE in the scene's metres"},
+	{"time", RB_ROW_TEXT, 0, 0, HAND, NULL, NULL, "by size", "",
+         "ns, us, ms, s, min, h, d, yr, kyr or Myr; or {NAME, SIZE}, SIZE in the scene's seconds"},
 };
 
 static const struct rb_row light_rows[] = {
@@ -415,6 +426,7 @@ static const struct rb_row_table rows_part = {"shapes", ROWS(part_rows), NULL};
 const struct rb_row_table rb_rows_force = {"forces", ROWS(force_rows), NULL};
 const struct rb_row_table rb_rows_particle = {"particles", ROWS(particle_rows), NULL};
 const struct rb_row_table rb_rows_camera = {"camera", ROWS(camera_rows), NULL};
+const struct rb_row_table rb_rows_units = {"units", ROWS(units_rows), NULL};
 const struct rb_row_table rb_rows_light = {"lights", ROWS(light_rows), NULL};
 const struct rb_row_table rb_rows_record = {"record", ROWS(record_rows), NULL};
 const struct rb_row_table rb_rows_field = {"field", ROWS(field_rows), NULL};
@@ -641,8 +653,9 @@ void rb_fields_print(FILE *file)
 	static const struct rb_row_table *const before[] = {
 		&rb_rows_world, &rb_rows_gravitation, &rb_rows_material, &rb_rows_contact_pair};
 	static const struct rb_row_table *const after[] = {
-		&rb_rows_body,   &rb_rows_force, &rb_rows_particle, &rb_rows_camera, &rb_rows_light,
-		&rb_rows_record, &rb_rows_param, &rb_rows_field,    &rb_rows_measure};
+		&rb_rows_body,  &rb_rows_force, &rb_rows_particle, &rb_rows_camera,
+		&rb_rows_units, &rb_rows_light, &rb_rows_record,   &rb_rows_param,
+		&rb_rows_field, &rb_rows_measure};
 
 	for (size_t t = 0; t < sizeof before / sizeof *before; t++)
 		print_table(file, before[t]);

@@ -11,7 +11,7 @@ plane { normal = {0, 0, 1}, material = m, texture = "checker" }
 sphere { name = "red", radius = 0.5, position = {-1.2, 0, 0.6}, material = m, color = {1, 0, 0} }
 sphere { name = "green", radius = 0.5, position = {0, 0, 0.6}, material = m, color = {0, 1, 0} }
 sphere { name = "blue", radius = 0.5, position = {1.2, 0, 0.6}, material = m, color = {0, 0, 1} }
-camera { name = "main", position = {0, -5, 2}, look_at = {0, 0, 0.5} }
+camera { name = "main", position = {0, -5, 2}, look_at = {0, 0, 0.5}, units = {time = "ms"} }
 END
 exits 0 s.lua
 
@@ -28,7 +28,7 @@ colours()
 {
 	infocmp "$1" >/dev/null 2>&1 || { echo "no entry for '$1'" >&2; return; }
 	enters "clear; TERM=$1 COLORTERM=$2 LC_ALL=$3 $RBSIM console s.h5"
-	sees '^ at the end'
+	sees '^ at the end *t 100.0000 of 100 ms '
 	sees "$6"
 	found=$(kinds)
 	case " $found" in
