@@ -30,6 +30,7 @@ enum rb_shape_kind {
 	RB_SHAPE_CYLINDER,
 	RB_SHAPE_HULL,
 	RB_SHAPE_UNION,
+	RB_SHAPE_TERRAIN,
 	RB_SHAPE_KIND_COUNT
 };
 
@@ -53,11 +54,12 @@ static inline bool rb_shape_has_parts(enum rb_shape_kind kind)
  *   capsule    radius about a segment of length size[2] along local z
  *   cylinder   radius, and size[2] its height along local z
  *   hull       the convex hull of points: solids[solid]
- *   union      several of the above but planes and rectangles, rigidly joined: solids[solid]
+ *   terrain    triangles beside each other, static, two-sided, without thickness: solids[solid]
+ *   union      several of the above but planes, rectangles and terrains, rigidly joined: solids[solid]
  */
 struct rb_shape {
 	enum rb_shape_kind kind; /* which of the numbers below it reads */
-	int solid;               /* in scene.solids, of hulls and unions; not read of others */
+	int solid;               /* in scene.solids, of hulls, unions, terrains */
 	double radius;           /* m */
 	double size[3];          /* m */
 };
@@ -545,6 +547,15 @@ RB_CHECKED enum rb_status rb_scene_add_hull(struct rb_scene *scene, const rb_vec
 RB_CHECKED enum rb_status rb_scene_add_union(struct rb_scene *scene,
                                              const struct rb_solid_part *parts, size_t count,
                                              int *solid, struct rb_error *err);
+/*
+ * A terrain of triangles, three numbers of vertices each; those without area are left out.
+ * RB_ERR_SCENE: a vertex is not finite, a number is none of a vertex, or there are no triangles, or
+ * more than RB_TERRAIN_MAX.
+ */
+enum { RB_TERRAIN_MAX = 65536 };
+RB_CHECKED enum rb_status rb_scene_add_terrain(struct rb_scene *scene, const rb_vec3 *vertices,
+                                               size_t vertex_count, const int (*corners)[3],
+                                               size_t count, int *solid, struct rb_error *err);
 /* A copy of a solid that is complete. */
 RB_CHECKED enum rb_status rb_scene_add_solid(struct rb_scene *scene, const struct rb_solid *def,
                                              int *solid, struct rb_error *err);

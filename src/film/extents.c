@@ -5,6 +5,8 @@
  */
 #include "film/extents.h"
 
+#include "geom/terrain.h"
+
 #include <math.h>
 
 #include "base/error.h"
@@ -114,6 +116,20 @@ static double hull_distance(const struct rb_solid *solid, rb_vec3 p)
 	return most;
 }
 
+/* m: from p to the nearest triangle of a terrain. */
+static double terrain_distance(const struct rb_solid *solid, rb_vec3 p)
+{
+	double least = (double)INFINITY;
+
+	for (int f = 0; f < solid->face_count; f++) {
+		const int *const corner = solid->loops + 3 * (size_t)f;
+		least = fmin(least, rb_terrain_distance(&solid->vertices[corner[0]],
+		                                        &solid->vertices[corner[1]],
+		                                        &solid->vertices[corner[2]], p));
+	}
+	return least;
+}
+
 /* Distance of p in the part's axes; INFINITY for parts without volume. */
 static double part_distance(const struct rb_scene *scene, const struct rb_shape *shape, rb_vec3 p)
 {
@@ -121,6 +137,8 @@ static double part_distance(const struct rb_scene *scene, const struct rb_shape 
 
 	if (type->form == RB_FORM_SURFACE) /* has no volume */
 		return (double)INFINITY;
+	if (shape->kind == RB_SHAPE_TERRAIN)
+		return terrain_distance(&scene->solids[shape->solid], p);
 	return type->distance ? type->distance(shape, p)
 	                      : hull_distance(&scene->solids[shape->solid], p);
 }

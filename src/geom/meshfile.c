@@ -161,8 +161,9 @@ static size_t make_distinct(rb_vec3 *points, size_t count)
 	return kept;
 }
 
-enum rb_status rb_meshfile_read(enum rb_meshfile_kind kind, const char *bytes, size_t size,
-                                rb_vec3 *points, size_t *count, struct rb_error *err)
+/* Reads all corners, as often as the file has them. */
+static enum rb_status read_corners(enum rb_meshfile_kind kind, const char *bytes, size_t size,
+                                   rb_vec3 *points, size_t *count, struct rb_error *err)
 {
 	enum rb_status status;
 
@@ -180,8 +181,130 @@ enum rb_status rb_meshfile_read(enum rb_meshfile_kind kind, const char *bytes, s
 		                   count, err);
 	if (status)
 		return status;
-	if (*count == 0)
-		return RB_FAIL(err, RB_ERR_SCENE, "it has no corners");
-	*count = make_distinct(points, *count);
+	return *count > 0 ? RB_OK : RB_FAIL(err, RB_ERR_SCENE, "it has no corners");
+}
+
+enum rb_status rb_meshfile_read(enum rb_meshfile_kind kind, const char *bytes, size_t size,
+                                rb_vec3 *points, size_t *count, struct rb_error *err)
+{
+	const enum rb_status status = read_corners(kind, bytes, size, points, count, err);
+
+	if (status == RB_OK)
+		*count = make_distinct(points, *count);
+	return status;
+}
+
+/* ---- triangles ---- */
+
+static enum rb_status too_many(size_t most, struct rb_error *err)
+{
+	return RB_FAIL(err, RB_ERR_SCENE, "it has more than %zu triangles", most);
+}
+
+/* Place of a point among distinct ones in order (bisection). */
+static int place_of(const rb_vec3 *points, size_t count, rb_vec3 point)
+{
+	size_t from = 0, to = count;
+
+	while (to - from > 1) {
+		const size_t middle = from + (to - from) / 2;
+		if (is_before(point, points[middle]))
+			to = middle;
+		else
+			from = middle;
+	}
+	return (int)from;
+}
+
+/* Three corners in a row are a triangle of STL. */
+static enum rb_status join_corners(rb_vec3 *points, size_t *count, int (*corners)[3], size_t most,
+                                   size_t *triangles, struct rb_error *err)
+{
+	rb_vec3 *const all = points + *count;
+	const size_t all_count = *count;
+
+	if (all_count % 3 != 0)
+		return RB_FAIL(err, RB_ERR_SCENE,
+		               "it is cut off: its last triangle has %zu corner%s", all_count % 3,
+		               all_count % 3 == 1 ? "" : "s");
+	if (all_count / 3 > most)
+		return too_many(most, err);
+	memcpy(all, points, all_count * sizeof *all);
+	*count = make_distinct(points, all_count);
+	for (size_t k = 0; k < all_count; k++)
+		corners[k / 3][k % 3] = place_of(points, *count, all[k]);
+	*triangles = all_count / 3;
 	return RB_OK;
+}
+
+/*
+ * A corner of a face, `7`, `7/1`, `7//2` or `-1`, counted from 1, or back from the last vertex that
+ * the file has had so far; it becomes counted from 0. False: it is none.
+ */
+static bool read_index(const char **text, size_t so_far, int *index)
+{
+	const char *const from = *text + strspn(*text, " \t");
+	char *end;
+
+	if (!strchr("+-0123456789", *from) || *from == '\0')
+		return false;
+	const long long number = strtoll(from, &end, 10);
+	const long long place = number < 0 ? (long long)so_far + number : number - 1;
+	if (end == from || place < 0 || place >= (long long)so_far)
+		return false;
+	*text = end + strcspn(end, " \t\r\n");
+	*index = (int)place;
+	return true;
+}
+
+/* Reads the faces of OBJ. */
+static enum rb_status read_faces(const char *bytes, size_t size, int (*corners)[3], size_t most,
+                                 size_t *triangles, struct rb_error *err)
+{
+	const char *const end = bytes + size;
+	size_t line = 1, so_far = 0;
+
+	for (const char *at = bytes; at < end; line++) {
+		at += strspn(at, " \t");
+		const char *const newline = memchr(at, '\n', (size_t)(end - at));
+		so_far += at[0] == 'v' && (at[1] == ' ' || at[1] == '\t');
+		if (at[0] == 'f' && (at[1] == ' ' || at[1] == '\t')) {
+			int first = 0, before = 0, now, found = 0;
+			for (at++; read_index(&at, so_far, &now); found++) {
+				if (found >= 2 && *triangles == most)
+					return too_many(most, err);
+				if (found >= 2)
+					memcpy(corners[(*triangles)++],
+					       (const int[]){first, before, now}, sizeof *corners);
+				first = found == 0 ? now : first;
+				before = now;
+			}
+			at += strspn(at, " \t\r");
+			if (found < 3 || (*at != '\n' && *at != '\0' && *at != '#'))
+				return RB_FAIL(err, RB_ERR_SCENE,
+				               "line %zu is no face of three vertices or more, all "
+				               "of which stand above it",
+				               line);
+		}
+		at = newline ? newline + 1 : end;
+	}
+	return RB_OK;
+}
+
+enum rb_status rb_meshfile_read_triangles(enum rb_meshfile_kind kind, const char *bytes,
+                                          size_t size, rb_vec3 *points, size_t *count,
+                                          int (*corners)[3], size_t most, size_t *triangles,
+                                          struct rb_error *err)
+{
+	enum rb_status status = read_corners(kind, bytes, size, points, count, err);
+
+	*triangles = 0;
+	if (status)
+		return status;
+	status = kind == RB_MESHFILE_STL
+	                 ? join_corners(points, count, corners, most, triangles, err)
+	                 : read_faces(bytes, size, corners, most, triangles, err);
+	if (!status && *triangles == 0)
+		status = RB_FAIL(err, RB_ERR_SCENE, "it has no triangles");
+	return status;
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Corners of a triangle mesh from the bytes of a file that nobody vouches for: STL, binary or text,
- * and Wavefront OBJ. Pure functions.
+ * Corners and triangles of a mesh from the bytes of a file that nobody vouches for: STL, binary or
+ * text, and Wavefront OBJ. Pure functions.
  *
  * STL has no index: each triangle repeats its corners, so that corners that are equal to the bit
- * are made one. Of OBJ the lines `v x y z` are read, and nothing else. Whether the triangles close
- * a surface is not looked at.
+ * are made one. Of OBJ the lines `v x y z` and, for triangles, `f a b c ...` are read, and nothing
+ * else. Whether the triangles close a surface is not looked at.
  */
 #ifndef RB_GEOM_MESHFILE_H
 #define RB_GEOM_MESHFILE_H
@@ -32,5 +32,15 @@ size_t rb_meshfile_corners_max(enum rb_meshfile_kind kind, size_t size);
 RB_CHECKED enum rb_status rb_meshfile_read(enum rb_meshfile_kind kind, const char *bytes,
                                            size_t size, rb_vec3 *points, size_t *count,
                                            struct rb_error *err);
+
+/*
+ * Triangles, by their corners in `points`, which has room for twice as many as above: the first
+ * `count` are set. Faces of more corners are divided from their first. RB_ERR_SCENE also where
+ * there are more than `most`, which `corners` has room for, or none.
+ */
+RB_CHECKED enum rb_status rb_meshfile_read_triangles(enum rb_meshfile_kind kind, const char *bytes,
+                                                     size_t size, rb_vec3 *points, size_t *count,
+                                                     int (*corners)[3], size_t most,
+                                                     size_t *triangles, struct rb_error *err);
 
 #endif

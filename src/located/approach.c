@@ -42,6 +42,9 @@ struct extent {
 	double ball, core, along, across;
 };
 
+/* Facets of a terrain that a search looks at, by and large: decides cost only. */
+enum { FACETS_NEAR = 8 };
+
 /* A pair on its way: what holds for the search, and of the present moment. */
 struct course {
 	const struct rb_located *l;
@@ -85,6 +88,9 @@ static struct extent extent_of(const struct rb_located *l, int i, rb_vec3 axis)
 	e.ball = rb_vec3_length(centre) + (shape->kind == RB_SHAPE_RECTANGLE
 	                                           ? 0.5 * (shape->size[0] + shape->size[1])
 	                                           : rb_model_reach(l->model, i));
+	/* a terrain does not turn: what its points do is not asked for */
+	if (parts->terrain)
+		return (struct extent){e.ball, e.ball, e.ball, e.ball};
 	for (int k = 0; k < parts->count; k++) {
 		const struct rb_body_part *part = &parts->part[k];
 		const rb_core *core = &part->core;
@@ -531,6 +537,55 @@ static double safe_parts(const struct course *c, const struct rb_feature_side *a
 	return safe;
 }
 
+/* m: how far a point gets in a time, at most. */
+static double way_in(const struct course *c, double s)
+{
+	return c->speed * s + 0.5 * c->external_max * s * s;
+}
+
+/*
+ * The same for a body and a terrain. Of what is far away, in terms of what is nearest, only that is
+ * said, so that few facets are asked.
+ */
+static double safe_over_terrain(const struct course *c, const struct rb_body_parts *terrain,
+                                double *gap)
+{
+	const int of_a = rb_model_parts(c->l->model, c->pair.a)->count;
+	const struct rb_pose *const here = &c->pair.pose_a, *const there = &c->pair.pose_b;
+	struct rb_feature_side a, b;
+	double safe = c->horizon_s;
+
+	*gap = (double)INFINITY;
+	for (int i = 0; i < of_a; i++) {
+		struct rb_near_parts near;
+		bool first = true;
+		int j;
+
+		rb_touch_side(c->l, c->pair.a, i, here, here, &a);
+		const double reach = rb_convex_reach(a.core);
+		rb_near_parts_begin(&near, terrain, there->position, there->orientation,
+		                    rb_vec3_add(here->position, a.at),
+		                    reach + c->band + way_in(c, safe));
+		while ((j = rb_near_parts_next(&near)) >= 0) {
+			double between;
+
+			rb_touch_side(c->l, c->pair.b, j, there, here, &b);
+			const double own = safe_parts(c, &a, &b, &between, safe);
+			if (first) {
+				const double span = rb_vec3_length(rb_vec3_sub(b.at, a.at)) +
+				                    reach + rb_convex_reach(b.core);
+				safe = fmin(safe,
+				            falls_after(2 * span, -c->speed, -c->external_max));
+			}
+			first = false;
+			safe = fmin(safe, own);
+			*gap = fmin(*gap, between);
+			rb_near_parts_limit(&near, reach + c->band + way_in(c, safe));
+		}
+	}
+	return safe;
+}
+
 /* The same for two bodies: the earliest of all parts. */
 static double safe_bodies(const struct course *c, double *gap)
 {
@@ -541,6 +596,8 @@ static double safe_bodies(const struct course *c, double *gap)
 	struct rb_feature_side a, b;
 	double safe = HUGE_VAL;
 
+	if (rb_model_parts(model, c->pair.b)->terrain)
+		return safe_over_terrain(c, rb_model_parts(model, c->pair.b), gap);
 	*gap = (double)INFINITY;
 	for (int i = 0; i < of_a; i++) {
 		rb_touch_side(c->l, c->pair.a, i, &c->pair.pose_a, here, &a);
@@ -689,8 +746,11 @@ static uint64_t turning_cost(const struct rb_located *l, int i, double t)
 static void search(struct course *c, double from, double until, struct rb_approach *found)
 {
 	const struct rb_model *model = c->l->model;
-	const uint64_t parts = (uint64_t)rb_model_parts(model, c->pair.a)->count *
-	                       (uint64_t)rb_model_parts(model, c->pair.b)->count;
+	/* of a terrain few are near enough to be looked at */
+	const int of_b = rb_model_parts(model, c->pair.b)->terrain
+	                         ? FACETS_NEAR
+	                         : rb_model_parts(model, c->pair.b)->count;
+	const uint64_t parts = (uint64_t)rb_model_parts(model, c->pair.a)->count * (uint64_t)of_b;
 	/*
 	 * no farther ahead than rotation is followed soon: what spins a million times is asked
 	 * again

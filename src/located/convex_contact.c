@@ -246,6 +246,23 @@ struct rb_contact_point rb_touch_passed_on(const struct rb_located *l,
 
 /* ---- the nearest ---- */
 
+/* Parts of b that come within a distance of a part of a, of which only b may be a terrain. */
+static void near_part(const struct rb_located *l, const struct rb_touch_pair *pair, int part_a,
+                      double within, struct rb_near_parts *near, double *reach)
+{
+	const struct rb_body_parts *const parts = rb_model_parts(l->model, pair->b);
+	struct rb_feature_side a;
+
+	*reach = 0;
+	*near = (struct rb_near_parts){.count = parts->count};
+	if (!parts->terrain)
+		return;
+	rb_touch_side(l, pair->a, part_a, &pair->pose_a, NULL, &a);
+	*reach = rb_convex_reach(a.core);
+	rb_near_parts_begin(near, parts, pair->pose_b.position, pair->pose_b.orientation,
+	                    rb_vec3_add(pair->pose_a.position, a.at), within + *reach);
+}
+
 /* Lower bound of the distance of two parts by their bounding balls, m; -INFINITY for a plane. */
 static double least_between(const struct couple *c)
 {
@@ -265,8 +282,13 @@ double rb_touch_gap(const struct rb_located *l, const struct rb_touch_pair *pair
 	struct couple c;
 
 	*parts = 0;
-	for (int i = 0; i < of_a; i++)
-		for (int j = 0; j < of_b; j++) {
+	for (int i = 0; i < of_a; i++) {
+		struct rb_near_parts near;
+		double reach;
+		int j;
+
+		near_part(l, pair, i, fmax(least, 0), &near, &reach);
+		while ((j = rb_near_parts_next(&near)) >= 0) {
 			const uint32_t these = (uint32_t)i << 16 | (uint32_t)j;
 			couple_of(l, pair, these, &c);
 			if (of_a * of_b > 1 && least_between(&c) > least)
@@ -277,8 +299,10 @@ double rb_touch_gap(const struct rb_located *l, const struct rb_touch_pair *pair
 			if (gap < least) {
 				least = gap;
 				*parts = these;
+				rb_near_parts_limit(&near, fmax(least, 0) + reach);
 			}
 		}
+	}
 	return least;
 }
 
@@ -361,14 +385,18 @@ static void add_rim(struct search *s, const struct couple *c, const struct rb_co
 static void add_names(struct search *s, const struct rb_touch_pair *pair)
 {
 	const int of_a = rb_model_parts(s->l->model, pair->a)->count;
-	const int of_b = rb_model_parts(s->l->model, pair->b)->count;
 	const rb_vec3 none = {0, 0, 0};
 	rb_manifold manifold;
 	struct couple c;
 
 	s->pair = pair;
-	for (int i = 0; i < of_a; i++)
-		for (int j = 0; j < of_b; j++) {
+	for (int i = 0; i < of_a; i++) {
+		struct rb_near_parts near;
+		double reach;
+		int j;
+
+		near_part(s->l, pair, i, s->depth, &near, &reach);
+		while ((j = rb_near_parts_next(&near)) >= 0) {
 			const uint32_t parts = (uint32_t)i << 16 | (uint32_t)j;
 			couple_of(s->l, pair, parts, &c);
 			if (least_between(&c) > s->depth)
@@ -389,6 +417,7 @@ static void add_names(struct search *s, const struct rb_touch_pair *pair)
 				                                  none});
 			}
 		}
+	}
 }
 
 /* Moves a pose on by s seconds at constant velocities. */

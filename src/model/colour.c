@@ -32,7 +32,8 @@ void rb_colour_of(const struct rb_scene *scene, const struct rb_body_def *body, 
 	RB_ASSERT(body->material >= 0 && body->material < scene->material_count);
 	const struct rb_material_def *const material = &scene->materials[body->material];
 	const bool solid = body->shape.kind != RB_SHAPE_PLANE &&
-	                   body->shape.kind != RB_SHAPE_RECTANGLE;
+	                   body->shape.kind != RB_SHAPE_RECTANGLE &&
+	                   body->shape.kind != RB_SHAPE_TERRAIN;
 	const size_t palette_count = sizeof palette / sizeof palette[0];
 	const double *srgb = solid ? palette[(size_t)body->material % palette_count] : plane_colour;
 

@@ -45,8 +45,62 @@ static bool is_same(const struct rb_shape *a, const struct rb_shape *b)
 /* Parts of the shape: those of a union, else one. */
 static int count_of(const struct rb_scene *scene, const struct rb_shape *shape)
 {
+	if (shape->kind == RB_SHAPE_TERRAIN)
+		return scene->solids[shape->solid].face_count;
 	return rb_shape_type(shape)->form == RB_FORM_UNION ? scene->solids[shape->solid].part_count
 	                                                   : 1;
+}
+
+/*
+ * A facet as a flat body of its own, about the middle of its box, so that sizes are its own
+ * wherever in the terrain it lies.
+ */
+static enum rb_status make_facet(struct rb_body_part *part, const struct rb_solid *solid, int facet,
+                                 struct rb_error *err)
+{
+	static const int counts[2] = {3, 3};
+	static const int loop[6] = {0, 1, 2, 2, 1, 0};
+	rb_vec3 corner[3], low, high;
+	struct rb_polytope *polytope;
+
+	for (int k = 0; k < 3; k++)
+		corner[k] = solid->vertices[solid->loops[3 * facet + k]];
+	low = high = corner[0];
+	for (int k = 1; k < 3; k++) {
+		low = (rb_vec3){fmin(low.x, corner[k].x), fmin(low.y, corner[k].y),
+		                fmin(low.z, corner[k].z)};
+		high = (rb_vec3){fmax(high.x, corner[k].x), fmax(high.y, corner[k].y),
+		                 fmax(high.z, corner[k].z)};
+	}
+	part->kind = RB_SHAPE_TERRAIN;
+	part->turn = rb_mat3_diagonal(1, 1, 1);
+	part->at = rb_vec3_add_scaled(low, 0.5, rb_vec3_sub(high, low));
+	part->is_placed = true;
+	for (int k = 0; k < 3; k++)
+		corner[k] = rb_vec3_sub(corner[k], part->at);
+	const rb_polytope_def def = {3, 2, corner, counts, loop};
+	const enum rb_status status = rb_polytope_create(&polytope, &def, err);
+	if (status == RB_OK)
+		part->core = rb_core_of_polytope(polytope, 0);
+	return status;
+}
+
+/* Appends the facets of a terrain. */
+static enum rb_status make_terrain(struct rb_parts_table *table, const struct rb_solid *solid,
+                                   struct rb_body_parts *made, struct rb_error *err)
+{
+	struct rb_terrain **const terrain = &table->terrain[made - table->shape];
+	enum rb_status status = rb_terrain_create(terrain, solid->vertices, solid->vertex_count,
+	                                          (const int(*)[3])solid->loops, solid->face_count,
+	                                          err);
+
+	made->terrain = *terrain;
+	for (int k = 0; !status && k < solid->face_count; k++) {
+		status = make_facet(&table->parts[table->part_count], solid, k, err);
+		table->part_count += status == RB_OK;
+		made->count += status == RB_OK;
+	}
+	return status;
 }
 
 /* Appends a shape and its parts to the table. */
@@ -56,6 +110,8 @@ static enum rb_status make_shape(struct rb_parts_table *table, const struct rb_s
 	struct rb_body_parts *made = &table->shape[table->shape_count++];
 
 	made->part = table->parts + table->part_count;
+	if (shape->kind == RB_SHAPE_TERRAIN)
+		return make_terrain(table, &scene->solids[shape->solid], made, err);
 	for (int k = 0; k < count_of(scene, shape); k++) {
 		struct rb_body_part *part = &table->parts[table->part_count];
 		const struct rb_shape *own = shape;
@@ -135,7 +191,8 @@ static bool allocate(struct rb_parts_table *table, const struct rb_scene *scene)
 	}
 	table->shape = rb_memory_take(shapes, sizeof *table->shape);
 	table->parts = rb_memory_take(parts, sizeof *table->parts);
-	return table->shape && table->parts;
+	table->terrain = rb_memory_take(shapes, sizeof *table->terrain);
+	return table->shape && table->parts && table->terrain;
 }
 
 enum rb_status rb_parts_table_create(struct rb_parts_table **table, const struct rb_scene *scene,
@@ -179,6 +236,9 @@ void rb_parts_table_destroy(struct rb_parts_table *table)
 	/* the table owns the polytopes, cores only refer to them */
 	for (int k = 0; k < table->part_count; k++)
 		rb_polytope_destroy((struct rb_polytope *)(uintptr_t)table->parts[k].core.polytope);
+	for (int k = 0; table->terrain && k < table->shape_count; k++)
+		rb_terrain_destroy(table->terrain[k]);
+	rb_memory_free(table->terrain);
 	rb_memory_free(table->shape);
 	rb_memory_free(table->shape_of);
 	rb_memory_free(table->parts);
@@ -218,14 +278,23 @@ double rb_parts_gap_at_start(const struct rb_parts_table *table, const struct rb
 	const rb_vec3 way = rb_vec3_sub(scene->bodies[b].position, scene->bodies[a].position);
 	double least = (double)INFINITY;
 
+	if (of_a->terrain) /* of two only the second is asked for what is near */
+		return rb_parts_gap_at_start(table, scene, b, a);
 	for (int i = 0; i < of_a->count; i++) {
 		const rb_placed at_a = rb_body_part_place(&of_a->part[i], origin, turn_a);
+		const double reach = at_a.core->kind == RB_CORE_HALF_SPACE
+		                             ? (double)INFINITY
+		                             : rb_convex_reach(at_a.core);
+		struct rb_near_parts near;
+		int j;
 
-		for (int j = 0; j < of_b->count; j++) {
+		rb_near_parts_begin(&near, of_b, way, turn_b, at_a.at, reach + fmax(least, 0));
+		while ((j = rb_near_parts_next(&near)) >= 0) {
 			const rb_placed at_b = rb_body_part_place(&of_b->part[j], way, turn_b);
 			const rb_separation s = rb_separation_of(&at_a, &at_b);
 
 			least = fmin(least, s.gap - at_a.core->radius - at_b.core->radius);
+			rb_near_parts_limit(&near, reach + fmax(least, 0));
 		}
 	}
 	return least;

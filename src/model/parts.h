@@ -14,6 +14,8 @@
 #include <rbsim/model.h>
 
 #include "geom/convex.h"
+#include "geom/terrain.h"
+#include "math/quat.h"
 
 struct rb_body_part {
 	enum rb_shape_kind kind; /* of the part: never a union */
@@ -27,12 +29,14 @@ struct rb_body_part {
 struct rb_body_parts {
 	const struct rb_body_part *part; /* [count] */
 	int count;
+	const struct rb_terrain *terrain; /* of one: its facets are the parts, in this order */
 };
 
 struct rb_parts_table {
 	struct rb_body_parts *shape; /* [shape_count] */
 	int *shape_of;               /* [bodies of the scene], by id */
 	struct rb_body_part *parts;  /* all of them */
+	struct rb_terrain **terrain; /* [shape_count], owned; NULL where a shape is none */
 	int shape_count, part_count;
 };
 
@@ -50,6 +54,44 @@ static inline const struct rb_body_parts *rb_parts_of(const struct rb_parts_tabl
 static inline const struct rb_body_parts *rb_model_parts(const struct rb_model *model, int index)
 {
 	return rb_parts_of(model->parts, model->id_of[index]);
+}
+
+/*
+ * Parts of a body that may touch what lies in a ball: those of a terrain that come near it, all of
+ * others. `within`, m, may be reduced on the way.
+ */
+struct rb_near_parts {
+	int count, next;             /* of no terrain */
+	bool far;                    /* of a terrain: `walk` */
+	struct rb_terrain_walk walk; /* not set otherwise */
+};
+
+/* A body of which these are the parts stands there; `centre` in the same axes. */
+static inline void rb_near_parts_begin(struct rb_near_parts *near,
+                                       const struct rb_body_parts *parts, rb_vec3 position,
+                                       rb_quat orientation, rb_vec3 centre, double within)
+{
+	near->count = parts->count;
+	near->next = 0;
+	near->far = parts->terrain != NULL;
+	if (near->far)
+		rb_terrain_walk_begin(
+			&near->walk, parts->terrain,
+			rb_quat_rotate_back(orientation, rb_vec3_sub(centre, position)), within);
+}
+
+static inline int rb_near_parts_next(struct rb_near_parts *near) /* -1: no more */
+{
+	if (near->far)
+		return rb_terrain_walk_next(&near->walk);
+	return near->next < near->count ? near->next++ : -1;
+}
+
+/* Those farther away need not be seen. */
+static inline void rb_near_parts_limit(struct rb_near_parts *near, double within)
+{
+	if (near->far && within < near->walk.within)
+		near->walk.within = within;
 }
 
 /*

@@ -40,7 +40,7 @@ enum {
 	RB_SHAPE_READS_SOLID = 16
 };
 
-enum { RB_SHAPE_FAULT_SIZE = 160, RB_SHAPE_KEYS_MAX = 4 };
+enum { RB_SHAPE_FAULT_SIZE = 160, RB_SHAPE_KEYS_MAX = 5 };
 
 struct rb_shape_type {
 	const char *name;   /* the call: "sphere" */

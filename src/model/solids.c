@@ -10,6 +10,8 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/memory.h"
+#include "base/sort.h"
 #include "geom/hull.h"
 #include "geom/mass.h"
 #include "math/quat.h"
@@ -122,4 +124,122 @@ enum rb_status rb_scene_add_union(struct rb_scene *scene, const struct rb_solid_
 		               "its volume comes out as %g m^3 (wanted one that a double holds)",
 		               made.weight);
 	return rb_scene_add_solid(scene, &made, solid, err);
+}
+
+/* True for a triangle with an area that is no rounding of its sides. */
+static bool has_area(const rb_vec3 *vertices, const int corner[3])
+{
+	const rb_vec3 a = vertices[corner[0]], b = vertices[corner[1]], c = vertices[corner[2]];
+	const rb_vec3 ab = rb_vec3_sub(b, a), ac = rb_vec3_sub(c, a), bc = rb_vec3_sub(c, b);
+	const double longest = fmax(rb_vec3_dot(ab, ab),
+	                            fmax(rb_vec3_dot(ac, ac), rb_vec3_dot(bc, bc)));
+
+	return rb_vec3_length(rb_vec3_cross(ab, ac)) > 1e-12 * longest;
+}
+
+/* Whether vertices and triangles can be what they are said to be. */
+static enum rb_status check_terrain(const rb_vec3 *vertices, size_t vertex_count,
+                                    const int (*corners)[3], size_t count, struct rb_error *err)
+{
+	if (count == 0 || count > RB_TERRAIN_MAX)
+		return RB_FAIL(err, RB_ERR_SCENE, "a terrain of %zu triangles (wanted 1 to %d)",
+		               count, RB_TERRAIN_MAX);
+	for (size_t k = 0; k < vertex_count; k++)
+		/* squares of coordinates must be finite, too */
+		if (!(rb_vec3_max_abs(vertices[k]) < 1e150))
+			return RB_FAIL(err, RB_ERR_SCENE,
+			               "its vertex %zu is not finite (%g, %g, %g)", k + 1,
+			               vertices[k].x, vertices[k].y, vertices[k].z);
+	for (size_t k = 0; k < 3 * count; k++) {
+		const int corner = corners[k / 3][k % 3];
+		if (corner < 0 || (size_t)corner >= vertex_count)
+			return RB_FAIL(err, RB_ERR_SCENE, "triangle %zu has no vertex %d of %zu",
+			               k / 3 + 1, corner + 1, vertex_count);
+	}
+	return RB_OK;
+}
+
+/* Low and high corner of what the triangles take, and the reach from the origin. */
+static void measure_terrain(struct rb_solid *made)
+{
+	rb_vec3 low = made->vertices[made->loops[0]], high = low;
+
+	for (int k = 0; k < 3 * made->face_count; k++) {
+		const rb_vec3 v = made->vertices[made->loops[k]];
+		low = (rb_vec3){fmin(low.x, v.x), fmin(low.y, v.y), fmin(low.z, v.z)};
+		high = (rb_vec3){fmax(high.x, v.x), fmax(high.y, v.y), fmax(high.z, v.z)};
+		made->reach = fmax(made->reach, rb_vec3_length(v));
+	}
+	made->centroid = rb_vec3_scale(0.5, rb_vec3_add(low, high));
+	made->half_width = made->reach;
+}
+
+/* Each edge once, sorted; -1: out of memory. */
+static int terrain_edges(const struct rb_solid *made, int (*edges)[2])
+{
+	const size_t all = 3 * (size_t)made->face_count;
+	struct rb_sort_item *const item = rb_memory_take(2 * all, sizeof *item);
+	int count = 0;
+
+	if (!item)
+		return -1;
+	for (size_t k = 0; k < all; k++) {
+		const size_t next = k % 3 == 2 ? k - 2 : k + 1;
+		const int v = made->loops[k], w = made->loops[next];
+		item[k].key = (uint64_t)(v < w ? v : w) << 32 | (uint64_t)(v < w ? w : v);
+	}
+	rb_sort_by_key(item, item + all, all);
+	for (size_t k = 0; k < all; k++) {
+		if (k > 0 && item[k].key == item[k - 1].key)
+			continue;
+		edges[count][0] = (int)(item[k].key >> 32);
+		edges[count++][1] = (int)(item[k].key & 0xffffffff);
+	}
+	rb_memory_free(item);
+	return count;
+}
+
+enum rb_status rb_scene_add_terrain(struct rb_scene *scene, const rb_vec3 *vertices,
+                                    size_t vertex_count, const int (*corners)[3], size_t count,
+                                    int *solid, struct rb_error *err)
+{
+	struct rb_solid made = {.vertices = vertices, .vertex_count = (int)vertex_count};
+	enum rb_status status = check_terrain(vertices, vertex_count, corners, count, err);
+
+	*solid = -1;
+	if (status)
+		return status;
+	int *const loops = rb_memory_take(3 * count, sizeof *loops);
+	int *const first = rb_memory_take(count + 1, sizeof *first);
+	int(*const edges)[2] = rb_memory_take(3 * count, sizeof *edges);
+	if (!loops || !first || !edges)
+		status = RB_FAIL(err, RB_ERR_MEMORY, "out of memory for a terrain of %zu triangles",
+		                 count);
+	for (size_t k = 0; !status && k < count; k++) {
+		if (!has_area(vertices, corners[k]))
+			continue;
+		memcpy(loops + 3 * made.face_count, corners[k], sizeof corners[k]);
+		first[made.face_count] = 3 * made.face_count;
+		made.face_count++;
+	}
+	if (!status && made.face_count == 0)
+		status = RB_FAIL(err, RB_ERR_SCENE, "none of its %zu triangles has an area", count);
+	if (!status) {
+		first[made.face_count] = 3 * made.face_count;
+		made.loops = loops;
+		made.face_first = first;
+		made.edges = (const int(*)[2])edges;
+		made.edge_count = terrain_edges(&made, edges);
+		if (made.edge_count < 0)
+			status = RB_FAIL(err, RB_ERR_MEMORY,
+			                 "out of memory for the edges of a terrain");
+	}
+	if (!status) {
+		measure_terrain(&made);
+		status = rb_scene_add_solid(scene, &made, solid, err);
+	}
+	rb_memory_free(loops);
+	rb_memory_free(first);
+	rb_memory_free(edges);
+	return status;
 }

@@ -446,7 +446,7 @@ static void check_forces(struct check *check, int id)
 /* True for the kinds whose contacts every method has. */
 static bool has_contacts(const struct rb_shape *shape)
 {
-	return shape->kind == RB_SHAPE_SPHERE || rb_shape_is_flat(shape);
+	return !rb_shape_has_parts(shape->kind);
 }
 
 /* Some methods know contacts of spheres only; false: a mistake was noted. */
@@ -488,6 +488,9 @@ static bool check_bodies(struct check *check)
 			body_mistake(
 				check, i,
 				"a plane has no mass: it is static, or 'motion' says how it moves");
+			good = false;
+		} else if (body->shape.kind == RB_SHAPE_TERRAIN && !body->is_static) {
+			body_mistake(check, i, "a terrain is static");
 			good = false;
 		} else if (rb_body_is_free(body) && shaped) {
 			check_mass(check, i);

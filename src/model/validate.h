@@ -28,7 +28,8 @@ static inline uint64_t rb_body_collides(const struct rb_body_def *body)
 /* Without a volume: nothing can push it. */
 static inline bool rb_shape_is_flat(const struct rb_shape *shape)
 {
-	return shape->kind == RB_SHAPE_PLANE || shape->kind == RB_SHAPE_RECTANGLE;
+	return shape->kind == RB_SHAPE_PLANE || shape->kind == RB_SHAPE_RECTANGLE ||
+	       shape->kind == RB_SHAPE_TERRAIN;
 }
 
 /* Both must want it, and one of them must be moved by it. */

@@ -413,7 +413,16 @@ static int add_shape(lua_State *L, const char *word, enum rb_shape_kind kind)
 	RB_ASSERT(kind < RB_SHAPE_KIND_COUNT);
 	def.call = word;
 	def.shape = (struct rb_shape){.kind = kind, .solid = -1};
+	def.is_static = kind == RB_SHAPE_TERRAIN;
 	rb_call_read(&call, &def);
+	if (kind == RB_SHAPE_TERRAIN) {
+		if (!def.is_static)
+			rb_call_mistake(&call, "'static' = false: a terrain has no mass, so that "
+			                       "nothing can push it");
+		if (rb_call_tried(&call, "motion"))
+			rb_call_mistake(&call, "'motion': a terrain stays where it is");
+		def.is_static = true;
+	}
 	if (!def.texture && !call.script->scene->materials[def.material].texture)
 		def.texture = type->texture;
 	if (kind == RB_SHAPE_UNION)

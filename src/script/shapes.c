@@ -13,6 +13,7 @@
 #include "model/validate.h"
 #include "script/assets.h"
 #include "script/fields.h"
+#include "script/terrain.h"
 #include "script/values.h"
 #include "script/vector.h"
 
@@ -116,35 +117,18 @@ static bool take(struct rb_call *call, const char *key, enum rb_status status,
 	return true;
 }
 
-/* Any bytes: they are checked when they are read. */
-static bool any_bytes(const struct rb_call *call, const char *key, const char *name,
-                      const char *bytes, size_t size)
-{
-	(void)call, (void)key, (void)name, (void)bytes, (void)size;
-	return true;
-}
-
 /* The same for the file that the call names at `text`, with its scale. */
 static bool read_file(struct rb_call *call, int text, rb_vec3 **points, size_t *count)
 {
 	lua_State *L = call->L;
+	enum rb_meshfile_kind kind;
 	struct rb_error err;
-	char found[80];
-	double scale = 1;
+	double scale;
 
-	const char *const name = lua_type(L, text) == LUA_TSTRING ? lua_tostring(L, text) : "";
-	const enum rb_meshfile_kind kind = rb_meshfile_kind(name);
-	if (kind == RB_MESHFILE_NONE) {
-		rb_call_mistake(call, "'file' must name an STL or OBJ file, \"part.stl\" (got %s)",
-		                rb_describe(L, text, found));
-		return false;
-	}
-	if (rb_call_push(call, "scale") != LUA_TNIL &&
-	    !rb_call_value(call, rb_row_find(call->table, "scale", NULL), -1, &scale))
-		return false;
-	const struct rb_source_file *const file = rb_asset_take(call, "file", name, any_bytes);
+	const struct rb_source_file *const file = rb_mesh_file(call, text, &kind, &scale);
 	if (!file)
 		return false;
+	const char *const name = lua_tostring(L, text);
 	const size_t corners_max = rb_meshfile_corners_max(kind, file->size_bytes);
 	rb_sandbox_charge(L, 20 * corners_max); /* their sorting */
 	*points = lua_newuserdatauv(L, corners_max * sizeof **points, 0);
@@ -190,7 +174,7 @@ static bool read_either(struct rb_call *call, rb_vec3 **points, size_t *count)
 static bool read_hull(struct rb_call *call, struct rb_shape *shape)
 {
 	struct rb_scene *scene = call->script->scene;
-	const int before = scene->solid_count, top = lua_gettop(call->L);
+	const int top = lua_gettop(call->L);
 	struct rb_error err;
 	rb_vec3 *points;
 	size_t count;
@@ -202,8 +186,6 @@ static bool read_hull(struct rb_call *call, struct rb_shape *shape)
 		right = take(call, rb_call_tried(call, "file") ? "file" : "points", status, &err);
 	}
 	lua_settop(call->L, top);
-	if (scene->solid_count > before)
-		rb_sandbox_charge_bytes(call->L, bytes_of(&scene->solids[before]));
 	return right;
 }
 
@@ -228,8 +210,13 @@ static bool make_solid(struct rb_call *call, struct rb_shape *shape)
 	char text[RB_SHAPE_FAULT_SIZE];
 	struct rb_error err;
 
-	if (shape->kind == RB_SHAPE_HULL)
-		return read_hull(call, shape);
+	if (shape->kind == RB_SHAPE_HULL || shape->kind == RB_SHAPE_TERRAIN) {
+		const bool right = shape->kind == RB_SHAPE_HULL ? read_hull(call, shape)
+		                                                : rb_terrain_read(call, shape);
+		if (scene->solid_count > before)
+			rb_sandbox_charge_bytes(call->L, bytes_of(&scene->solids[before]));
+		return right;
+	}
 	if (!type->make)
 		return true;
 	if (type->fault && type->fault(shape, text)) {

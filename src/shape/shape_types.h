@@ -17,7 +17,8 @@
 	TYPE(CAPSULE, capsule)     \
 	TYPE(CYLINDER, cylinder)   \
 	TYPE(HULL, hull)           \
-	TYPE(UNION, union)
+	TYPE(UNION, union)         \
+	TYPE(TERRAIN, terrain)
 
 #define RB_SHAPE_ROW(kind, name) extern const struct rb_shape_type rb_shape_##name;
 RB_SHAPE_TYPES(RB_SHAPE_ROW)

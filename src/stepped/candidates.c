@@ -311,7 +311,8 @@ static enum rb_status order_pairs(struct rb_candidates *candidates, const struct
 
 /* ---- all ---- */
 
-enum rb_status rb_candidates_forget(struct rb_candidates *candidates, struct rb_error *err)
+enum rb_status rb_candidates_forget(struct rb_candidates *candidates, const struct rb_model *model,
+                                    struct rb_error *err)
 {
 	size_t count = 0;
 
@@ -339,8 +340,11 @@ enum rb_status rb_candidates_forget(struct rb_candidates *candidates, struct rb_
 		               candidates->pair_count);
 	for (size_t k = 0; k < candidates->pair_count; k++) {
 		candidates->own_first_clue[k] = count;
-		count += (size_t)rb_candidates_part_count(candidates, candidates->pair[k].a) *
-		         (size_t)rb_candidates_part_count(candidates, candidates->pair[k].b);
+		if (!rb_candidates_is_terrain(model, candidates->pair[k].b))
+			count += (size_t)rb_candidates_part_count(candidates,
+			                                          candidates->pair[k].a) *
+			         (size_t)rb_candidates_part_count(candidates,
+			                                          candidates->pair[k].b);
 	}
 	if (!rb_memory_reserve(&candidates->clue, &candidates->clue_capacity, count + 1,
 	                       sizeof *candidates->clue))
@@ -359,7 +363,7 @@ static enum rb_status search(struct rb_candidates *candidates, struct rb_world *
 
 	if (status == RB_OK && world->model->driven)
 		status = order_pairs(candidates, world, all, err);
-	return status == RB_OK ? rb_candidates_forget(candidates, err) : status;
+	return status == RB_OK ? rb_candidates_forget(candidates, world->model, err) : status;
 }
 
 enum rb_status rb_candidates_pairs(struct rb_candidates *candidates, struct rb_world *world,

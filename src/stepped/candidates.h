@@ -10,6 +10,7 @@
 #define RB_STEPPED_CANDIDATES_H
 
 #include "geom/core.h"
+#include "model/parts.h"
 #include "step/broadphase.h"
 #include "world/world.h"
 
@@ -110,11 +111,31 @@ bool rb_candidates_holds(const struct rb_candidates *candidates, const struct rb
 
 /* Nothing is known of the pairs as they stand, in this order. */
 RB_CHECKED enum rb_status rb_candidates_forget(struct rb_candidates *candidates,
-                                               struct rb_error *err);
+                                               const struct rb_model *model, struct rb_error *err);
 
 static inline int rb_candidates_part_count(const struct rb_candidates *candidates, int i)
 {
 	return candidates->first_part[i + 1] - candidates->first_part[i];
+}
+
+/* Whether the parts of a body are searched anew each time: what is known of them is not kept. */
+static inline bool rb_candidates_is_terrain(const struct rb_model *model, int i)
+{
+	return model->shape[i].kind == RB_SHAPE_TERRAIN;
+}
+
+/* Parts of a pair's second body that come within `within` of a part of the first, m. */
+static inline void rb_candidates_near(struct rb_near_parts *near, const struct rb_model *model,
+                                      int b, const rb_placed *part, double within)
+{
+	const struct rb_body_parts *const parts = rb_model_parts(model, b);
+
+	/* others are all looked at, wherever they are */
+	if (!parts->terrain)
+		*near = (struct rb_near_parts){.count = parts->count};
+	else
+		rb_near_parts_begin(near, parts, model->position[b], model->orientation[b],
+		                    part->at, within + part->core->reach + part->core->radius);
 }
 
 /*

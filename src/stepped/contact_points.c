@@ -270,16 +270,51 @@ static struct rb_contact_name name_of(struct rb_pair pair, uint32_t parts, uint6
 	return pair.a < pair.b ? name : rb_contact_name_swapped(&name);
 }
 
-static void add_manifold(struct inspection *inspection, struct rb_pair pair,
-                         const rb_manifold *manifold, double slack, uint32_t parts)
+/* Of a radius, by which a point may be beside the line in which a straight side touches. */
+static const double beside_share = 1e-3;
+
+/* Whether a point belongs to facet `j` of a terrain, and not to what continues it. */
+static bool is_real(const struct rb_model *model, int terrain, int j, const rb_manifold_point *at,
+                    rb_vec3 normal, const rb_placed *other)
 {
+	const bool is_round = other->core->radius > 0 ||
+	                      (rb_part)(at->key >> 32) >> 24 == RB_PART_MANTLE;
+	const bool is_sphere = other->core->kind == RB_CORE_POLYTOPE &&
+	                       other->core->polytope->vertex_count == 1;
+	/* a wide band takes corners beside the line in which a straight side touches for points of it */
+	if (is_round && !is_sphere) {
+		const rb_vec3 across = rb_vec3_cross(rb_placed_axis(other), normal);
+		const double round = other->core->radius + other->core->round;
+		if (fabs(rb_vec3_dot(across, rb_vec3_sub(at->on_b, other->at))) >
+		    beside_share * round)
+			return false;
+	}
+	const rb_quat turn = model->orientation[terrain];
+	const rb_vec3 point = rb_quat_rotate_back(turn,
+	                                          rb_vec3_sub(at->on_b, model->position[terrain]));
+	const rb_vec3 axis = is_sphere ? (rb_vec3){0, 0, 0}
+	                               : rb_quat_rotate_back(turn, rb_placed_axis(other));
+
+	return rb_terrain_touch_is_real(rb_model_parts(model, terrain)->terrain, j, point,
+	                                rb_quat_rotate_back(turn, rb_vec3_neg(normal)),
+	                                is_round ? &axis : NULL);
+}
+
+static void add_manifold(struct inspection *inspection, struct rb_pair pair,
+                         const rb_manifold *manifold, double slack, uint32_t parts,
+                         const rb_placed *placed_a)
+{
+	const struct rb_model *const model = inspection->world->model;
+	const bool terrain = rb_candidates_is_terrain(model, pair.b);
 	const rb_vec3 at_a = center_of(inspection->world, pair.a),
 		      at_b = center_of(inspection->world, pair.b);
 
 	for (int k = 0; k < manifold->count; k++) {
 		const rb_manifold_point *at = &manifold->point[k];
 
-		if (!(at->gap <= slack))
+		if (!(at->gap <= slack) ||
+		    (terrain && !is_real(model, pair.b, (int)(parts & 0xffff), at, manifold->normal,
+		                         placed_a)))
 			continue;
 		struct rb_step_point *point = add_point(inspection);
 		if (!point)
@@ -347,10 +382,18 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 	double least_clearance = (double)INFINITY;
 
 	for (int i = 0; i < count_a; i++) {
-		for (int j = 0; j < count_b; j++) {
-			const rb_placed *pa = &candidates->placed[a + i],
-					*pb = &candidates->placed[b + j];
-			struct rb_clue *clue = &clues[i * count_b + j];
+		const rb_placed *const pa = &candidates->placed[a + i];
+		struct rb_near_parts near;
+		int j;
+
+		/* twice as far, so that it holds for more than this step */
+		rb_candidates_near(&near, inspection->world->model, pair.b, pa, 2 * slack);
+		if (near.far)
+			least_clearance = fmin(least_clearance, 2 * slack);
+		while ((j = rb_near_parts_next(&near)) >= 0) {
+			const rb_placed *const pb = &candidates->placed[b + j];
+			struct rb_clue none = {0};
+			struct rb_clue *const clue = near.far ? &none : &clues[i * count_b + j];
 
 			const struct rb_part_pair parts = rb_part_pair_of(pa, pb);
 			double clearance = rb_clearance_of_spheres(pa, pb, slack);
@@ -369,7 +412,7 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 			if (!clue->is_close)
 				continue;
 			add_manifold(inspection, pair, &manifold, slack,
-			             (uint32_t)i << 16 | (uint32_t)j);
+			             (uint32_t)i << 16 | (uint32_t)j, pa);
 		}
 	}
 	return least_clearance;

@@ -39,8 +39,8 @@ static const double rounding = 1 + 16 * DBL_EPSILON;
  * -least. Updates the clues and the clearance of the pair, which spares the test while both bodies
  * move less than that.
  */
-static double depth_of_parts(const struct rb_candidates *candidates, size_t k, double path,
-                             double least)
+static double depth_of_parts(const struct rb_model *model, const struct rb_candidates *candidates,
+                             size_t k, double path, double least)
 {
 	const struct rb_pair pair = candidates->pair[k];
 	struct rb_clue *clues = &candidates->clue[candidates->first_clue[k]];
@@ -53,10 +53,18 @@ static double depth_of_parts(const struct rb_candidates *candidates, size_t k, d
 
 	RB_ASSERT_COSTLY(path >= 0 && pair.a != pair.b);
 	for (int i = 0; i < count_a; i++) {
-		for (int j = 0; j < count_b; j++) {
-			const rb_placed *pa = &candidates->placed[a + i],
-					*pb = &candidates->placed[b + j];
-			struct rb_clue *clue = &clues[i * count_b + j];
+		const rb_placed *const pa = &candidates->placed[a + i];
+		struct rb_near_parts near;
+		int j;
+
+		rb_candidates_near(&near, model, pair.b, pa, 0);
+		/* what was not seen is at least so far away */
+		if (near.far)
+			least_clearance = fmin(least_clearance, 0);
+		while ((j = rb_near_parts_next(&near)) >= 0) {
+			const rb_placed *const pb = &candidates->placed[b + j];
+			struct rb_clue none = {0};
+			struct rb_clue *const clue = near.far ? &none : &clues[i * count_b + j];
 
 			double clearance = rb_clearance_of_spheres(pa, pb, 0);
 			const struct rb_part_pair parts = rb_part_pair_of(pa, pb);
@@ -90,7 +98,7 @@ static double depth_of(const struct rb_world *world, const struct rb_candidates 
 
 		return rb_clearance_is_more(candidates, k, path, 0)
 		               ? 0
-		               : depth_of_parts(candidates, k, path, least);
+		               : depth_of_parts(model, candidates, k, path, least);
 	}
 	if (model->shape[pair.b].kind == RB_SHAPE_SPHERE) {
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),

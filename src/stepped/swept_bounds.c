@@ -175,7 +175,8 @@ static enum rb_status number_groups(struct rb_swept_bounds *swept, const struct 
  * Counting sort of candidate pairs by group; stable, so that the order within a group does not
  * depend on other groups.
  */
-static enum rb_status sort_pairs(struct rb_swept_bounds *swept, struct rb_error *err)
+static enum rb_status sort_pairs(struct rb_swept_bounds *swept, const struct rb_model *model,
+                                 struct rb_error *err)
 {
 	struct rb_candidates *candidates = &swept->candidates;
 	size_t at = 0;
@@ -199,7 +200,7 @@ static enum rb_status sort_pairs(struct rb_swept_bounds *swept, struct rb_error 
 		swept->pair[group->pair + group->pair_count++] = candidates->pair[k];
 	}
 	candidates->pair = swept->pair;
-	return rb_candidates_forget(candidates, err);
+	return rb_candidates_forget(candidates, model, err);
 }
 
 void rb_swept_bounds_show(struct rb_swept_bounds *swept, size_t first, size_t count)
@@ -245,7 +246,7 @@ enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept, struct rb_wor
 			join(world, swept->parent, model->joints->joint[k].a,
 			     model->joints->joint[k].b);
 	status = number_groups(swept, world, err);
-	return status == RB_OK ? sort_pairs(swept, err) : status;
+	return status == RB_OK ? sort_pairs(swept, model, err) : status;
 }
 
 bool rb_swept_bounds_left(struct rb_swept_bounds *swept, const struct rb_world *world,

@@ -57,8 +57,8 @@ const struct rb_shape_type rb_shape_prism = {
 	.make = make,
 };
 END
-	edit src/shape/shape_types.h 's|^	TYPE(UNION, union)|& TYPE(PRISM, prism)|'
-	edit include/rbsim/scene.h 's|^	RB_SHAPE_UNION,|&\n	RB_SHAPE_PRISM,|'
+	edit src/shape/shape_types.h 's|^	TYPE(TERRAIN, terrain)|& TYPE(PRISM, prism)|'
+	edit include/rbsim/scene.h 's|^	RB_SHAPE_TERRAIN,|&\n	RB_SHAPE_PRISM,|'
 	place shape/prism shape/convex_hull "corners on a circle, twice"
 }
 
