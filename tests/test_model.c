@@ -208,6 +208,7 @@ static void the_default_tolerance_follows_the_smallest_radius_or_the_ulp(void **
 	add(&b, ball(2, 100, 0, 0));
 	seal(&b);
 	assert_near(b.model->tolerance_m, 5e-7, 1e-22);
+	assert_near(b.model->stepped_tolerance_m, 5e-5, 1e-20);
 	assert_near(b.model->size_min_m, 0.5, 0);
 	assert_near(b.model->coordinate_max_m, 100, 0);
 	/* what is large counts as coordinates far away do, and in the middle too; what stands still is not the smallest */
@@ -234,8 +235,15 @@ static void the_default_tolerance_follows_the_smallest_radius_or_the_ulp(void **
 	add(&b, ball(2, -1e12, 0, 0));
 	seal(&b);
 	assert_near(b.model->tolerance_m, 8 * 0x1p-13, 0);
+	assert_near(b.model->stepped_tolerance_m, 8 * 0x1p-13, 0);
+	/* of steps alone there is one tolerance, and what is given holds for both */
+	b.scene.world.method = RB_METHOD_STEPPED;
+	seal(&b);
+	assert_near(b.model->tolerance_m, 8 * 0x1p-13, 0);
+	b.scene.world.method = RB_METHOD_AUTO;
 	b.scene.world.tolerance_m = 0x1p-10;
 	seal(&b);
+	assert_near(b.model->stepped_tolerance_m, 0x1p-10, 0);
 	b.scene.world.tolerance_m = 0x1p-11;
 	assert_refused(
 		&b, "'tolerance' 0.000488281 m is below what coordinates resolve (wanted at least "

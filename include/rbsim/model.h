@@ -100,9 +100,11 @@ struct rb_model {
 	struct rb_pair_material *pair_materials; /* [material_count][material_count] */
 
 	double duration_s, frame_rate, time_step_s; /* s, 1/s, s */
-	double tolerance_m, size_min_m; /* smallest radius or half-edge of a moving body */
-	double size_mean_m;             /* geometric mean of these over moving bodies */
-	double coordinate_max_m;        /* largest |coordinate| or size at the start */
+	double tolerance_m;                         /* m, largest overlap of a frame */
+	double stepped_tolerance_m;                 /* m, the same of frames that were stepped */
+	double size_min_m;       /* smallest radius or half-edge of a moving body */
+	double size_mean_m;      /* geometric mean of these over moving bodies */
+	double coordinate_max_m; /* largest |coordinate| or size at the start */
 	enum rb_rollback_kind rollback;
 	enum rb_method_kind method; /* as asked for */
 	uint64_t frame_count;       /* frame 0 included */

@@ -48,7 +48,7 @@ struct told {
 	char **params;
 	int file_count, param_count;
 	size_t file_room, param_room;
-	double duration_s, frame_rate, time_step_s, tolerance_m;
+	double duration_s, frame_rate, time_step_s, tolerance_m, stepped_tolerance_m;
 	uint64_t seed;
 	int body_count, static_count;
 };
@@ -152,7 +152,8 @@ static bool take_line(struct told *told, const char *line, size_t size)
 	} numbers[] = {{"duration ", offsetof(struct told, duration_s)},
 	               {"frame-rate ", offsetof(struct told, frame_rate)},
 	               {"time-step ", offsetof(struct told, time_step_s)},
-	               {"tolerance ", offsetof(struct told, tolerance_m)}};
+	               {"tolerance ", offsetof(struct told, tolerance_m)},
+	               {"stepped-tolerance ", offsetof(struct told, stepped_tolerance_m)}};
 
 	if (strncmp(line, "file ", 5) == 0 || strncmp(line, "param ", 6) == 0)
 		return take_texts(told, line, size);
@@ -207,6 +208,7 @@ static enum rb_status load(struct rb_loaded *loaded, const struct told *told, bo
 	world->frame_rate = told->frame_rate;
 	world->time_step_s = told->time_step_s;
 	world->tolerance_m = told->tolerance_m;
+	world->stepped_tolerance_m = told->stepped_tolerance_m;
 	status = rb_model_create(&loaded->model, &loaded->scene, &loaded->mistakes, err);
 	if (!status && (loaded->model->body_count != told->body_count ||
 	                loaded->model->static_count != told->static_count))

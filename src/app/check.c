@@ -350,7 +350,7 @@ static void print_text(struct rb_loaded *loaded, const struct rb_options *option
 	struct rb_error refusal;
 	const struct rb_model *const model = loaded->model;
 	const char *title = loaded->scene.world.title;
-	char size[32];
+	char size[32], tolerance[96];
 
 	rb_print(stdout, "%s%s%s\n", loaded->scene.file, title && *title ? ": " : "",
 	         title ? title : "");
@@ -362,9 +362,10 @@ static void print_text(struct rb_loaded *loaded, const struct rb_options *option
 	         model->time_step_s, loaded->scene.world.seed);
 	print_joints(model);
 	print_time(&needs->run);
-	rb_print(stdout, "  method      %s, rollback %s, tolerance %g m, %d %s\n", info->method,
-	         info->rollback, model->tolerance_m, info->threads,
-	         rb_text_plural((uint64_t)info->threads, "thread", "threads"));
+	rb_print(stdout, "  method      %s, rollback %s, %d %s\n", info->method, info->rollback,
+	         info->threads, rb_text_plural((uint64_t)info->threads, "thread", "threads"));
+	rb_print(stdout, "  tolerance   %s\n",
+	         rb_text_tolerance(model->tolerance_m, model->stepped_tolerance_m, 6, tolerance));
 	if (rb_model_may_change_method(model) && (model->features & RB_FEATURE_CONTACT))
 		puts("  crowds      too dense to locate are left to steps (rbsim-scene(5))");
 	rb_print(stdout,
@@ -497,6 +498,7 @@ static void print_json(const struct rb_loaded *loaded, const struct rb_run_info 
 	rb_json_number(&json, "time_step", model->time_step_s);
 	rb_json_count(&json, "steps", needs->steps);
 	rb_json_number(&json, "tolerance", model->tolerance_m);
+	rb_json_number(&json, "stepped_tolerance", model->stepped_tolerance_m);
 	rb_json_number(&json, "touching", 8 * rb_ulp(model->coordinate_max_m));
 	rb_json_text(&json, "method", info->method);
 	rb_json_text(&json, "rollback", info->rollback);

@@ -397,6 +397,16 @@ const char *rb_text_bytes(uint64_t bytes, char out[32])
 	return out;
 }
 
+const char *rb_text_tolerance(double located_m, double stepped_m, int digits, char out[96])
+{
+	if (located_m == stepped_m)
+		snprintf(out, 96, "%.*g m", digits, located_m);
+	else
+		snprintf(out, 96, "%.*g m until the first step, then %.*g m", digits, located_m,
+		         digits, stepped_m);
+	return out;
+}
+
 const char *rb_text_plural(uint64_t count, const char *one, const char *many)
 {
 	return count == 1 ? one : many;

@@ -96,6 +96,12 @@ const char *rb_text_measure(const char *before, double value, int digits, const 
 /* A size for people: 512 bytes, 1.2 kB, 34 MB. */
 const char *rb_text_bytes(uint64_t bytes, char out[32]);
 
+/*
+ * Overlaps that frames may show: 1e-06 m, or 1e-06 m until the first step, then 0.0001 m. `digits`
+ * is of each number.
+ */
+const char *rb_text_tolerance(double located_m, double stepped_m, int digits, char out[96]);
+
 const char *rb_text_plural(uint64_t count, const char *one, const char *many);
 
 /*

@@ -254,7 +254,8 @@ static void try_coarse(struct trial *trial, int to)
 	struct rb_model coarse = *trial->loaded->model;
 	const double from_s = trial->from_s, part_s = (coarse.duration_s - from_s) / MOMENTS;
 
-	coarse.tolerance_m = fmax(coarse.tolerance_m, coarse_overlap * coarse.size_min_m);
+	coarse.tolerance_m = coarse.stepped_tolerance_m = fmax(coarse.stepped_tolerance_m,
+	                                                       coarse_overlap * coarse.size_min_m);
 	coarse.time_step_s = fmax(coarse.time_step_s, 1 / coarse.frame_rate);
 	if (rb_model_method_row(&coarse)->locates)
 		coarse.method = RB_METHOD_STEPPED;

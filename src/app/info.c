@@ -227,6 +227,7 @@ static void print_json(const char *path, const struct rb_reading *reading,
 	rb_json_number(&json, "frame_rate", reading->frame_rate);
 	rb_json_number(&json, "time_step", reading->time_step_s);
 	rb_json_number(&json, "tolerance", reading->tolerance_m);
+	rb_json_number(&json, "stepped_tolerance", reading->stepped_tolerance_m);
 	rb_json_text(&json, "method", reading->method);
 	rb_json_text(&json, "rollback", reading->rollback);
 	rb_json_count(&json, "seed", reading->seed);
@@ -291,6 +292,7 @@ static void print_text(const char *path, const struct rb_reading *reading,
                        const struct course *course)
 {
 	char forces[RB_FORCES_TEXT_SIZE], shapes[160], size[32];
+	char tolerance[96];
 
 	rb_print(stdout, "%s: %" PRIu64 " %s of %d moving %s", path, reading->frame_count,
 	         rb_text_plural(reading->frame_count, "frame", "frames"), reading->body_count,
@@ -324,8 +326,10 @@ static void print_text(const char *path, const struct rb_reading *reading,
 	for (int i = 0; i < FIELD_COUNT; i++)
 		if (reading->fields & field_names[i].bit)
 			rb_print(stdout, " %s", field_names[i].name);
-	rb_print(stdout, "\n  method      %s, rollback %s, time step %g s, tolerance %g m\n",
-	         reading->method, reading->rollback, reading->time_step_s, reading->tolerance_m);
+	rb_print(stdout, "\n  method      %s, rollback %s, time step %g s, tolerance %s\n",
+	         reading->method, reading->rollback, reading->time_step_s,
+	         rb_text_tolerance(reading->tolerance_m, reading->stepped_tolerance_m, 6,
+	                           tolerance));
 	rb_print(stdout,
 	         "  run         %g frames per second, seed %" PRIu64
 	         ", %d %s, rbsim %s on %s, %s to %s\n",

@@ -115,6 +115,7 @@ static enum rb_status load(struct rb_loaded *loaded, const struct rb_reading *re
 	world->frame_rate = reading->frame_rate;
 	world->time_step_s = reading->time_step_s;
 	world->tolerance_m = reading->tolerance_m;
+	world->stepped_tolerance_m = reading->stepped_tolerance_m;
 	if (rb_method_find(reading->method) >= 0)
 		world->method = (enum rb_method_kind)rb_method_find(reading->method);
 	for (int kind = RB_ROLLBACK_SELECTIVE; kind <= RB_ROLLBACK_NONE; kind++)

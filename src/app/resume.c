@@ -37,7 +37,7 @@ uint64_t rb_resume_run_hash(const struct rb_loaded *loaded)
 	const struct rb_scene *const scene = &loaded->scene;
 	const struct rb_model *const model = loaded->model;
 	const double numbers[] = {model->duration_s, model->frame_rate, model->time_step_s,
-	                          model->tolerance_m};
+	                          model->tolerance_m, model->stepped_tolerance_m};
 	uint64_t hash = hash_text(0, RB_VERSION);
 
 	for (int i = 0; i < scene->file_count; i++) {
@@ -143,7 +143,9 @@ static enum rb_status compare(const char *name, const struct rb_loaded *loaded,
 	} numbers[] = {{"the duration", reading->duration_s, model->duration_s},
 	               {"the frame rate", reading->frame_rate, model->frame_rate},
 	               {"the time step", reading->time_step_s, model->time_step_s},
-	               {"the tolerance", reading->tolerance_m, model->tolerance_m}};
+	               {"the tolerance", reading->tolerance_m, model->tolerance_m},
+	               {"the tolerance of steps", reading->stepped_tolerance_m,
+	                model->stepped_tolerance_m}};
 	const uint64_t seed = loaded->scene.world.seed;
 	char texts[2][24];
 	enum rb_status status = compare_texts(name, "rbsim", reading->version, RB_VERSION, err);

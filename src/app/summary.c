@@ -130,7 +130,7 @@ void rb_summary_print(FILE *file, const struct rb_run_result *result,
                       const struct rb_loaded *loaded, const struct rb_run_info *info, bool color)
 {
 	const char *title = loaded->scene.world.title;
-	char size[32];
+	char size[32], tolerance[96];
 
 	rb_print(file, "%s%s%s\n", loaded->scene.file, title && *title ? ": " : "",
 	         title ? title : "");
@@ -140,8 +140,10 @@ void rb_summary_print(FILE *file, const struct rb_run_result *result,
 	         rb_text_plural((uint64_t)info->threads, "thread", "threads"));
 	print_method(file, result, loaded, info);
 	print_work(file, result);
-	rb_print(file, "  overlap       %.3g m at most (tolerance %.3g m%s)\n",
-	         result->max_penetration_m, loaded->model->tolerance_m,
+	rb_print(file, "  overlap       %.3g m at most (tolerance %s%s)\n",
+	         result->max_penetration_m,
+	         rb_text_tolerance(loaded->model->tolerance_m, loaded->model->stepped_tolerance_m,
+	                           3, tolerance),
 	         loaded->model->rollback == RB_ROLLBACK_NONE ? ", not promised" : "");
 	if (result->gravitation_error > 0)
 		rb_print(file,
@@ -264,6 +266,7 @@ void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
 	rb_json_text(&json, "rollback", info->rollback);
 	rb_json_number(&json, "time_step", loaded->model->time_step_s);
 	rb_json_number(&json, "tolerance", loaded->model->tolerance_m);
+	rb_json_number(&json, "stepped_tolerance", loaded->model->stepped_tolerance_m);
 	rb_json_count(&json, "bodies", (uint64_t)loaded->model->body_count);
 	rb_json_count(&json, "statics", (uint64_t)loaded->model->static_count);
 	rb_json_count(&json, "body_steps", result->work.body_steps);

@@ -404,8 +404,11 @@ static void release(struct rb_world *world)
 	world->groups = NULL;
 }
 
-static const struct rb_stepper steps = {
-	.prepare = prepare, .step = step, .pack = pack_steps, .release = release};
+static const struct rb_stepper steps = {.tolerance = 1e-6,
+                                        .prepare = prepare,
+                                        .step = step,
+                                        .pack = pack_steps,
+                                        .release = release};
 
 const struct rb_method rb_method_classic = {
 	.name = "classic",

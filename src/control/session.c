@@ -320,6 +320,7 @@ static enum rb_status answer_scene(struct line *line)
 	rb_answer_line(line->answer, "frame-rate %.17g", model->frame_rate);
 	rb_answer_line(line->answer, "time-step %.17g", model->time_step_s);
 	rb_answer_line(line->answer, "tolerance %.17g", model->tolerance_m);
+	rb_answer_line(line->answer, "stepped-tolerance %.17g", model->stepped_tolerance_m);
 	rb_answer_line(line->answer, "seed %" PRIu64, scene->world.seed);
 	for (int i = 0; !status && i < scene->param_count; i++)
 		status = answer_texts(line, "param", scene->params[i].name,

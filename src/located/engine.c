@@ -637,6 +637,15 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	return l->status;
 }
 
+/*
+ * Largest overlap, m, of a located frame. Arcs keep what steps have left: bodies that lean on each
+ * other overlap as before, so that from the first step on the tolerance of steps holds.
+ */
+static double overlap_max(const struct rb_located *l)
+{
+	return l->world->dense_steps > 0 ? l->model->stepped_tolerance_m : l->model->tolerance_m;
+}
+
 /* RB_ERR_PHYSICS with the deepest overlap beyond the tolerance. */
 static enum rb_status check(struct rb_located *l, double *depth, struct rb_error *err)
 {
@@ -648,14 +657,14 @@ static enum rb_status check(struct rb_located *l, double *depth, struct rb_error
 	if (!(l->model->features & RB_FEATURE_CONTACT))
 		return RB_OK;
 	*depth = rb_inspect_overlap(l, t, &a, &b);
-	if (*depth <= l->model->tolerance_m)
+	if (*depth <= overlap_max(l))
 		return RB_OK;
 	return l->status = RB_FAIL(
 		       err, RB_ERR_PHYSICS,
 		       "'%s' and '%s' overlap by %.3g m at t = %.9g s, tolerance %.3g m",
 		       rb_scene_body_label(l->model->scene, l->model->id_of[a], first),
 		       rb_scene_body_label(l->model->scene, l->model->id_of[b], second), *depth, t,
-		       l->model->tolerance_m);
+		       overlap_max(l));
 }
 
 enum rb_status rb_engine_check(struct rb_located *l, struct rb_error *err)

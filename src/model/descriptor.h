@@ -17,6 +17,7 @@ struct rb_method_part;
 
 /* What takes steps of a world. */
 struct rb_stepper {
+	double tolerance; /* default: the largest overlap of a frame over the smallest size */
 	/* What it needs beside the state; made when it is first used, then nothing. */
 	enum rb_status (*prepare)(struct rb_world *world, struct rb_error *err);
 	/* Before the first step after locating. NULL: nothing is to be done. */

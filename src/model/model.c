@@ -254,6 +254,7 @@ static void fill_numbers(struct rb_model *model)
 	model->frame_rate = world->frame_rate;
 	model->time_step_s = rb_world_time_step(world);
 	model->tolerance_m = sizes.tolerance_m;
+	model->stepped_tolerance_m = sizes.stepped_tolerance_m;
 	model->size_min_m = sizes.size_min_m;
 	model->size_mean_m = sizes.size_mean_m;
 	model->coordinate_max_m = sizes.coordinate_max_m;

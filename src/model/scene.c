@@ -151,6 +151,7 @@ enum rb_status rb_scene_init(struct rb_scene *scene, struct rb_error *err)
 	                  .gravitation = {.constant = 6.67430e-11, .opening_angle = 0.5},
 	                  .time_step_s = (double)NAN,
 	                  .tolerance_m = (double)NAN,
+	                  .stepped_tolerance_m = (double)NAN,
 	                  .rollback = RB_ROLLBACK_SELECTIVE,
 	                  .method = RB_METHOD_AUTO,
 	                  .seed = 1},

@@ -112,6 +112,33 @@ rb_mat3 rb_body_inertia(const struct rb_scene *scene, const struct rb_body_def *
 	return inertia;
 }
 
+/*
+ * Tolerances as given or by default: a ppm of the smallest body, which no picture shows, where
+ * events are located; what the error of a step is worth (rb_stepper.tolerance) in steps, but the
+ * same ppm where bodies are joined, since joints are solved by factors to rounding, and what a
+ * chain of unequal masses leaves open grows along it; and at least the rounding of gaps at the
+ * largest coordinate (RB_TOUCHING_ULP in step/gap).
+ */
+static void choose_tolerances(const struct rb_scene *scene, struct rb_sizes *sizes)
+{
+	static const double located = 1e-6;
+	const struct rb_method *const method = rb_methods[scene->world.method];
+	const struct rb_world_def *const world = &scene->world;
+	const double rounding = 8 * rb_ulp(sizes->coordinate_max_m);
+	const double by_steps = scene->joint_count > 0 ? located : method->steps->tolerance;
+	const bool given = !isnan(world->tolerance_m);
+
+	sizes->tolerance_m = given ? world->tolerance_m
+	                           : fmax((method->locates ? located : by_steps) *
+	                                          sizes->size_min_m,
+	                                  rounding);
+	sizes->stepped_tolerance_m = sizes->tolerance_m;
+	if (!isnan(world->stepped_tolerance_m))
+		sizes->stepped_tolerance_m = world->stepped_tolerance_m;
+	else if (method->changes && !given)
+		sizes->stepped_tolerance_m = fmax(by_steps * sizes->size_min_m, rounding);
+}
+
 struct rb_sizes rb_scene_sizes(const struct rb_scene *scene)
 {
 	struct rb_sizes sizes = {.size_min_m = (double)INFINITY};
@@ -136,14 +163,7 @@ struct rb_sizes rb_scene_sizes(const struct rb_scene *scene)
 	sizes.size_mean_m = moving > 0 ? exp(logs / moving) : 0;
 	if (isinf(sizes.size_min_m))
 		sizes.size_min_m = 0;
-	sizes.tolerance_m = scene->world.tolerance_m;
-	if (isnan(sizes.tolerance_m))
-		/*
-		 * A ppm of the smallest body, which no picture shows; and at least the rounding of
-		 * gaps at the largest coordinate (RB_TOUCHING_ULP in step/gap).
-		 */
-		sizes.tolerance_m = fmax(1e-6 * sizes.size_min_m,
-		                         8 * rb_ulp(sizes.coordinate_max_m));
+	choose_tolerances(scene, &sizes);
 	return sizes;
 }
 

@@ -57,7 +57,8 @@ struct rb_sizes {
 	double size_min_m;       /* smallest radius or half-edge of a moving body, 0: none moves */
 	double size_mean_m;      /* geometric mean of these over moving bodies, 0: none moves */
 	double coordinate_max_m; /* largest |coordinate| or size */
-	double tolerance_m;      /* as given, or the default */
+	/* m, as given, or the default of the method and of the steps that it takes */
+	double tolerance_m, stepped_tolerance_m;
 };
 struct rb_sizes rb_scene_sizes(const struct rb_scene *scene);
 

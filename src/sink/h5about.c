@@ -611,6 +611,7 @@ static void put_run(struct rb_h5 *h5, const struct rb_run_info *info)
 	} numbers[] = {
 		{"/rbsim/time_step", model->time_step_s, "s"},
 		{"/rbsim/tolerance", model->tolerance_m, "m"},
+		{"/rbsim/stepped_tolerance", model->stepped_tolerance_m, "m"},
 		{"/rbsim/frame_rate", model->frame_rate, "1/s"},
 		{"/rbsim/duration", model->duration_s, "s"},
 	};

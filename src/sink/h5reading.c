@@ -47,6 +47,9 @@ void rb_reading_run(const struct rb_reading_source *from)
 	reading->title = text_or_empty(from, "/rbsim/title");
 	reading->time_step_s = rb_reading_number(from, "/rbsim/time_step");
 	reading->tolerance_m = rb_reading_number(from, "/rbsim/tolerance");
+	reading->stepped_tolerance_m = rb_reading_number(from, "/rbsim/stepped_tolerance");
+	if (isnan(reading->stepped_tolerance_m)) /* a recording of one tolerance for all */
+		reading->stepped_tolerance_m = reading->tolerance_m;
 	reading->frame_rate = rb_reading_number(from, "/rbsim/frame_rate");
 	reading->duration_s = rb_reading_number(from, "/rbsim/duration");
 	if (!rb_input_numbers(from->input, "/rbsim/seed", RB_H5_U64, (rb_h5_shape){0},

@@ -57,7 +57,8 @@ struct rb_reading {
 	uint64_t seed;
 	int threads;
 	double time_step_s, tolerance_m, frame_rate, duration_s;
-	unsigned fields;    /* RB_FIELD_* that are stored per frame */
+	double stepped_tolerance_m; /* of frames that were stepped */
+	unsigned fields;            /* RB_FIELD_* that are stored per frame */
 	const char **names; /* [body_count + static_count], by id, "" where a body has none */
 	const int *id;      /* [body_count]: moving bodies */
 	int param_count;

@@ -374,7 +374,7 @@ enum rb_status rb_candidates_pairs(struct rb_candidates *candidates, struct rb_w
 	for (int i = 0; i < model->body_count; i++) {
 		const rb_vec3 low = bounds[i].low, high = bounds[i].high;
 		/* room for the rounding of coordinates, too */
-		const double half = (rb_candidates_size(model, i) + model->tolerance_m) *
+		const double half = (rb_candidates_size(model, i) + model->stepped_tolerance_m) *
 		                            (1 + 1e-12) +
 		                    4 * DBL_EPSILON *
 		                            fmax(rb_vec3_max_abs(low), rb_vec3_max_abs(high));
@@ -415,7 +415,7 @@ static enum rb_status build(struct rb_candidates *candidates, struct rb_world *w
 			                                     turn_ahead(candidates, world, i) +
 			                             turn_margin_min;
 		}
-		const double half = (size + candidates->margin[i] + model->tolerance_m) *
+		const double half = (size + candidates->margin[i] + model->stepped_tolerance_m) *
 		                    (1 + 1e-12);
 		candidates->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half},
 		                               {c.x + half, c.y + half, c.z + half}};

@@ -363,7 +363,7 @@ static double band_of(const struct inspection *inspection, struct rb_pair pair, 
 	const double way = h * (rb_vec3_length(slide) + rb_vec3_length(turn) * reach) +
 	                   0.5 * angle * angle * (rb_vec3_length(d) + reach);
 
-	return fmin(slack, way + model->tolerance_m);
+	return fmin(slack, way + model->stepped_tolerance_m);
 }
 
 /* Of the tolerance, by which points may stand too high. */
@@ -373,7 +373,7 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
                             struct rb_clue *clues)
 {
 	const struct rb_candidates *candidates = inspection->candidates;
-	const double fine = fine_share * inspection->world->model->tolerance_m;
+	const double fine = fine_share * inspection->world->model->stepped_tolerance_m;
 	const double band = band_of(inspection, pair, slack);
 	const int a = candidates->first_part[pair.a], b = candidates->first_part[pair.b];
 	const int count_a = rb_candidates_part_count(candidates, pair.a);
@@ -448,7 +448,7 @@ static inline double slack_of(const struct inspection *inspection, struct rb_pai
 	const struct rb_model *model = inspection->world->model;
 	const double *reach = inspection->candidates->reach;
 	const double slack = reach[pair.a] + (pair.b < model->body_count ? reach[pair.b] : 0) +
-	                     model->tolerance_m;
+	                     model->stepped_tolerance_m;
 
 	return model->driven ? slack + plane_turn(inspection, pair) : slack;
 }
@@ -470,7 +470,7 @@ static double closing_of(const struct inspection *inspection, struct rb_pair pai
 		turning += candidates->ahead[pair.b] - b;
 	}
 	const double way = fmin(fmax(fmax(a, b), rb_vec3_length(d)), a + b);
-	const double closing = way + turning + model->tolerance_m;
+	const double closing = way + turning + model->stepped_tolerance_m;
 	return model->driven ? closing + plane_turn(inspection, pair) : closing;
 }
 
@@ -479,7 +479,7 @@ static bool may_close(const struct inspection *inspection, struct rb_pair pair, 
 {
 	const struct rb_candidates *candidates = inspection->candidates;
 	const struct rb_model *model = inspection->world->model;
-	double closing = candidates->ahead[pair.a] + model->tolerance_m;
+	double closing = candidates->ahead[pair.a] + model->stepped_tolerance_m;
 
 	if (pair.b < model->body_count) {
 		closing += candidates->ahead[pair.b];

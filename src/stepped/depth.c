@@ -207,7 +207,7 @@ enum rb_status rb_depths_find(struct rb_world *world, struct rb_candidates *cand
 	                      .skip = skip,
 	                      .moved = moved,
 	                      .all = moved || isnan(candidates->resting_depth),
-	                      .limit = world->model->tolerance_m};
+	                      .limit = world->model->stepped_tolerance_m};
 	const int blocks = rb_pairs_blocks(work.all ? candidates->pair_count
 	                                            : rb_candidates_live_count(candidates));
 

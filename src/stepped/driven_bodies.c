@@ -59,7 +59,7 @@ static enum rb_status ask(const struct rb_world *world, int i, double start, dou
 	                                     .orientation = model->orientation[i],
 	                                     .has_velocity = def->motion_gives_velocity,
 	                                     .velocity = rb_world_row3(state->velocity, i)},
-	                           .coarse = model->tolerance_m / model->size_min_m,
+	                           .coarse = model->stepped_tolerance_m / model->size_min_m,
 	                           .agreement = agreement};
 
 	if (state->spin) {

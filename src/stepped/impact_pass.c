@@ -224,7 +224,7 @@ static bool take_body(struct impacts *all, int i)
 static bool gather(struct impacts *all, size_t due)
 {
 	const struct rb_step_point *row = all->points->row;
-	const double touching = all->world->model->tolerance_m;
+	const double touching = all->world->model->stepped_tolerance_m;
 	bool fits;
 
 	all->body_count = all->contact_count = 0;

@@ -140,7 +140,7 @@ enum rb_status rb_joints_try(struct rb_world *world, const struct rb_cohort *coh
 bool rb_joints_mark(struct rb_world *world, unsigned char *of_group)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
-	const double max = inspect_share * world->model->tolerance_m;
+	const double max = inspect_share * world->model->stepped_tolerance_m;
 	bool any = false;
 
 	for (int k = 0; solver->joint && k < solver->joined_count; k++) {
@@ -153,8 +153,8 @@ bool rb_joints_mark(struct rb_world *world, unsigned char *of_group)
 		if (of->first_row < 0)
 			continue;
 		of->drift = rb_step_joint_rows_miss(world, number, of);
-		if (of->drift <= max ||
-		    (of->drift <= world->model->tolerance_m && !(of->drift <= gain_share * before)))
+		if (of->drift <= max || (of->drift <= world->model->stepped_tolerance_m &&
+		                         !(of->drift <= gain_share * before)))
 			continue;
 		of_group[solver->island_of[owner]] = 1;
 		any = true;
@@ -194,7 +194,7 @@ void rb_joints_blame(struct rb_world *world, const struct rb_cohort *cohort,
 		const double drift = rb_step_joint_rows_miss(world, k, &s->solver.joint[k]);
 
 		/* written so that NaN is not good */
-		if (drift <= world->model->tolerance_m)
+		if (drift <= world->model->stepped_tolerance_m)
 			continue;
 		if (outcome->joint < 0 || drift > outcome->drift) {
 			outcome->joint = k;

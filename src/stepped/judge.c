@@ -48,7 +48,7 @@ static void blame_residuals(struct rb_world *world, double h, struct rb_attempt_
 		const double left = h * island->residual;
 
 		/* written so that NaN is not good */
-		if (left <= world->model->tolerance_m ||
+		if (left <= world->model->stepped_tolerance_m ||
 		    world->model->rollback == RB_ROLLBACK_NONE) {
 			outcome->residual = fmax(outcome->residual, left);
 			outcome->slip = fmax(outcome->slip, h * island->slip);

@@ -318,7 +318,7 @@ enum rb_status rb_local_rollback_give_up(const struct rb_world *world, double st
 		               rb_joint_label(scene,
 		                              world->model->joints->joint[outcome->joint].def,
 		                              label),
-		               start, outcome->drift, world->model->tolerance_m);
+		               start, outcome->drift, world->model->stepped_tolerance_m);
 	if (outcome->pair[0] < 0)
 		return RB_FAIL(err, RB_ERR_PHYSICS, "no step resolves the impacts after t = %.9g s",
 		               start);
@@ -327,7 +327,7 @@ enum rb_status rb_local_rollback_give_up(const struct rb_world *world, double st
 	               "deep, the tolerance is %.3g m)",
 	               rb_scene_body_label(scene, id_of[outcome->pair[0]], a),
 	               rb_scene_body_label(scene, id_of[outcome->pair[1]], b), start,
-	               outcome->overlap, world->model->tolerance_m);
+	               outcome->overlap, world->model->stepped_tolerance_m);
 }
 
 static void reset_arenas(struct rb_world *world)

@@ -406,7 +406,7 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 	for (int k = 0; k < search->resting_count; k++)
 		clear_velocity(world, search->at_rest[k]);
 	/* parts stand where their overlaps were found */
-	const double max = CHAIN_MAX * deepest(found) + world->model->tolerance_m;
+	const double max = CHAIN_MAX * deepest(found) + world->model->stepped_tolerance_m;
 	enum rb_status status = find_points(search, found, max, err);
 	if (status == RB_OK)
 		keep_points(search, found);

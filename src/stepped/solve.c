@@ -106,7 +106,7 @@ void rb_solver_release(struct rb_solver *solver)
 
 double rb_solver_tolerance(const struct rb_model *model, double h)
 {
-	return RB_STRATEGY_SWEEP_SHARE * model->tolerance_m / h;
+	return RB_STRATEGY_SWEEP_SHARE * model->stepped_tolerance_m / h;
 }
 
 /* ---- all groups ---- */
