@@ -398,9 +398,9 @@ struct rb_world_def {
 	double frame_rate;               /* 1/s */
 	double time_step_s;              /* NAN: 1/(4 frame_rate) */
 	double tolerance_m;              /* NAN: the rule of rbsim-scene(5) */
-	double stepped_tolerance_m; /* of frames that are stepped; NAN: `tolerance_m`, or the rule */
-	rb_vec3 gravity;            /* m/s^2 */
-	rb_vec3 gravity_force;      /* N, on every moving body */
+	double stepped_tolerance_m;      /* of frames by steps; NAN: the same, or the rule */
+	rb_vec3 gravity;                 /* m/s^2 */
+	rb_vec3 gravity_force;           /* N, on every moving body */
 	struct rb_gravitation_def gravitation;
 	enum rb_rollback_kind rollback; /* which bodies go back in time together */
 	enum rb_method_kind method;     /* how motion is computed */

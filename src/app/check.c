@@ -18,7 +18,7 @@
 #include "flow/ring.h"
 #include "model/element.h"
 #include "model/mobility.h"
-#include "model/validate.h"
+#include "model/scale.h"
 #include "model/features.h"
 #include "sink/module.h"
 #include "classic/stage_list.h"

@@ -19,6 +19,7 @@
 #include "model/descriptor.h"
 #include "model/shape.h"
 #include "math/quat.h"
+#include "model/scale.h"
 #include "model/validate.h"
 #include "model/element.h"
 #include "model/features.h"

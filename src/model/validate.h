@@ -3,8 +3,8 @@
  * Is the scene possible? What can only be known from all of it together, named with file, line,
  * body and key.
  *
- * Pure functions of a scene, main thread, before anything is sealed. Also here: the numbers that
- * the checks and the model must agree on.
+ * Pure functions of a scene, main thread, before anything is sealed. Also here: masses that the
+ * checks and the model must agree on.
  */
 #ifndef RB_MODEL_VALIDATE_H
 #define RB_MODEL_VALIDATE_H
@@ -49,21 +49,6 @@ double rb_body_mass(const struct rb_scene *scene, const struct rb_body_def *body
 double rb_body_attracts_by(const struct rb_scene *scene, const struct rb_body_def *body);
 /* kg m^2 about the centre of mass, as given or of the uniform shape; not checked. */
 rb_mat3 rb_body_inertia(const struct rb_scene *scene, const struct rb_body_def *body, double mass);
-
-/* Distance to the next double, of |x|. */
-double rb_ulp(double x);
-
-struct rb_sizes {
-	double size_min_m;       /* smallest radius or half-edge of a moving body, 0: none moves */
-	double size_mean_m;      /* geometric mean of these over moving bodies, 0: none moves */
-	double coordinate_max_m; /* largest |coordinate| or size */
-	/* m, as given, or the default of the method and of the steps that it takes */
-	double tolerance_m, stepped_tolerance_m;
-};
-struct rb_sizes rb_scene_sizes(const struct rb_scene *scene);
-
-/* q = duration * frame_rate as a number of intervals: whole when within a few ulp of it. */
-double rb_frame_intervals(double duration_s, double frame_rate, bool *whole);
 
 /*
  * Adds every mistake to `mistakes`. `turns`: some body can turn, so that inertia matters.
