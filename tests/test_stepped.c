@@ -37,6 +37,27 @@ static void free_fall_is_exact_for_any_step(void **state)
 	lab_close(&lab);
 }
 
+/*
+ * A ball and a cube fall past what they do not meet, and past each other: near is a matter of boxes
+ * along the axes, and decides nothing.
+ */
+static void what_is_near_and_is_not_met_changes_no_fall(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	open_stepped(&lab, 0.5, 10, 0.05);
+	lab_plane(&lab, (rb_vec3){0.30625, 0, 0}, (rb_vec3){-1, 0, 0});
+	const int ball = lab_sphere(&lab, 0.25, 1, (rb_vec3){0, 0, 10}, (rb_vec3){0, 0, 2});
+	const int cube = add_cube(&lab, 2, (rb_vec3){-0.78, 0, 10});
+	lab_seal(&lab, 1);
+	lab_run(&lab);
+	assert_vector(rb_world_position(lab.world, ball), ((rb_vec3){0, 0, 11 - 0.125 * g}), 1e-12);
+	assert_vector(rb_world_position(lab.world, cube), ((rb_vec3){-0.78, 0, 10 - 0.125 * g}),
+	              1e-12);
+	lab_close(&lab);
+}
+
 /* Height of the first apex after a drop from 1 m with e = 0.8 */
 static double apex(double time_step)
 {
@@ -527,6 +548,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(free_fall_is_exact_for_any_step),
+		cmocka_unit_test(what_is_near_and_is_not_met_changes_no_fall),
 		cmocka_unit_test(the_error_of_a_bounce_is_bounded_by_the_step),
 		cmocka_unit_test(a_ball_at_rest_with_restitution_rests),
 		cmocka_unit_test(sliding_turns_into_rolling),

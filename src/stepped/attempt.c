@@ -5,8 +5,8 @@
  * for all bodies (`all`) and for a group that takes substeps (`part`). Nothing is committed here:
  * on failure the caller copies the mark back.
  *
- * Positions of bodies without contacts move with the mean of the old and the new velocity, which is
- * exact for constant forces (a parabola); bodies in contact move with the solved velocity, since
+ * Positions of bodies that nothing pushes move with the mean of the old and the new velocity, which
+ * is exact for constant forces (a parabola); bodies in contact move with the solved velocity, since
  * that is the one for which gaps were closed (Moreau; Anitescu and Potra 1997).
  */
 #include "stepped/attempt.h"
@@ -73,22 +73,104 @@ static bool turn_freely(struct rb_world *world, int i, double h)
 }
 
 /*
- * The velocity with which the centre of mass moves through the step, m/s: the solved one for a body
- * in an island; else the mean of before and after. `varied` adds the other half of forces that
- * depend on position or velocity: their impulse moves the body in full, as symplectic Euler has it,
- * since the half would make springs gain energy.
+ * Of a body that nothing holds, m/s: the mean of before and after. `varied` adds the other half of
+ * forces that depend on position or velocity: their impulse moves the body in full, as symplectic
+ * Euler has it, since the half would make springs gain energy.
  */
-static rb_vec3 moving_velocity(const struct rb_world *world, int i)
+static rb_vec3 free_velocity(const struct rb_world *world, int i)
 {
 	const struct rb_stepped *s = world->stepped;
-	const rb_vec3 v = rb_world_row3(world->state.velocity, i);
+	rb_vec3 sum = rb_vec3_add(rb_world_row3(world->state.velocity, i),
+	                          rb_world_row3(world->mark.velocity, i));
 
-	if (s->solver.island_of[i] >= 0)
-		return v;
-	rb_vec3 sum = rb_vec3_add(v, rb_world_row3(world->mark.velocity, i));
 	if (s->varied)
 		sum = rb_vec3_add(sum, rb_world_row3(s->varied, i));
 	return rb_vec3_scale(0.5, sum);
+}
+
+/* The velocity with which the centre of mass moves through the step, m/s: the solved one for a body
+ * in an island. */
+static rb_vec3 moving_velocity(const struct rb_world *world, int i)
+{
+	return rb_solver_is_free(&world->stepped->solver, i)
+	               ? free_velocity(world, i)
+	               : rb_world_row3(world->state.velocity, i);
+}
+
+/* ---- bodies that rows have not pushed ---- */
+
+/* How far the way of a free body ends from where the solved velocity leads, m. */
+static rb_vec3 free_shift(const struct rb_world *world, int i, double h)
+{
+	const struct rb_solver *solver = &world->stepped->solver;
+
+	if (i >= solver->body_count || solver->clear[i] == RB_CLEAR_NO)
+		return (rb_vec3){0, 0, 0};
+	return rb_vec3_scale(
+		h, rb_vec3_sub(free_velocity(world, i), rb_world_row3(world->state.velocity, i)));
+}
+
+/* m: of a point at the end of the step, as the solution has it. */
+static double solved_gap(const struct rb_solver *solver, const struct rb_step_point *point,
+                         double h)
+{
+	const struct rb_solver_body *body = solver->dense.bodies.body;
+	const struct rb_solver_body *a = &body[point->a];
+	const struct rb_solver_body *b =
+		&body[point->b < solver->body_count ? point->b : solver->body_count];
+	rb_vec3 v = rb_vec3_sub(b->linear, a->linear);
+
+	if (!point->central)
+		v = rb_vec3_add(v, rb_vec3_sub(rb_vec3_cross(b->angular, point->arm_b),
+		                               rb_vec3_cross(a->angular, point->arm_a)));
+	return point->gap + h * rb_vec3_dot(v, point->normal) + point->bend;
+}
+
+/* Bodies of islands that may be free: no row has given them an impulse, and no impact. */
+static bool find_unpushed(const struct rb_world *world, const struct rb_cohort *cohort)
+{
+	const struct rb_solver *solver = &world->stepped->solver;
+	bool any = false;
+
+	for (int k = 0; k < cohort->member_count; k++) {
+		const int i = cohort->body[k], g = solver->island_of[i];
+
+		solver->clear[i] = RB_CLEAR_NO;
+		if (g < 0 || solver->pushed[i] || solver->island[g].kept || solver->rests[i] ||
+		    (solver->kick && solver->kick[i].is_set))
+			continue;
+		solver->clear[i] = RB_CLEAR_MAYBE;
+		any = true;
+	}
+	return any;
+}
+
+/*
+ * Which bodies of islands move as free ones: those without an impulse that stay clear of all they
+ * are near on a free way too, whatever the other one of a pair does. Whether a pair that does not
+ * meet is looked at follows from boxes along the axes, and must not decide how a body moves.
+ */
+static void find_clear(struct rb_world *world, const struct rb_cohort *cohort, double h)
+{
+	const struct rb_solver *solver = &world->stepped->solver;
+
+	if (!find_unpushed(world, cohort))
+		return;
+	for (size_t k = 0; k < cohort->points.count; k++) {
+		const struct rb_step_point *point = &cohort->points.row[k];
+		const bool yields = point->b < solver->body_count;
+
+		if (solver->clear[point->a] == RB_CLEAR_NO &&
+		    (!yields || solver->clear[point->b] == RB_CLEAR_NO))
+			continue;
+		const double a = rb_vec3_dot(free_shift(world, point->a, h), point->normal);
+		const double b = rb_vec3_dot(free_shift(world, point->b, h), point->normal);
+		if (solved_gap(solver, point, h) - fmax(a, 0) + fmin(b, 0) > 0)
+			continue;
+		solver->clear[point->a] |= RB_CLEAR_BLOCKED;
+		if (yields)
+			solver->clear[point->b] |= RB_CLEAR_BLOCKED;
+	}
 }
 
 /* Moves one block of the cohort's bodies; blocks write disjoint rows. */
@@ -159,6 +241,7 @@ static enum rb_status move_and_inspect(struct rb_world *world, struct rb_cohort 
 	cohort->is_measured = false;
 	for (int inspections = 0; again && status == RB_OK; inspections++) {
 		count_work(world);
+		find_clear(world, cohort, h);
 		move(world, cohort, h);
 		rb_drive_end(world);
 		again = false;

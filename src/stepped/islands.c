@@ -773,7 +773,7 @@ void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_
 	if (solver->before && solver->joined_count > 0) /* else positions are moved */
 		run_pass(&pass, (size_t)solver->joined_count, store_joints_block);
 	note_left(solver);
-	if (solver->tensor) { /* else nobody asks */
+	if (solver->before) { /* else positions are moved */
 		find_pushed(solver, world->model->joints, points);
 		free_unpushed(solver);
 	}

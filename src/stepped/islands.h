@@ -43,6 +43,12 @@ struct rb_kick {
 	bool is_set;
 };
 
+/*
+ * Whether a body of an island moves as a free one: MAYBE where no row of it has an impulse, BLOCKED
+ * where the way of a free body would come too near.
+ */
+enum rb_clear { RB_CLEAR_NO = 0, RB_CLEAR_MAYBE = 1, RB_CLEAR_BLOCKED = 2 };
+
 struct rb_solver {
 	int body_count;
 	const int *
@@ -56,6 +62,7 @@ struct rb_solver {
 	int *parent, *island_of, *member, *local; /* owned, [bodies + 1] */
 	double *reach;                            /* owned, m: as of the model */
 	unsigned char *pushed; /* owned: a point of the last step's has an impulse on it */
+	unsigned char *clear;  /* owned: enum rb_clear; set by stepped/attempt */
 	unsigned char *rests;  /* owned: 1 where the body stands still */
 	unsigned char *asleep; /* owned: 1 where it still stands, since nothing has changed */
 	/* owned, m/s: what the last solution has left of the contacts of the body's group */
@@ -83,6 +90,12 @@ struct rb_solver {
 	/* the last step before locating goes on: what touches is left without approach */
 	bool hands_over;
 };
+
+/* Whether it moves as a body without contacts. */
+static inline bool rb_solver_is_free(const struct rb_solver *solver, int i)
+{
+	return solver->island_of[i] < 0 || solver->clear[i] == RB_CLEAR_MAYBE;
+}
 
 static inline bool rb_rest_same(const double *now, const double *then, double h)
 {

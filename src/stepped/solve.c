@@ -52,6 +52,7 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 	solver->local = rb_memory_take(n, sizeof *solver->local);
 	solver->reach = rb_memory_take(n, sizeof *solver->reach);
 	solver->pushed = rb_memory_take(n, 1);
+	solver->clear = rb_memory_take(n, 1);
 	solver->rests = rb_memory_take(n, 1);
 	solver->asleep = rb_memory_take(n, 1);
 	solver->left = rb_memory_take(n, sizeof *solver->left);
@@ -62,8 +63,8 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 		solver->tensor = rb_memory_take(n, sizeof *solver->tensor);
 	solver->dense.bodies.tensor = solver->tensor;
 	if (solver->dense.bodies.body && solver->free && solver->parent && solver->island_of &&
-	    solver->member && solver->local && solver->reach && solver->pushed && solver->rests &&
-	    solver->asleep && solver->left && solver->rest_external &&
+	    solver->member && solver->local && solver->reach && solver->pushed && solver->clear &&
+	    solver->rests && solver->asleep && solver->left && solver->rest_external &&
 	    (solver->tensor || !tensors)) {
 		for (int i = 0; i < model->body_count; i++)
 			solver->reach[i] = rb_model_reach(model, i);
@@ -92,6 +93,7 @@ void rb_solver_release(struct rb_solver *solver)
 	rb_memory_free(solver->local);
 	rb_memory_free(solver->reach);
 	rb_memory_free(solver->pushed);
+	rb_memory_free(solver->clear);
 	rb_memory_free(solver->rests);
 	rb_memory_free(solver->asleep);
 	rb_memory_free(solver->left);

@@ -105,10 +105,10 @@ void rb_tally_solved(struct rb_world *world, const struct rb_cohort *cohort)
 		const bool sleeps = all && s->sleep.sleeps[i];
 
 		body->is_closed = false;
-		body->kind = sleeps                     ? RB_TALLY_RESTS
-		             : solver->island_of[i] < 0 ? RB_TALLY_FREE
-		             : solver->rests[i]         ? RB_TALLY_RESTS
-		                                        : RB_TALLY_JOINED;
+		body->kind = sleeps                         ? RB_TALLY_RESTS
+		             : rb_solver_is_free(solver, i) ? RB_TALLY_FREE
+		             : solver->rests[i]             ? RB_TALLY_RESTS
+		                                            : RB_TALLY_JOINED;
 		if (body->kind != RB_TALLY_FREE || works)
 			note_solved(world, i, sleeps, body);
 	}
