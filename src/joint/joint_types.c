@@ -11,9 +11,9 @@
 const struct rb_joint_type *const rb_joint_types[RB_JOINT_KIND_COUNT] = {RB_JOINT_TYPES(ROW)};
 
 const struct rb_coordinate_words rb_coordinate_words[] = {
-	[RB_COORDINATE_ANGLE] = {"angle", "torque", "rad", "rad/s"},
-	[RB_COORDINATE_WAY] = {"way", "force", "m", "m/s"},
-	[RB_COORDINATE_LENGTH] = {"length", NULL, "m", "m/s"},
+	[RB_COORDINATE_ANGLE] = {"angle", "torque", "rad/s"},
+	[RB_COORDINATE_WAY] = {"way", "force", "m/s"},
+	[RB_COORDINATE_LENGTH] = {"length", NULL, "m/s"},
 };
 
 /* ---- which kinds have a key, by their rows ---- */

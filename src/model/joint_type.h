@@ -45,12 +45,11 @@ static inline const struct rb_joint_type *rb_joint_type(int kind)
 	return rb_joint_types[kind];
 }
 
-/* The key and field for its coordinate, that for what a motor exerts, and its unit. */
+/* The key and field for its coordinate, that for what a motor exerts, and the unit of its rate. */
 struct rb_coordinate_words {
-	const char *name; /* "angle"; NULL: it has no coordinate */
-	const char *load; /* "torque"; NULL: it is not free */
-	const char *unit; /* "rad" */
-	const char *rate_unit;
+	const char *name;      /* "angle"; NULL: it has no coordinate */
+	const char *load;      /* "torque"; NULL: it is not free */
+	const char *rate_unit; /* "rad/s" */
 };
 extern const struct rb_coordinate_words rb_coordinate_words[RB_COORDINATE_LENGTH + 1];
 
