@@ -85,8 +85,11 @@ struct rb_frame_contact {
 
 /* Numbers of the whole scene at a frame; counts are since the frame before. */
 struct rb_frame_numbers {
-	double kinetic_energy, potential_energy;  /* J; zero of potential at the origin */
-	rb_vec3 momentum, angular_momentum;       /* kg m/s; kg m^2/s about the origin */
+	double kinetic_energy, potential_energy; /* J; zero of potential at the origin */
+	rb_vec3 momentum, angular_momentum;      /* kg m/s; kg m^2/s about the origin */
+	/* kg, m: of all where they attract each other, and nothing fixed does; otherwise zeros */
+	double mass;
+	rb_vec3 center_of_mass;
 	double max_penetration;                   /* m, >= 0 */
 	uint64_t contacts;                        /* lasting now */
 	uint64_t collisions, rollbacks, substeps; /* substeps: accepted, all groups */

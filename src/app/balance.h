@@ -27,21 +27,23 @@ struct rb_balance {
 RB_FIELDS_DECLARE(rb_balance_fields);
 
 /* The list of struct rb_frame_numbers (<rbsim/frame.h>): the first and last ones of a run. */
-#define RB_FRAME_NUMBERS_FIELDS(X)                                                  \
-	X(double, kinetic_energy, , "J", "at the frame", RB_NUMBER)                 \
-	X(double, potential_energy, , "J", "zero at the origin", RB_NUMBER)         \
-	X(rb_vec3, momentum, , "kg m/s", "of all bodies", RB_NUMBER)                \
-	X(rb_vec3, angular_momentum, , "kg m^2/s", "about the origin", RB_NUMBER)   \
-	X(double, max_penetration, , "m", "since the frame before", RB_NUMBER)      \
-	X(uint64_t, contacts, , "", "lasting ones", RB_ANY_BITS)                    \
-	X(uint64_t, collisions, , "", "since the frame before", RB_ANY_BITS)        \
-	X(uint64_t, rollbacks, , "", "since the frame before", RB_ANY_BITS)         \
-	X(uint64_t, substeps, , "", "accepted since the frame before", RB_ANY_BITS) \
-	X(double, smallest_step, , "s", "of those tried", RB_NUMBER)                \
-	X(double, stepped, , "s", "simulated by steps", RB_NUMBER)                  \
-	X(double, gravitation_error, , "", "share of an acceleration", RB_NUMBER)   \
-	X(double, gravitation_energy_error, , "", "share of an energy", RB_NUMBER)  \
-	X(bool, has_ledger, , "", "`ledger` is kept", RB_FLAG)                      \
+#define RB_FRAME_NUMBERS_FIELDS(X)                                                     \
+	X(double, kinetic_energy, , "J", "at the frame", RB_NUMBER)                    \
+	X(double, potential_energy, , "J", "zero at the origin", RB_NUMBER)            \
+	X(rb_vec3, momentum, , "kg m/s", "of all bodies", RB_NUMBER)                   \
+	X(rb_vec3, angular_momentum, , "kg m^2/s", "about the origin", RB_NUMBER)      \
+	X(double, mass, , "kg", "of what attracts by its mass; 0: not all", RB_NUMBER) \
+	X(rb_vec3, center_of_mass, , "m", "of these", RB_NUMBER)                       \
+	X(double, max_penetration, , "m", "since the frame before", RB_NUMBER)         \
+	X(uint64_t, contacts, , "", "lasting ones", RB_ANY_BITS)                       \
+	X(uint64_t, collisions, , "", "since the frame before", RB_ANY_BITS)           \
+	X(uint64_t, rollbacks, , "", "since the frame before", RB_ANY_BITS)            \
+	X(uint64_t, substeps, , "", "accepted since the frame before", RB_ANY_BITS)    \
+	X(double, smallest_step, , "s", "of those tried", RB_NUMBER)                   \
+	X(double, stepped, , "s", "simulated by steps", RB_NUMBER)                     \
+	X(double, gravitation_error, , "", "share of an acceleration", RB_NUMBER)      \
+	X(double, gravitation_energy_error, , "", "share of an energy", RB_NUMBER)     \
+	X(bool, has_ledger, , "", "`ledger` is kept", RB_FLAG)                         \
 	X(struct rb_ledger_values, ledger, , "J, kg m/s, kg m^2/s", "zeros without one", RB_NUMBER)
 RB_FIELDS_DECLARE(rb_frame_numbers_fields);
 

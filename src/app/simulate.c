@@ -18,6 +18,7 @@
 #include "base/team.h"
 #include "flow/frame.h"
 #include "flow/pump.h"
+#include "math/vec3.h"
 #include "sink/module.h"
 
 /* Everything of a run that is under way; simulator's thread. */
@@ -422,6 +423,13 @@ static void take_numbers(struct rb_run_result *result, const struct rb_frame *fr
 	result->angular_momentum_drift = rb_larger(
 		result->angular_momentum_drift,
 		rb_change_of(n->angular_momentum, first->angular_momentum));
+	if (n->mass > 0) {
+		const rb_vec3 way = rb_vec3_scale(frame->time_s / first->mass, first->momentum);
+
+		result->center_drift_m = rb_larger(
+			result->center_drift_m,
+			rb_change_of(n->center_of_mass, rb_vec3_add(first->center_of_mass, way)));
+	}
 	rb_balance_take(&result->balance, n);
 	result->frames++;
 	result->time_s = frame->time_s;

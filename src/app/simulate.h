@@ -35,7 +35,8 @@
 	X(double, gravitation_energy_error, , "", "largest one", RB_NUMBER)                  \
 	X(double, energy_drift_j, , "J", "drift", RB_NUMBER)                                 \
 	X(double, momentum_drift, , "kg m/s", "drift", RB_NUMBER)                            \
-	X(double, angular_momentum_drift, , "kg m^2/s", "drift", RB_NUMBER)
+	X(double, angular_momentum_drift, , "kg m^2/s", "drift", RB_NUMBER)                  \
+	X(double, center_drift_m, , "m", "of the centre of mass from its straight way", RB_NUMBER)
 struct rb_run_result {
 	enum rb_status
 		status; /* of the simulation and its recording; films and expectations apart */

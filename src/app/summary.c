@@ -107,6 +107,10 @@ static void print_changes(FILE *file, const struct rb_run_result *result)
 	         rb_text_measure("changed by up to ", result->momentum_drift, 3, "kg m/s", text[0]),
 	         rb_text_measure("by up to ", result->angular_momentum_drift, 3, "kg m^2/s",
 	                         text[1]));
+	if (result->first.mass > 0)
+		rb_print(file, "  centre of mass %s\n",
+		         rb_text_measure("off its straight way by up to ", result->center_drift_m,
+		                         3, "m", text[0]));
 }
 
 /* Prints which method was used for how much of the run. */
@@ -294,6 +298,8 @@ void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
 	rb_json_number(&json, "energy_drift", result->energy_drift_j);
 	rb_json_number(&json, "momentum_drift", result->momentum_drift);
 	rb_json_number(&json, "angular_momentum_drift", result->angular_momentum_drift);
+	rb_json_number(&json, "center_of_mass_drift",
+	               result->first.mass > 0 ? result->center_drift_m : (double)NAN);
 	rb_balance_print_json(&json, &result->balance, &result->last.ledger);
 	json_numbers(&json, "first", &result->first);
 	json_numbers(&json, "last", &result->last);

@@ -61,6 +61,34 @@ static struct rb_frame_numbers since_start(const struct rb_world *world,
 	return since;
 }
 
+/* True where attraction is what accelerates the whole, and cannot move its centre. */
+static bool has_center(const struct rb_model *model)
+{
+	return (model->features & RB_FEATURE_GRAVITATION) && model->attracts_by_mass &&
+	       model->center_count == 0 &&
+	       !(model->features & (RB_FEATURE_GRAVITY | RB_FEATURE_GRAVITY_FORCE));
+}
+
+/* Mass and its centre, where has_center. */
+static void measure_center(const struct rb_world *world, struct rb_frame_numbers *numbers)
+{
+	const struct rb_model *model = world->model;
+
+	*numbers = (struct rb_frame_numbers){0};
+	if (!has_center(model))
+		return;
+	for (int i = 0; i < model->body_count; i++) {
+		if (model->driven && model->driven[i])
+			continue;
+		numbers->mass += model->mass[i];
+		numbers->center_of_mass = rb_vec3_add_scaled(
+			numbers->center_of_mass, model->mass[i],
+			rb_world_row3(world->state.position, i));
+	}
+	if (numbers->mass > 0)
+		numbers->center_of_mass = rb_vec3_scale(1 / numbers->mass, numbers->center_of_mass);
+}
+
 /*
  * Straight over the columns, since this runs for every recorded frame. Returns the energy of force
  * elements among it, J, which is found once.
@@ -74,6 +102,8 @@ static double measure_bodies(const struct rb_world *world, struct rb_frame_numbe
 	double twice_kinetic = 0, potential = 0;
 	rb_vec3 momentum = {0, 0, 0}, angular = {0, 0, 0};
 
+	measure_center(world, numbers);
+	const struct rb_frame_numbers center = *numbers;
 	for (int i = 0; i < model->body_count; i++) {
 		if (model->driven && model->driven[i]) /* has no mass to count with */
 			continue;
@@ -101,6 +131,8 @@ static double measure_bodies(const struct rb_world *world, struct rb_frame_numbe
 	                                     .potential_energy = potential + element_energy,
 	                                     .momentum = momentum,
 	                                     .angular_momentum = angular,
+	                                     .mass = center.mass,
+	                                     .center_of_mass = center.center_of_mass,
 	                                     .gravitation_error = error_found.acceleration,
 	                                     .gravitation_energy_error = error_found.potential};
 	return element_energy;

@@ -45,7 +45,10 @@ awk -v e="$(value gravitation_error)" -v u="$(value gravitation_energy_error)" '
 	fail "told: $(value gravitation_error), $(value gravitation_energy_error)"
 exits 0 many.lua --no-record
 says err "gravitation   by a tree: accelerations wrong by .* of themselves at most, energy by"
+says err "centre of mass off its straight way by up to [0-9.e+-]* m"
 exits 0 replay many-2.h5
+exits 0 many.lua --no-record --json
+awk -v d="$(value center_of_mass_drift)" 'BEGIN { exit !(d != "" && d < 1e-14) }' || fail "centre of mass: $(value center_of_mass_drift)"
 sed 's/gravitation = {}/gravitation = {opening_angle = 0}/' many.lua >pairs.lua
 exits 0 check pairs.lua --no-record
 says out "steps: pair by pair; .* s a step"
@@ -91,6 +94,7 @@ exits 0 check centres.lua --json
 for method in located stepped; do
 	exits 0 centres.lua --method $method -o $method.h5 --json
 done
+[ "$(value center_of_mass_drift)" = null ] || fail "a fixed centre: $(value center_of_mass_drift)"
 # what the ledger does not explain: rounding, or the error of a step of first order
 "$RBSIM" centres.lua --method located --no-record --json >out
 awk -v u="$(value unexplained_max)" 'BEGIN { exit !(u != "" && u < 1e-13) }' || fail "unexplained: $(value unexplained_max)"
