@@ -433,8 +433,8 @@ static bool is_taken_over(const struct impact *s, int k)
 }
 
 /*
- * Duration of the infinite series of rebounds that begins with this one, s; < 0: it is none, but may
- * be a bounce of one.
+ * Duration of the infinite series of rebounds that begins with this one, s; < 0: none does, but it
+ * may be a bounce of one.
  */
 static double accumulation(struct impact *s, int k)
 {
