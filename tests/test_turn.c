@@ -93,7 +93,7 @@ static enum rb_status turning(void *user, double t, const double *value, double 
 static void a_spin_that_wanders_is_followed(void **state)
 {
 	const double scale[4] = {1, 1, 1, 1};
-	double value[4], coefficient[RB_GAUSS_NODES * 4], scratch[64], time_s = 0, try_s = 0.01;
+	double value[4], coefficient[RB_GAUSS_NODES * 4], scratch[128], time_s = 0, try_s = 0.01;
 	uint64_t calls = 0;
 	struct spun s;
 	struct rb_error err;

@@ -189,7 +189,8 @@ static void cluster_entries(const struct rb_cluster *c, double t, struct rb_entr
 {
 	struct rb_entries before, now;
 
-	if (!c->used || !(t > c->account_s))
+	/* contacts have rates between parabolas, else nothing acts that has a cause */
+	if (!c->used || !(t > c->account_s) || (c->integrated && c->account.n == 0))
 		return;
 	cluster_until(c, c->account_s, &before);
 	cluster_until(c, t, &now);

@@ -59,6 +59,18 @@ struct rb_element_query rb_external_query(const struct rb_element_view *at);
 void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pose,
                           const struct rb_force_query *view, rb_vec3 *linear, rb_vec3 *angular);
 
+/*
+ * rb_external_force_at where gravity and gravitation are all that acts, nothing turns and nobody
+ * asks for parts: only the attraction must have been found. False: it is no such scene.
+ */
+static inline bool rb_external_is_attraction(const struct rb_located *l)
+{
+	return !l->top && (l->model->features & RB_FEATURE_GRAVITATION) &&
+	       !(l->model->features &
+	         (RB_FEATURE_GRAVITY_FORCE | RB_FEATURE_FORCES | RB_FEATURE_PUSHES |
+	          (RB_FEATURES_VARIED & ~(rb_features)RB_FEATURE_GRAVITATION)));
+}
+
 /* Whether both are constant from `t` to the next switch as long as nothing touches the body. */
 bool rb_external_is_constant(const struct rb_located *l, int i, double t);
 /* ... as long as neither the body nor anything that is attracted moves. */

@@ -27,16 +27,17 @@ static void read_pose(struct rb_modes *w, int k, const double *value)
 	const int i = w->c->member[k];
 	const double *v = value + (size_t)k * (size_t)w->row;
 	struct rb_pose *pose = &w->pose[k];
+	const rb_vec3 base = w->base[k], way = rb_vec3_from(v + RB_PIECE_POSITION);
 
-	pose->position = w->base[k];
-	pose->rest = (rb_vec3){0, 0, 0};
-	rb_arc_move(pose, rb_vec3_from(v + RB_PIECE_POSITION));
+	pose->position = rb_vec3_add(base, way);
+	pose->rest = rb_vec3_lost(base, way, pose->position);
 	pose->velocity = rb_vec3_from(v + RB_PIECE_VELOCITY);
-	pose->spin = (rb_vec3){0, 0, 0};
-	pose->orientation = l->model->orientation[i];
 	if (l->top) {
 		pose->orientation = rb_quat_unit(rb_quat_from(v + RB_PIECE_ORIENTATION));
 		pose->spin = rb_vec3_from(v + RB_PIECE_SPIN);
+	} else {
+		pose->spin = (rb_vec3){0, 0, 0};
+		pose->orientation = l->model->orientation[i];
 	}
 	pose->origin = pose->position;
 	if (l->model->center_of_mass)
@@ -77,9 +78,17 @@ bool rb_rates_external(struct rb_modes *w, double t, double *max)
 	                                    .attracted = true};
 
 	rb_external_attract(l, &view);
-	for (int k = 0; k < w->c->member_count; k++)
-		rb_external_force_at(l, w->c->member[k], &w->pose[k], &view, &w->linear[k],
-		                     &w->angular[k]);
+	const bool attracts = !w->parts && rb_external_is_attraction(l);
+	for (int k = 0; k < w->c->member_count; k++) {
+		if (!attracts) {
+			rb_external_force_at(l, w->c->member[k], &w->pose[k], &view, &w->linear[k],
+			                     &w->angular[k]);
+			continue;
+		}
+		w->linear[k] = rb_vec3_add(l->model->scene->world.gravity,
+		                           rb_gravitation_found(&l->gravitation, w->c->member[k]));
+		w->angular[k] = (rb_vec3){0, 0, 0};
+	}
 	if (w->joints.joint_count > 0)
 		rb_joint_rows_add_springs(&w->joints, t, w->linear, w->angular);
 	if (!max)

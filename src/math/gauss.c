@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "math/gauss_tables.h"
+#include "math/lanes.h"
 
 enum { NODES = RB_GAUSS_NODES, SWEEPS_MAX = 40, SWEEPS_MANY = 14, MISSED_TAILS = 8 };
 
@@ -30,6 +31,17 @@ static const double rounding = DBL_EPSILON / 8;
 static const double guess_near = 0x1p-20;
 
 /*
+ * Up to four rows that are next to each other and of one kind: rates that are called for, then
+ * `rate` is `first`, or rows whose rates are the rows from `rate` on.
+ */
+struct group {
+	uint32_t first, rate;
+	uint16_t count;
+	bool is_rate;
+};
+_Static_assert(sizeof(struct group) <= 2 * sizeof(double), "room in scratch");
+
+/*
  * What an attempt works on; `g` are rates times the step's length, g[0] at its start, g[1 + i] at
  * node i. Of rows whose rate is a row they are kept for the first guess only.
  */
@@ -37,7 +49,8 @@ struct attempt {
 	const struct rb_gauss_problem *problem;
 	struct rb_gauss_guess guess;
 	double time_s, h_s;
-	const double *start, *rest;
+	const struct group *group, *group_end; /* all rows, in scratch */
+	double *start, *rest;                  /* copies in scratch: four are read at a time */
 	double *first, *value, *size, *g[1 + NODES];
 	uint64_t *calls;
 	bool shows;   /* problem->visited is called */
@@ -47,12 +60,30 @@ struct attempt {
 
 size_t rb_gauss_scratch_size(int n)
 {
-	return (size_t)(NODES + 6) * (size_t)n;
+	/* four at a time reach beyond the last row */
+	return (size_t)(NODES + 9) * (size_t)n + RB_LANES;
 }
 
 static int rate_row(const struct rb_gauss_problem *problem, size_t i)
 {
 	return problem->rate_row ? problem->rate_row[i] : -1;
+}
+
+/* Fills the groups; behind the last one. */
+static struct group *find_groups(const struct rb_gauss_problem *p, struct group *to)
+{
+	for (int i = 0, v; i < p->n; i += to++->count) {
+		v = rate_row(p, (size_t)i);
+		*to = (struct group){(uint32_t)i, (uint32_t)(v < 0 ? i : v), 1, v < 0};
+		while (to->count < RB_LANES && i + to->count < p->n) {
+			const int next = rate_row(p, (size_t)(i + to->count));
+
+			if (v < 0 ? next >= 0 : next != v + to->count)
+				break;
+			to->count++;
+		}
+	}
+	return to;
 }
 
 /* Changes of rates count by what they do to values; also to those whose rates' rates they are. */
@@ -70,6 +101,65 @@ static void find_sizes(const struct attempt *a)
 }
 
 /*
+ * The first `count` of four, the first one for the others. One by one: what has been stored so is
+ * read as four only after a wait.
+ */
+RB_LANES_INLINE void load(const double *from, size_t count, rb_lanes *x)
+{
+	*x = (rb_lanes){from[0], from[count > 1 ? 1 : 0], from[count > 2 ? 2 : 0],
+	                from[count > 3 ? 3 : 0]};
+}
+
+/* Stores the first `count` of four. */
+RB_LANES_INLINE void store(const rb_lanes *x, size_t count, double *to)
+{
+	if (count == RB_LANES) {
+		*(rb_lanes *)to = *x;
+		return;
+	}
+	to[0] = (*x)[0];
+	if (count > 1)
+		to[1] = (*x)[1];
+	if (count > 2)
+		to[2] = (*x)[2];
+}
+
+/* Puts rates into `row`; the largest change of an entry, or `max`, if that is larger. */
+RB_LANES_INLINE double taken(const struct attempt *a, const double *rate, double *row, double max)
+{
+	for (const struct group *group = a->group; group < a->group_end; group++) {
+		const size_t first = group->first;
+		rb_lanes next, before;
+
+		if (!group->is_rate && !a->guesses)
+			continue;
+		load(group->is_rate ? rate + first : a->value + group->rate, group->count, &next);
+		next *= a->h_s;
+		before = *(const rb_lanes *)(row + first);
+		store(&next, group->count, row + first);
+		if (!group->is_rate)
+			continue;
+		const rb_lanes off = (next - before) / *(const rb_lanes *)(a->size + first);
+		for (size_t m = 0; m < group->count; m++) {
+			double size = fabs(off[m]);
+
+			/* against a tiny scale it may overflow all the same */
+			if (size > DBL_MAX && isfinite(next[m]))
+				size = DBL_MAX;
+			if (!(size <= max)) /* NaN comes through */
+				max = size;
+		}
+	}
+	return max;
+}
+
+RB_LANES_AVX2 static double taken_avx2(const struct attempt *a, const double *rate, double *row,
+                                       double max)
+{
+	return taken(a, rate, row, max);
+}
+
+/*
  * Calls the rates at `value` and puts them into `row`; `*change` is the largest change of a row's
  * entry. What a try that is too long has thrown to infinity is asked nothing: its rates might be
  * taken for a mistake in them.
@@ -78,13 +168,12 @@ static enum rb_status rates_at(const struct attempt *a, double part, double *row
                                double *change)
 {
 	const struct rb_gauss_problem *p = a->problem;
-	const double h = a->h_s, *const value = a->value, *const size = a->size;
-	double max = *change;
-	bool finite = true;
+	const double *const value = a->value;
+	double none = 0;
 
 	for (int i = 0; i < p->n; i++)
-		finite = finite && fabs(value[i]) <= DBL_MAX;
-	if (!finite) {
+		none += 0 * value[i];
+	if (none != 0) { /* NaN: one is not finite */
 		*change = (double)INFINITY;
 		return RB_OK;
 	}
@@ -93,25 +182,8 @@ static enum rb_status rates_at(const struct attempt *a, double part, double *row
 	                                       a->err);
 	if (status != RB_OK)
 		return status;
-	for (int i = 0; i < p->n; i++) {
-		const int v = rate_row(p, (size_t)i);
-
-		if (v >= 0) {
-			if (a->guesses)
-				row[i] = h * value[v];
-			continue;
-		}
-		const double now = h * rate[i];
-		double off = fabs(now - row[i]) / size[i];
-
-		/* against a tiny scale it may overflow all the same */
-		if (off > DBL_MAX && isfinite(now))
-			off = DBL_MAX;
-		if (!(off <= max)) /* NaN comes through */
-			max = off;
-		row[i] = now;
-	}
-	*change = max;
+	*change = rb_lanes_avx2() ? taken_avx2(a, rate, row, *change)
+	                          : taken(a, rate, row, *change);
 	return RB_OK;
 }
 
@@ -127,34 +199,51 @@ static void value_ahead(const struct attempt *a, int at)
 	}
 }
 
-/* Component i of all nodes, weighted: written out, since this is most of what a visit costs. */
-static inline double weighted(const double w[NODES], const double *const g[NODES], size_t i)
+/* Four rows of all nodes, weighted: written out, since this is most of what a visit costs. */
+RB_LANES_INLINE void weighted(const double w[NODES], double *const g[NODES], size_t i,
+                              rb_lanes *sum)
 {
-	return 0.0 + w[0] * g[0][i] + w[1] * g[1][i] + w[2] * g[2][i] + w[3] * g[3][i] +
-	       w[4] * g[4][i] + w[5] * g[5][i] + w[6] * g[6][i] + w[7] * g[7][i];
+#define RB_GAUSS_ROW(k) (w[k] * *(const rb_lanes *)(g[k] + i))
+	*sum = 0.0 + RB_GAUSS_ROW(0) + RB_GAUSS_ROW(1) + RB_GAUSS_ROW(2) + RB_GAUSS_ROW(3) +
+	       RB_GAUSS_ROW(4) + RB_GAUSS_ROW(5) + RB_GAUSS_ROW(6) + RB_GAUSS_ROW(7);
+#undef RB_GAUSS_ROW
 }
 
 /* The small ones first. */
+RB_LANES_INLINE void values_at(const struct attempt *a, int at)
+{
+	const double h = a->h_s, part = node[at], low_part = node_low[at];
+
+	for (const struct group *group = a->group; group < a->group_end; group++) {
+		const rb_lanes *const start = (const rb_lanes *)(a->start + group->first);
+		const rb_lanes *const rest = (const rb_lanes *)(a->rest + group->first);
+		rb_lanes sum;
+
+		weighted(group->is_rate ? matrix[at] : square[at], &a->g[1], group->rate, &sum);
+		if (!group->is_rate) {
+			const rb_lanes way = h * *(const rb_lanes *)(a->start + group->rate);
+			const rb_lanes lost = part * *(const rb_lanes *)(a->rest + group->rate);
+			const rb_lanes low = low_part * way + h * (lost + sum);
+
+			sum = part * way + low;
+		}
+		const rb_lanes value = *start + (*rest + sum);
+
+		store(&value, group->count, a->value + group->first);
+	}
+}
+
+RB_LANES_AVX2 static void values_at_avx2(const struct attempt *a, int at)
+{
+	values_at(a, at);
+}
+
 static void value_at(const struct attempt *a, int at)
 {
-	const struct rb_gauss_problem *const p = a->problem;
-	const double *const start = a->start, *const rest = a->rest, h = a->h_s;
-	const double *g[NODES];
-	double *const value = a->value;
-
-	memcpy(g, &a->g[1], sizeof g);
-	for (size_t i = 0; i < (size_t)p->n; i++) {
-		const int v = rate_row(p, i);
-
-		if (v < 0) {
-			value[i] = start[i] + (rest[i] + weighted(matrix[at], g, i));
-			continue;
-		}
-		const double sum = weighted(square[at], g, (size_t)v), way = h * start[v];
-		const double low = node_low[at] * way + h * (node[at] * rest[v] + sum);
-
-		value[i] = start[i] + (rest[i] + (node[at] * way + low));
-	}
+	if (rb_lanes_avx2())
+		values_at_avx2(a, at);
+	else
+		values_at(a, at);
 }
 
 /* Quick rates at all nodes, from values by the newest rates. */
@@ -197,20 +286,21 @@ static enum rb_status sweep(const struct attempt *a, bool first, double *rate, d
 	return RB_OK;
 }
 
-static void polynomials(int count, double x, double *weight);
-
-/* The small coefficients, which are n apart, first. */
-static inline double series(const double w[NODES], const double *c, size_t n)
+/* Four rates that a guess has where its polynomials are `weight`, x the length. */
+RB_LANES_INLINE void guessed(const struct attempt *a, const double *weight,
+                             const struct group *group, rb_lanes *to)
 {
-	return 0.0 + w[7] * c[7 * n] + w[6] * c[6 * n] + w[5] * c[5 * n] + w[4] * c[4 * n] +
-	       w[3] * c[3 * n] + w[2] * c[2 * n] + w[1] * c[n] + w[0] * c[0];
-}
+	const size_t n = (size_t)a->problem->n;
+	const double *const c = a->guess.coefficient + group->first;
+	rb_lanes sum = {0, 0, 0, 0};
 
-/* Component i of the rates that a guess has where its polynomials are `weight`, x the length. */
-static double guessed(const struct attempt *a, const double *weight, size_t i)
-{
-	return a->h_s / a->guess.length_s *
-	       series(weight, a->guess.coefficient + i, (size_t)a->problem->n);
+	for (size_t k = NODES; k-- > 0;) {
+		rb_lanes own;
+
+		load(c + k * n, group->count, &own);
+		sum += weight[k] * own;
+	}
+	*to = a->h_s / a->guess.length_s * sum;
 }
 
 /*
@@ -218,36 +308,64 @@ static double guessed(const struct attempt *a, const double *weight, size_t i)
  * Where motion goes on that is what the polynomial does not have, P_8 above all, which at nodes
  * ahead is much; or else the size of a jump where one force joins those that go on.
  */
-static bool guess(const struct attempt *a)
+RB_LANES_INLINE bool guess_any(const struct attempt *a)
 {
-	const struct rb_gauss_problem *p = a->problem;
 	const struct rb_gauss_guess *from = &a->guess;
+	const long long goes_on = from->from_s >= from->length_s ? -1 : 0;
+	const rb_lanes ones = {1, 1, 1, 1};
+	const double smooth = guess_smooth * a->problem->tolerance;
 	double weight[NODES + 1];
 
 	if (!from->coefficient || !(from->from_s + a->h_s <= guess_reach * from->length_s))
 		return false;
-	polynomials(NODES + 1, from->from_s / from->length_s, weight);
+	rb_gauss_polynomials(NODES + 1, from->from_s / from->length_s, weight);
 	const double last = weight[NODES];
-	for (size_t i = 0; i < (size_t)p->n; i++) {
-		if (rate_row(p, i) >= 0)
+	for (const struct group *group = a->group; group < a->group_end; group++) {
+		rb_lanes value;
+
+		if (!group->is_rate)
 			continue;
-		a->value[i] = a->g[0][i] - guessed(a, weight, i);
-		if (!(fabs(a->value[i]) <= guess_misses * a->size[i]))
-			return false;
+		guessed(a, weight, group, &value);
+		value = *(const rb_lanes *)(a->g[0] + group->first) - value;
+		store(&value, group->count, a->value + group->first);
+		for (size_t i = group->first; i < group->first + group->count; i++)
+			if (!(fabs(a->value[i]) <= guess_misses * a->size[i]))
+				return false;
 	}
 	for (int j = 0; j < NODES; j++) {
-		polynomials(NODES + 1, (from->from_s + node[j] * a->h_s) / from->length_s, weight);
-		for (size_t i = 0; i < (size_t)p->n; i++) {
-			if (rate_row(p, i) >= 0)
+		rb_gauss_polynomials(NODES + 1, (from->from_s + node[j] * a->h_s) / from->length_s,
+		                     weight);
+		const double share = weight[NODES] / last;
+		const rb_lanes shares = {share, share, share, share};
+		for (const struct group *group = a->group; group < a->group_end; group++) {
+			rb_lanes rates;
+
+			if (!group->is_rate)
 				continue;
-			const bool jumps = !(fabs(a->value[i]) <=
-			                     guess_smooth * p->tolerance * a->size[i]) ||
-			                   !(from->from_s >= from->length_s);
-			a->g[1 + j][i] = guessed(a, weight, i) +
-			                 (jumps ? 1 : weight[NODES] / last) * a->value[i];
+			guessed(a, weight, group, &rates);
+			rb_lanes off;
+			load(a->value + group->first, group->count, &off);
+			const rb_lanes max = smooth * *(const rb_lanes *)(a->size + group->first);
+			const rb_lanes_mask same = goes_on & (rb_lanes_mask)(off <= max) &
+			                           (rb_lanes_mask)(off >= -max);
+
+			rates += (rb_lanes)(((rb_lanes_mask)shares & same) |
+			                    ((rb_lanes_mask)ones & ~same)) *
+			         off;
+			store(&rates, group->count, a->g[1 + j] + group->first);
 		}
 	}
 	return true;
+}
+
+RB_LANES_AVX2 static bool guess_avx2(const struct attempt *a)
+{
+	return guess_any(a);
+}
+
+static bool guess(const struct attempt *a)
+{
+	return rb_lanes_avx2() ? guess_avx2(a) : guess_any(a);
 }
 
 /*
@@ -300,6 +418,17 @@ static enum rb_status converge(struct attempt *a, double *rate, int *sweeps, dou
 	return RB_OK;
 }
 
+/* fmax and fmin, which are calls. */
+static inline double max_of(double a, double b)
+{
+	return a > b || isnan(b) ? a : b;
+}
+
+static inline double min_of(double a, double b)
+{
+	return a < b || isnan(b) ? a : b;
+}
+
 /*
  * The largest part of the rates that the polynomial does not hold, integrated, relative to scale.
  * The missing coefficients are estimated from those that are there, in pairs (of functions that are
@@ -315,14 +444,14 @@ static double tail(const struct rb_gauss_problem *problem, const double *coeffic
 		double pair[3];
 
 		for (size_t k = 0; k < 3; k++)
-			pair[k] = fmax(fabs(coefficient[(2 * k + 2) * n + i]),
-			               fabs(coefficient[(2 * k + 3) * n + i]));
+			pair[k] = max_of(fabs(coefficient[(2 * k + 2) * n + i]),
+			                 fabs(coefficient[(2 * k + 3) * n + i]));
 		if (!(pair[2] > 0))
 			continue;
-		const double fall = fmin(fmax(pair[2] / pair[1], pair[1] / pair[0]), 1);
+		const double fall = min_of(max_of(pair[2] / pair[1], pair[1] / pair[0]), 1);
 		/* the integral of P_8 is (P_9 - P_7)/34 on [0, 1] */
-		const double missing = pair[2] * fall / (1 - fmin(fall, 0.75)) / 34;
-		worst = fmax(worst, missing / problem->scale[i]);
+		const double missing = pair[2] * fall / (1 - min_of(fall, 0.75)) / 34;
+		worst = max_of(worst, missing / problem->scale[i]);
 	}
 	return worst;
 }
@@ -342,8 +471,8 @@ static double rounded(const struct rb_gauss_problem *problem, const struct rb_ga
 
 		for (size_t k = 0; k < NODES; k++)
 			sum += fabs(piece->coefficient[k * n + i]);
-		worst = fmax(worst,
-		             rounding * sum / fmax(problem->scale[i], fabs(piece->start[i])));
+		worst = max_of(worst,
+		               rounding * sum / max_of(problem->scale[i], fabs(piece->start[i])));
 	}
 	return worst;
 }
@@ -403,46 +532,73 @@ static enum rb_status show(const struct attempt *a, double *rate)
  * Of x' = v they follow from those of v' = f: the integral of P_k, k > 0, is (P_(k+1) - P_(k-1)) /
  * (2 (2k + 1)) on [0, 1], and what P_8 has of v is nothing at the nodes.
  */
-static void integrated(const struct attempt *a, size_t i, size_t v, double *coefficient)
+RB_LANES_INLINE void integrated(const struct attempt *a, const struct group *group,
+                                double *coefficient)
 {
-	const size_t n = (size_t)a->problem->n;
-	const double *const d = coefficient + v;
+	const size_t n = (size_t)a->problem->n, count = group->count;
+	const double h = a->h_s;
+	rb_lanes d[NODES], own;
 
-	coefficient[i] = a->h_s * a->start[v] + a->h_s * (a->rest[v] + (0.5 * d[0] - d[n] / 6));
+	for (size_t k = 0; k < NODES; k++)
+		load(coefficient + k * n + group->rate, count, &d[k]);
+	own = h * *(const rb_lanes *)(a->start + group->rate) +
+	      h * (*(const rb_lanes *)(a->rest + group->rate) + (0.5 * d[0] - d[1] / 6));
+	store(&own, count, coefficient + group->first);
 	for (size_t k = 1; k < NODES; k++) {
-		const double below = d[(k - 1) * n] / (double)(2 * (2 * k - 1));
-		const double above = k + 1 < NODES ? d[(k + 1) * n] / (double)(2 * (2 * k + 3)) : 0;
+		rb_lanes above = {0, 0, 0, 0};
 
-		coefficient[k * n + i] = a->h_s * (below - above);
+		if (k + 1 < NODES)
+			above = d[k + 1] / (double)(2 * (2 * k + 3));
+		own = h * (d[k - 1] / (double)(2 * (2 * k - 1)) - above);
+		store(&own, count, coefficient + k * n + group->first);
 	}
 }
 
-static void coefficients(const struct attempt *a, double *coefficient)
+RB_LANES_INLINE void coefficients_any(const struct attempt *a, double *coefficient)
 {
 	const size_t n = (size_t)a->problem->n;
 
-	for (size_t i = 0; i < n; i++) {
-		double both[2][NODES / 2], low[2] = {0, 0};
+	for (const struct group *group = a->group; group < a->group_end; group++) {
+		rb_lanes both[2][NODES / 2], low[2] = {{0, 0, 0, 0}, {0, 0, 0, 0}};
 
-		if (rate_row(a->problem, i) >= 0)
+		if (!group->is_rate)
 			continue;
 		/* from the ends to the middle, so that even and odd parts are not mixed */
 		for (int j = 0; j < NODES / 2; j++) {
-			both[0][j] = a->g[1 + j][i] + a->g[NODES - j][i];
-			both[1][j] = a->g[1 + j][i] - a->g[NODES - j][i];
+			const rb_lanes *const x = (const rb_lanes *)(a->g[1 + j] + group->first);
+			const rb_lanes *const y = (const rb_lanes *)(a->g[NODES - j] +
+			                                             group->first);
+
+			both[0][j] = *x + *y;
+			both[1][j] = *x - *y;
 			low[0] += legendre_low[0][j] * both[0][j];
 			low[1] += legendre_low[1][j] * both[1][j];
 		}
 		for (size_t k = 0; k < NODES; k++) {
-			const double *const w = legendre[k], *const x = both[k % 2];
+			const double *const w = legendre[k];
+			const rb_lanes *const x = both[k % 2];
+			rb_lanes sum = 0.0 + w[0] * x[0] + w[1] * x[1] + w[2] * x[2] + w[3] * x[3];
 
-			coefficient[k * n + i] = 0.0 + w[0] * x[0] + w[1] * x[1] + w[2] * x[2] +
-			                         w[3] * x[3] + (k < 2 ? low[k] : 0);
+			sum += k < 2 ? low[k] : (rb_lanes){0, 0, 0, 0};
+			store(&sum, group->count, coefficient + k * n + group->first);
 		}
 	}
-	for (size_t i = 0; i < n; i++)
-		if (rate_row(a->problem, i) >= 0)
-			integrated(a, i, (size_t)rate_row(a->problem, i), coefficient);
+	for (const struct group *group = a->group; group < a->group_end; group++)
+		if (!group->is_rate)
+			integrated(a, group, coefficient);
+}
+
+RB_LANES_AVX2 static void coefficients_avx2(const struct attempt *a, double *coefficient)
+{
+	coefficients_any(a, coefficient);
+}
+
+static void coefficients(const struct attempt *a, double *coefficient)
+{
+	if (rb_lanes_avx2())
+		coefficients_avx2(a, coefficient);
+	else
+		coefficients_any(a, coefficient);
 }
 
 void rb_gauss_integrate(struct rb_gauss_piece *piece, double length_s, const double *rate)
@@ -483,12 +639,15 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
                              double least_s, struct rb_gauss_piece *piece, struct rb_error *err)
 {
 	const size_t n = (size_t)problem->n;
-	double *const rate = problem->scratch, *const none = rate + n;
+	double *const rate = problem->scratch;
+	struct group *const group = (struct group *)(rate + 15 * n + RB_LANES);
 	struct attempt a = {.problem = problem,
 	                    .guess = problem->guess,
 	                    .time_s = time_s,
-	                    .start = piece->start,
-	                    .rest = piece->rest ? piece->rest : none,
+	                    .group = group,
+	                    .group_end = find_groups(problem, group),
+	                    .start = rate + 14 * n,
+	                    .rest = rate + n,
 	                    .first = rate + 2 * n,
 	                    .value = rate + 3 * n,
 	                    .size = rate + 4 * n,
@@ -503,7 +662,13 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 	if (!(*try_s > 0) || !isfinite(*try_s))
 		return RB_FAIL(err, RB_ERR_PHYSICS, "'step' is %g s, not a positive number",
 		               *try_s);
-	memset(none, 0, n * sizeof(double));
+	memcpy(a.start, piece->start, n * sizeof(double));
+	/* read as the last of four: other bits would be denormal numbers, which are slow */
+	memset(a.start + n, 0, RB_LANES * sizeof(double));
+	if (piece->rest)
+		memcpy(a.rest, piece->rest, n * sizeof(double));
+	else
+		memset(a.rest, 0, n * sizeof(double));
 	memset(a.first, 0, n * sizeof(double));
 	for (size_t i = 0; i < n; i++)
 		a.value[i] = a.start[i] + a.rest[i];
@@ -553,161 +718,4 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 			               "error of %g",
 			               time_s, least_s, problem->tolerance);
 	}
-}
-
-/*
- * Integrals over [0, x] of P_k on [0, 1], x in [0, 1]: x for k = 0, else -2 x (1 - x) P'_k(2x - 1)
- * / (k (k + 1)), whose factors keep all digits near both ends. The P'_k are Gegenbauer's
- * polynomials for 3/2: n C_n = (2n + 1) u C_(n-1) - (n + 1) C_(n-2).
- */
-static void integrals(double x, double weight[NODES])
-{
-	const double u = 2 * x - 1, ends = -2 * x * (1 - x);
-	double older = 0, old = 1;
-
-	weight[0] = x;
-	for (int k = 1; k < NODES; k++) {
-		weight[k] = ends * old / (k * (k + 1));
-		const double next = ((2 * k + 1) * u * old - (k + 1) * older) / k;
-		older = old;
-		old = next;
-	}
-}
-
-static double part_of(const struct rb_gauss_piece *piece, double t)
-{
-	return piece->length_s > 0 ? t / piece->length_s : 0;
-}
-
-static double sum_of(const struct rb_gauss_piece *piece, size_t i, const double weight[NODES])
-{
-	return series(weight, piece->coefficient + i, (size_t)piece->n);
-}
-
-static double value_of(const struct rb_gauss_piece *piece, size_t i, const double weight[NODES])
-{
-	const double sum = sum_of(piece, i, weight);
-
-	return piece->start[i] + (piece->rest ? piece->rest[i] + sum : sum);
-}
-
-double rb_gauss_value(const struct rb_gauss_piece *piece, int i, double t)
-{
-	double weight[NODES];
-
-	integrals(part_of(piece, t), weight);
-	return value_of(piece, (size_t)i, weight);
-}
-
-void rb_gauss_some(const struct rb_gauss_piece *piece, int first, int count, double t,
-                   double *value)
-{
-	double weight[NODES];
-
-	integrals(part_of(piece, t), weight);
-	for (int i = 0; i < count; i++)
-		value[i] = value_of(piece, (size_t)(first + i), weight);
-}
-
-void rb_gauss_values(const struct rb_gauss_piece *piece, double t, double *value)
-{
-	rb_gauss_some(piece, 0, piece->n, t, value);
-}
-
-/* A sum and what its rounding has left out (Dekker, Numer. Math. 18 (1971) 224). */
-struct sum {
-	double high, low;
-};
-
-static void add(struct sum *s, double x)
-{
-	const double sum = s->high + x, part = sum - s->high;
-
-	s->low += (s->high - (sum - part)) + (x - part);
-	s->high = sum;
-}
-
-static void add_product(struct sum *s, double a, double b)
-{
-	const double product = a * b;
-
-	add(s, product);
-	s->low += fma(a, b, -product);
-}
-
-/* What rounding leaves out of component i where the polynomials are `weight`. */
-static double left_out(const struct rb_gauss_piece *piece, size_t i, int rate_row,
-                       const double weight[NODES])
-{
-	const size_t n = (size_t)piece->n;
-	const double *const c = piece->coefficient, h = piece->length_s;
-	struct sum s = {piece->start[i], piece->rest ? piece->rest[i] : 0};
-
-	for (size_t k = 0; k < NODES; k++)
-		add_product(&s, weight[k], c[k * n + i]);
-	if (rate_row >= 0) {
-		const double *const v = c + rate_row;
-		const double rest = piece->rest ? piece->rest[rate_row] : 0;
-		struct sum lost = {-c[i], 0};
-
-		add_product(&lost, h, piece->start[rate_row]);
-		add_product(&lost, h, rest + (0.5 * v[0] - v[n] / 6));
-		s.low += weight[0] * (lost.high + lost.low);
-	}
-	return (s.high - value_of(piece, i, weight)) + s.low;
-}
-
-void rb_gauss_rests(const struct rb_gauss_piece *piece, int first, int count, const int *rate_row,
-                    double t, double *rest)
-{
-	double weight[NODES];
-
-	integrals(part_of(piece, t), weight);
-	for (int i = 0; i < count; i++)
-		rest[i] = left_out(piece, (size_t)(first + i), rate_row[i], weight);
-}
-
-/* P_0 .. P_(count - 1) on [0, 1] */
-static void polynomials(int count, double x, double *weight)
-{
-	const double u = 2 * x - 1;
-
-	weight[0] = 1;
-	weight[1] = u;
-	for (int k = 1; k + 1 < count; k++)
-		weight[k + 1] = ((2 * k + 1) * u * weight[k] - k * weight[k - 1]) / (k + 1);
-}
-
-void rb_gauss_basis(double x, double value[NODES], double rate[NODES])
-{
-	integrals(x, value);
-	polynomials(NODES, x, rate);
-}
-
-double rb_gauss_rate(const struct rb_gauss_piece *piece, int i, double t)
-{
-	double weight[NODES];
-
-	polynomials(NODES, part_of(piece, t), weight);
-	return sum_of(piece, (size_t)i, weight) / piece->length_s;
-}
-
-void rb_gauss_some_rates(const struct rb_gauss_piece *piece, int first, int count, double t,
-                         double *rate)
-{
-	double weight[NODES];
-
-	polynomials(NODES, part_of(piece, t), weight);
-	for (int i = 0; i < count; i++)
-		rate[i] = sum_of(piece, (size_t)(first + i), weight) / piece->length_s;
-}
-
-double rb_gauss_rate_bound(const struct rb_gauss_piece *piece, int i)
-{
-	double sum = 0;
-
-	for (size_t k = NODES; k-- > 0;)
-		sum += fabs(piece->coefficient[k * (size_t)piece->n + (size_t)i]);
-	return sum * (1 + 16 * DBL_EPSILON) /
-	       piece->length_s; /* the sum may have been rounded down */
 }

@@ -28,7 +28,7 @@
 
 #include <rbsim/error.h>
 
-enum { RB_GAUSS_NODES = 8 };
+#include "math/gauss_piece.h"
 
 /*
  * Derivatives at `time_s` (from the piece's origin) of `n` values; a status other than RB_OK ends
@@ -51,18 +51,6 @@ enum { RB_GAUSS_QUICK = -2 };
  * is not asked for less. Of a step that is not accepted they may be anything.
  */
 typedef double rb_gauss_noise(void *user, const double *coefficient);
-
-/*
- * One accepted step: values over [0, length_s] from its own origin in time. All arrays are the
- * caller's: start [n], and coefficient [RB_GAUSS_NODES][n]: Legendre coefficients, on [0, 1], of
- * the rates times length_s.
- */
-struct rb_gauss_piece {
-	int n;
-	double length_s;
-	double *start, *coefficient;
-	double *rest; /* [n]: what rounding has left out of start; NULL: nothing */
-};
 
 /*
  * A guess of a step's rates: at t from its beginning those of a polynomial at from_s + t.
@@ -127,31 +115,5 @@ RB_CHECKED enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, 
  * filled.
  */
 void rb_gauss_integrate(struct rb_gauss_piece *piece, double length_s, const double *rate);
-
-/*
- * What rounding leaves out of `count` components from `first` on at `t`, as rb_gauss_value has
- * them: of the start and its rest, the polynomial, and the product h v_0 where the rate is row
- * `rate_row[i]` (else below 0), i = 0 for the first.
- */
-void rb_gauss_rests(const struct rb_gauss_piece *piece, int first, int count, const int *rate_row,
-                    double t, double *rest);
-
-/* Value and rate of component i at `t` from the piece's origin, 0 <= t <= length_s. */
-double rb_gauss_value(const struct rb_gauss_piece *piece, int i, double t);
-double rb_gauss_rate(const struct rb_gauss_piece *piece, int i, double t);
-/* Of `count` components from `first` on, at one look at the time. */
-void rb_gauss_some(const struct rb_gauss_piece *piece, int first, int count, double t,
-                   double *value);
-void rb_gauss_some_rates(const struct rb_gauss_piece *piece, int first, int count, double t,
-                         double *rate);
-/* All n at once. */
-void rb_gauss_values(const struct rb_gauss_piece *piece, double t, double *value);
-/*
- * What each Legendre coefficient adds to a value, and to its rate times length_s, at a part x of
- * the piece, 0 to 1.
- */
-void rb_gauss_basis(double x, double value[RB_GAUSS_NODES], double rate[RB_GAUSS_NODES]);
-/* A bound on |rate| of component i over the whole piece: the sum of its |coefficients| / length. */
-double rb_gauss_rate_bound(const struct rb_gauss_piece *piece, int i);
 
 #endif

@@ -22,12 +22,12 @@ typedef long long rb_lanes_mask
 #define RB_LANES_INLINE static inline __attribute__((always_inline))
 
 #if defined(__x86_64__) && !defined(__AVX2__)
-#define RB_LANES_AVX2 __attribute__((target("avx2")))
+#define RB_LANES_AVX2 __attribute__((target("avx2,fma")))
 
 /* May functions that are marked so be called? */
 static inline bool rb_lanes_avx2(void)
 {
-	return __builtin_cpu_supports("avx2");
+	return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
 }
 #else
 #define RB_LANES_AVX2
