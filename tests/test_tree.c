@@ -251,6 +251,30 @@ static void points_at_one_place_do_not_attract_each_other(void **state)
 		assert_true(cloud.a[0][i] == 0 && cloud.potential[i] == 0);
 }
 
+/* Closer than single precision has numbers for their squares: as near points are summed first. */
+static void points_as_close_as_doubles_can_be_attract_each_other(void **state)
+{
+	(void)state;
+	for (int exponent = -160; exponent <= -40; exponent++) {
+		const double close = exp2(exponent);
+
+		fill(&cloud, 66, 1, false);
+		for (int i = 0; i < 64; i++)
+			cloud.x[0][i] = i % 2 ? 1 : -1;
+		for (int m = 0; m < 3; m++) {
+			cloud.x[m][0] = 1;
+			cloud.x[m][1] = -1;
+			cloud.x[m][64] = 0;
+			cloud.x[m][65] = m == 0 ? close : 0;
+		}
+		cloud.mu[64] = cloud.mu[65] = 1;
+		attract(&cloud, 0.5, NULL);
+		assert_true(fabs(cloud.a[0][64] * close * close - 1) <= 1e-13);
+		assert_true(fabs(cloud.a[0][65] * close * close + 1) <= 1e-13);
+		assert_true(fabs(cloud.potential[64] * close - 1) <= 1e-9);
+	}
+}
+
 static void lack_of_memory_is_told(void **state)
 {
 	struct rb_tree *tree;
@@ -281,6 +305,7 @@ int main(void)
 		cmocka_unit_test(forces_cancel_to_rounding),
 		cmocka_unit_test(a_team_finds_the_same_bits),
 		cmocka_unit_test(points_at_one_place_do_not_attract_each_other),
+		cmocka_unit_test(points_as_close_as_doubles_can_be_attract_each_other),
 		cmocka_unit_test(lack_of_memory_is_told),
 	};
 

@@ -29,10 +29,25 @@ static inline bool rb_lanes_avx2(void)
 {
 	return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
 }
+
+/* The same of vectors twice as long. */
+#define RB_LANES_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl")))
+
+static inline bool rb_lanes_avx512(void)
+{
+	return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+	       __builtin_cpu_supports("avx512vl");
+}
 #else
 #define RB_LANES_AVX2
+#define RB_LANES_AVX512
 
 static inline bool rb_lanes_avx2(void)
+{
+	return false;
+}
+
+static inline bool rb_lanes_avx512(void)
 {
 	return false;
 }
