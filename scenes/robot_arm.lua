@@ -1,6 +1,6 @@
 -- A robot arm of three motors writes an eight into the air, as its joints' angles are told to go.
 -- Watch: shoulder and elbow work against each other to keep the pen's path; the base swings from side to side.
--- Expected end: the pen has stayed on its path, to what steps leave of it.
+-- Expected end: the pen has stayed on its path, to rounding.
 -- The angles come from the path by inverse kinematics: a triangle of two arms whose third side is the reach.
 -- Try: --param speed=2, --param torque=15 (too weak: it lags behind)
 -- Takes: a second.
@@ -8,7 +8,7 @@ local speed = param("speed", 1.0, "rounds in four seconds", {min = 0.1, max = 5}
 local torque = param("torque", 400.0, "N m, the most of each motor", {min = 0, max = 1e4})
 local g, upper, lower, base = 9.81, 0.6, 0.5, 0.4
 
-world { method = "stepped", time_step = 1e-3, title = "A robot arm", duration = 4, frame_rate = 60, gravity = {0, 0, -g} }
+world { title = "A robot arm", duration = 4, frame_rate = 60, gravity = {0, 0, -g} }
 material { name = "paint", density = 1200, friction = 0, texture = "none", shininess = 60 }
 local function path(t)
 	local a = 2 * math.pi * speed * t / 4
@@ -57,6 +57,6 @@ record { fields = {"+", "joints"} }
 camera { name = "main", position = {1.7, -1.1, 1.15}, look_at = {0.25, 0, 0.5}, trails = {pen}, overlay = {"title", "time"} }
 
 if torque >= 400 and speed <= 1 then
-	expect_always("the pen is on its path, m", function() return (pen.position - path(time())):length(), 1e-4 end)
+	expect_always("the pen is on its path, m", function() return (pen.position - path(time())):length(), 1e-12 end)
 end
 expect("the pen is near its path, m", function() return (pen.position - path(time())):length(), torque >= 100 and 0.05 or 2 end)
