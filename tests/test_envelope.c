@@ -10,7 +10,7 @@ struct system {
 	struct rb_envelope e;
 	struct rb_envelope_block block[ROWS];
 	int of[ROWS];
-	double inverse[ROWS], value[2 * ROWS * (ROWS + 1)], full[ROWS][ROWS];
+	double pivot[ROWS], value[2 * ROWS * (ROWS + 1)], full[ROWS][ROWS];
 };
 
 static double wave(int r, int c)
@@ -24,7 +24,7 @@ static void lay_out(struct system *s, int most, int far)
 	*s = (struct system){.e = {.n = ROWS}};
 	s->e.block = s->block;
 	s->e.of = s->of;
-	s->e.inverse = s->inverse;
+	s->e.pivot = s->pivot;
 	s->e.value = s->value;
 	for (int r = 0, i = 0; r < ROWS; i++) {
 		const int count = 1 + i % most, back = i - 1 - i % far;

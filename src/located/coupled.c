@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "located/external_force.h"
 
 /*
@@ -30,9 +31,15 @@ bool rb_coupled_reserve(struct rb_coupled *system, int max)
 
 	e->block = rb_arena_take(arena, (size_t)max + 1, sizeof *e->block);
 	e->of = rb_arena_take(arena, (size_t)max + 1, sizeof *e->of);
-	e->inverse = rb_arena_take(arena, (size_t)max + 1, sizeof *e->inverse);
+	e->pivot = rb_arena_take(arena, (size_t)max + 1, sizeof *e->pivot);
+	system->pivot = e->pivot;
+	system->ends = rb_arena_take(arena, (size_t)max + 1, sizeof *system->ends);
+	system->reach = rb_arena_take(arena, (size_t)max + 1, sizeof *system->reach);
+	system->sorted = 0;
+	if (!system->ends || !system->reach)
+		return false;
 	return system->row && system->first && system->of && system->inverse_inertia && e->block &&
-	       e->of && e->inverse;
+	       e->of && e->pivot;
 }
 
 bool rb_coupled_reserve_dense(struct rb_arena *arena, struct rb_dense *dense, int max)
@@ -41,7 +48,7 @@ bool rb_coupled_reserve_dense(struct rb_arena *arena, struct rb_dense *dense, in
 
 	dense->matrix = rb_arena_take(arena, rb_envelope_size_max(max) + 1, sizeof *dense->matrix);
 	dense->right = rb_arena_take(arena, 3 * n + 1, sizeof *dense->right);
-	dense->last = rb_arena_take(arena, 6 * n + 1, sizeof *dense->last);
+	dense->last = rb_arena_take(arena, 5 * n + 1, sizeof *dense->last);
 	if (!dense->matrix || !dense->right || !dense->last)
 		return false;
 	dense->size = dense->right + n;
@@ -108,30 +115,74 @@ void rb_coupled_respond(const struct rb_coupled *system, struct rb_coupled_row *
 	}
 }
 
-void rb_coupled_sort(struct rb_coupled *system)
+/* Are the rows of the same bodies as when they were sorted? */
+static bool is_sorted(const struct rb_coupled *system)
+{
+	bool same = system->count == system->sorted;
+
+	for (int k = 0; k < system->count && same; k++)
+		same = system->row[k].a == system->ends[k][0] &&
+		       system->row[k].b == system->ends[k][1];
+	return same;
+}
+
+/* The first row that acts on the body at `place`, if it comes before `first`. */
+static int reach(const struct rb_coupled *system, int place, int first)
+{
+	if (place < 0)
+		return first;
+	const int begin = system->of[system->first[place]].row;
+
+	return begin < first ? begin : first;
+}
+
+/* Blocks of rows, and how far these reach back. */
+static void lay_out(struct rb_coupled *system)
 {
 	struct rb_envelope *const factor = &system->factor;
-	int *const next = system->first + 1;
+	int first = system->count;
 
-	memset(system->first, 0, ((size_t)system->body_count + 2) * sizeof *system->first);
+	for (int k = system->count; k-- > 0;) {
+		/* no later row begins before */
+		first = first < k ? first : k;
+		first = reach(system, system->row[k].a, first);
+		first = reach(system, system->row[k].b, first);
+		system->reach[k] = first;
+	}
 	factor->n = system->count;
 	factor->block_count = 0;
 	for (int k = 0; k < system->count; k++) {
 		const struct rb_coupled_row *row = &system->row[k];
 		struct rb_envelope_block *const block = &factor->block[factor->block_count];
 
+		if (k > 0 && row->a == row[-1].a && row->b == row[-1].b &&
+		    block[-1].count < RB_ENVELOPE_BLOCK) {
+			block[-1].count++;
+			continue;
+		}
+		*block = (struct rb_envelope_block){
+			.begin = k, .count = 1, .first = system->reach[k]};
+		factor->block_count++;
+	}
+}
+
+void rb_coupled_sort(struct rb_coupled *system)
+{
+	int *const next = system->first + 1;
+
+	if (is_sorted(system))
+		return;
+	memset(system->first, 0, ((size_t)system->body_count + 2) * sizeof *system->first);
+	for (int k = 0; k < system->count; k++) {
+		const struct rb_coupled_row *row = &system->row[k];
+
 		RB_ASSERT_COSTLY(row->a < system->body_count && row->b < system->body_count);
+		system->ends[k][0] = row->a;
+		system->ends[k][1] = row->b;
 		if (row->a >= 0)
 			next[row->a + 1]++;
 		if (row->b >= 0)
 			next[row->b + 1]++;
-		if (k > 0 && row->a == row[-1].a && row->b == row[-1].b &&
-		    block[-1].count < RB_ENVELOPE_BLOCK) {
-			block[-1].count++;
-		} else {
-			*block = (struct rb_envelope_block){.begin = k, .count = 1};
-			factor->block_count++;
-		}
 	}
 	for (int p = 0; p < system->body_count; p++)
 		next[p + 1] += next[p];
@@ -143,6 +194,83 @@ void rb_coupled_sort(struct rb_coupled *system)
 		if (row->b >= 0)
 			system->of[next[row->b]++] = (struct rb_coupled_at){&row->side[1], k};
 	}
+	system->sorted = system->count;
+	lay_out(system);
+	if (system->kept)
+		memset(system->kept->used, 0, sizeof system->kept->used);
+}
+
+/* Factors of a slot, and the multipliers beside them. */
+static void use_slot(struct rb_coupled *system, int slot)
+{
+	struct rb_coupled_kept *const kept = system->kept;
+	double *const at = *kept->block + (size_t)slot * kept->size;
+
+	system->factor.pivot = at;
+	system->kept_multiplier = at + system->count;
+	system->factor.value = at + 2 * system->count;
+}
+
+bool rb_coupled_find(struct rb_coupled *system, double t, double *multiplier)
+{
+	struct rb_coupled_kept *const kept = system->kept;
+
+	for (int s = 0; kept && system->is_symmetric && s < RB_COUPLED_KEPT; s++)
+		if (kept->used[s] && kept->time_s[s] == t && is_sorted(system)) {
+			use_slot(system, s);
+			system->is_factored = kept->found = true;
+			memcpy(multiplier, system->kept_multiplier,
+			       (size_t)system->count * sizeof *multiplier);
+			return true;
+		}
+	return false;
+}
+
+static void drop(struct rb_coupled *system, double t)
+{
+	for (int s = 0; s < RB_COUPLED_KEPT; s++)
+		if (system->kept->time_s[s] == t)
+			system->kept->used[s] = false;
+}
+
+bool rb_coupled_accept(struct rb_coupled *system, double t, const double *multiplier, double left,
+                       double rounding)
+{
+	struct rb_coupled_kept *const kept = system->kept;
+
+	if (!system->kept_multiplier)
+		return true;
+	if (kept->found && !(left <= 4 * fmax(rounding, kept->left))) {
+		drop(system, t);
+		return false;
+	}
+	if (!kept->found)
+		kept->left = fmax(kept->left, left);
+	memcpy(system->kept_multiplier, multiplier, (size_t)system->count * sizeof *multiplier);
+	return true;
+}
+
+/* Room for factors of that size: the oldest slot, or what the dense system has. */
+static void choose_values(struct rb_coupled *system, struct rb_dense *dense, size_t size, double t)
+{
+	struct rb_coupled_kept *const kept = system->kept;
+	const size_t whole = size + 2 * (size_t)system->count;
+
+	system->factor.value = dense->matrix;
+	system->factor.pivot = system->pivot;
+	system->kept_multiplier = NULL;
+	if (kept)
+		kept->found = false;
+	if (!kept || !rb_memory_reserve(kept->block, kept->capacity, RB_COUPLED_KEPT * whole,
+	                                sizeof **kept->block))
+		return;
+	if (whole != kept->size)
+		memset(kept->used, 0, sizeof kept->used);
+	kept->size = whole;
+	kept->time_s[kept->next] = t;
+	kept->used[kept->next] = true;
+	use_slot(system, kept->next);
+	kept->next = (kept->next + 1) % RB_COUPLED_KEPT;
 }
 
 /* Entries `first` to `last` of a row of a matrix, `stride` apart. */
@@ -161,12 +289,13 @@ static void fill_side(const struct rb_coupled *system, int place,
 	const struct rb_coupled_at *at = system->of + system->first[place];
 	const struct rb_coupled_at *const end = system->of + system->first[place + 1];
 	const rb_vec3 l = side->asked_linear, m = side->asked_angular;
-	const pair x = {l.x, l.y}, y = {l.z, m.x}, z = {m.y, m.z};
+	/* a product of vectors in each half, in the order of axes: what cancels does so exactly */
+	const pair x = {l.x, m.x}, y = {l.y, m.y}, z = {l.z, m.z};
 
 	for (; at < end && at->row <= strip->last; at++) {
 		const rb_vec3 linear = at->side->linear, angular = at->side->angular;
-		const pair sum = x * (pair){linear.x, linear.y} + y * (pair){linear.z, angular.x} +
-		                 z * (pair){angular.y, angular.z};
+		const pair sum = x * (pair){linear.x, angular.x} + y * (pair){linear.y, angular.y} +
+		                 z * (pair){linear.z, angular.z};
 
 		strip->to[(size_t)(at->row - strip->first) * strip->stride] += sum[0] + sum[1];
 	}
@@ -180,33 +309,21 @@ static void fill_strip(const struct rb_coupled *system, int k, const struct stri
 	fill_side(system, row->b, &row->side[1], strip);
 }
 
-/* Widens the ends of a row to all that act on the body at `place`. */
-static void reach(const struct rb_coupled *system, int place, int *first, int *last)
-{
-	if (place < 0)
-		return;
-	const int begin = system->of[system->first[place]].row;
-	const int end = system->of[system->first[place + 1] - 1].row;
-
-	*first = begin < *first ? begin : *first;
-	*last = end > *last ? end : *last;
-}
-
 /* Factors; false: rows may depend on each other. */
-static bool factor(struct rb_coupled *system, struct rb_dense *dense)
+static bool factor(struct rb_coupled *system, struct rb_dense *dense, double t)
 {
 	struct rb_envelope *const f = &system->factor;
+	const size_t size = rb_envelope_lay_out(f);
 
-	f->value = dense->matrix;
 	dense->products = 0;
 	for (int i = 0; i < f->block_count; i++) {
-		struct rb_envelope_block *const block = &f->block[i];
-		const long width = block->begin + block->count - dense->first[block->begin];
+		const struct rb_envelope_block *const block = &f->block[i];
+		const long width = block->begin + block->count - block->first;
 
-		block->first = dense->first[block->begin];
 		dense->products += block->count * width * (width + 3) / 2;
 	}
-	memset(f->value, 0, rb_envelope_lay_out(f) * sizeof *f->value);
+	choose_values(system, dense, size, t);
+	memset(f->value, 0, size * sizeof *f->value);
 	for (int k = 0; k < f->n; k++) {
 		struct strip strip = {.first = f->block[f->of[k]].first, .last = k};
 
@@ -218,28 +335,40 @@ static bool factor(struct rb_coupled *system, struct rb_dense *dense)
 	return rb_envelope_factor(f, independent);
 }
 
-void rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense)
+/* The last row that acts on the body at `place`, if it comes after `last`. */
+static int reach_on(const struct rb_coupled *system, int place, int last)
+{
+	if (place < 0)
+		return last;
+	const int end = system->of[system->first[place + 1] - 1].row;
+
+	return end > last ? end : last;
+}
+
+void rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense, double t)
 {
 	const int n = system->count;
-	int *const first = dense->order + n, *const last = dense->last;
+	int *const last = dense->last;
 
-	RB_ASSERT_COSTLY(dense->n == n);
-	for (int k = n; k-- > 0;) {
-		/* no later row begins before */
-		first[k] = k + 1 < n && first[k + 1] < k ? first[k + 1] : k;
-		last[k] = k;
-		reach(system, system->row[k].a, &first[k], &last[k]);
-		reach(system, system->row[k].b, &first[k], &last[k]);
-	}
-	dense->first = first;
-	system->is_factored = system->is_symmetric && factor(system, dense);
-	for (int k = 0; k < n && !system->is_factored; k++) {
-		const struct strip strip = {.to = dense->matrix + (size_t)k * (size_t)n + first[k],
+	RB_ASSERT_COSTLY(dense->n == n && system->sorted == n);
+	dense->first = system->reach;
+	/* of one joint there is nothing to save, and pivots leave less of what balances */
+	system->is_factored = system->is_symmetric && system->factor.block_count > 1 &&
+	                      factor(system, dense, t);
+	if (system->is_factored)
+		return;
+	if (system->kept && system->kept_multiplier)
+		drop(system, t);
+	system->kept_multiplier = NULL;
+	for (int k = 0; k < n; k++) {
+		last[k] = reach_on(system, system->row[k].b, reach_on(system, system->row[k].a, k));
+		const struct strip strip = {.to = dense->matrix + (size_t)k * (size_t)n +
+		                                  dense->first[k],
 		                            .stride = 1,
-		                            .first = first[k],
+		                            .first = dense->first[k],
 		                            .last = last[k]};
 
-		memset(strip.to, 0, (size_t)(last[k] + 1 - first[k]) * sizeof *strip.to);
+		memset(strip.to, 0, (size_t)(last[k] + 1 - strip.first) * sizeof *strip.to);
 		fill_strip(system, k, &strip);
 	}
 }

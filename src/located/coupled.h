@@ -41,6 +41,21 @@ struct rb_coupled_row {
 	struct rb_coupled_side side[2]; /* of a, b */
 };
 
+/*
+ * Factors at the last moments that were asked about, as the nodes of a piece: visited again, poses
+ * differ by less from visit to visit, so that refinement by old factors ends where new ones do.
+ */
+enum { RB_COUPLED_KEPT = 8 };
+struct rb_coupled_kept {
+	double **block; /* the owner's, with its capacity: all of a moment after another */
+	size_t *capacity, size;
+	double time_s[RB_COUPLED_KEPT];
+	bool used[RB_COUPLED_KEPT];
+	int next;    /* to be used */
+	bool found;  /* the factors in use are of an earlier visit */
+	double left; /* m/s^2: the most that new ones have left */
+};
+
 struct rb_coupled {
 	struct rb_located *l;
 	const struct rb_pose *pose; /* by place */
@@ -55,6 +70,11 @@ struct rb_coupled {
 	bool is_symmetric;
 	bool is_factored; /* out of rb_coupled_fill: `factor` is the system, else the dense one */
 	struct rb_envelope factor;
+	/* [max]: of the rows sorted last: bodies; where these and all after begin at first */
+	int (*ends)[2], *reach, sorted; /* how many */
+	double *pivot;                  /* [max]: of factors that are not kept */
+	struct rb_coupled_kept *kept;   /* NULL: none */
+	double *kept_multiplier; /* [count]: beside factors that are kept; NULL: they are not */
 };
 
 /* Rooms for so many rows; false: no memory. */
@@ -73,17 +93,30 @@ struct rb_coupled_row rb_coupled_row(int a, int b, const struct rb_coupled_wrenc
 void rb_coupled_respond(const struct rb_coupled *system, struct rb_coupled_row *row);
 
 /*
- * Lists of rows by body, once all rows are there, and blocks of rows of the same bodies that follow
- * each other.
+ * Once all rows are there: lists of rows by body, and blocks of rows of the same bodies that follow
+ * each other. Where they are of others than before, what is kept is dropped.
  */
 void rb_coupled_sort(struct rb_coupled *system);
 
 /*
- * The matrix of all rows, and where it is zero; rb_coupled_sort was called. Symmetric ones are
+ * For rows of the same bodies as those sorted last: uses the factors that are kept of that moment,
+ * and fills the multipliers [count] that solved them. False: there are none.
+ */
+bool rb_coupled_find(struct rb_coupled *system, double t, double *multiplier);
+
+/*
+ * After multipliers were found, and refined as far as factors let them: `left`, m/s^2, is not below
+ * `rounding`. False: kept ones have left more than new ones do; they are dropped.
+ */
+bool rb_coupled_accept(struct rb_coupled *system, double t, const double *multiplier, double left,
+                       double rounding);
+
+/*
+ * The matrix of all rows at `t`, and where it is zero; they are sorted. Symmetric systems are
  * factored at once, where all rows are independent by more than half of all digits. The dense
  * system is as large; its right side is that of both.
  */
-void rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense);
+void rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense, double t);
 
 /* Once filled: rb_dense_solve, and rb_dense_again for another right side. */
 void rb_coupled_solve(const struct rb_coupled *system, struct rb_dense *dense);

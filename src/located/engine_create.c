@@ -159,6 +159,7 @@ void rb_engine_destroy(struct rb_located *l)
 	rb_memory_free(l->unfelt);
 	rb_memory_free(l->piece);
 	rb_memory_free(l->past);
+	rb_memory_free(l->factors);
 	rb_memory_free(l->generation);
 	rb_memory_free(l->account_s);
 	rb_memory_free(l->next);

@@ -411,7 +411,7 @@ static bool assemble(const struct rb_joint_rows *rows, struct rb_coupled *system
 	}
 	system->count = rows->count;
 	rb_coupled_sort(system);
-	rb_coupled_fill(system, dense);
+	rb_coupled_fill(system, dense, 0);
 	return true;
 }
 

@@ -258,7 +258,9 @@ struct rb_located {
 	struct rb_cluster *cluster;
 	int cluster_count;
 	size_t cluster_capacity;
-	rb_vec3 *plane_normal; /* [statics]: of planes and rectangles */
+	double *factors;         /* scratch of a piece (located/coupled) */
+	size_t factors_capacity; /* of it */
+	rb_vec3 *plane_normal;   /* [statics]: of planes and rectangles */
 
 	/*
 	 * [joints][RB_JOINT_PARTS_HELD]: enum rb_drive_mode, and the one from the end of the piece

@@ -189,8 +189,11 @@ static struct rb_coupled_row contact_row(const struct rb_modes *w, int contact, 
 	return rb_coupled_row(rb_modes_place(w, m->a), rb_modes_place(w, m->b), &asks, &does);
 }
 
-/* All rows, those of joints first; the matrix; the right side with the guessed forces. */
-static void fill_coupled(struct rb_modes *w, double t)
+/*
+ * All rows, those of joints first; the matrix; the right side with the guessed forces. False:
+ * multipliers are there.
+ */
+static bool fill_coupled(struct rb_modes *w, double t)
 {
 	struct rb_coupled *const system = &w->coupled;
 	const int joints = w->joints.count;
@@ -199,12 +202,13 @@ static void fill_coupled(struct rb_modes *w, double t)
 
 	system->count = w->dense.n;
 	system->is_symmetric = w->c->held_count == 0;
-	rb_coupled_turn(system);
-	for (int k = 0; k < joints; k++) {
+	for (int k = 0; k < joints; k++)
 		system->row[k] = rb_joint_rows_coupled(&w->joints.row[k]);
+	if (rb_coupled_find(system, t, w->multiplier))
+		return false;
+	for (int k = 0; k < joints; k++)
 		right[k] = -(rb_coupled_felt(&system->row[k], w->linear, w->angular) +
 		             w->joints.row[k].bias);
-	}
 	for (int i = 0; i < w->c->held_count; i++) {
 		const rb_vec3 free = relative_acceleration(w, i, t);
 
@@ -213,10 +217,11 @@ static void fill_coupled(struct rb_modes *w, double t)
 			right[row] = -asked_of(w, i, k, free);
 		}
 	}
+	rb_coupled_turn(system);
 	for (int k = 0; k < system->count; k++)
 		rb_coupled_respond(system, &system->row[k]);
 	rb_coupled_sort(system);
-	rb_coupled_fill(system, &w->dense);
+	rb_coupled_fill(system, &w->dense, t);
 	row = joints;
 	for (int i = 0; i < w->c->held_count; i++)
 		for (int k = 0; k < rb_modes_unknowns(&w->c->held[i]); k++, row++) {
@@ -226,6 +231,7 @@ static void fill_coupled(struct rb_modes *w, double t)
 				if (row >= w->dense.first[r] && row <= w->dense.last[r])
 					right[r] -= guess * w->dense.matrix[r * w->dense.n + row];
 		}
+	return true;
 }
 
 /* Removes the component of v along `way`. */
@@ -351,8 +357,8 @@ static bool solve_modes(struct rb_modes *w, double t)
 		return false;
 	w->dense.n = n;
 	w->dense.first = NULL;
-	if (w->joints.count > 0)
-		fill_coupled(w, t);
+	if (w->joints.count > 0 && !fill_coupled(w, t))
+		return true;
 	for (int i = 0; i < c->held_count && w->joints.count == 0;
 	     row += rb_modes_unknowns(&c->held[i]), i++)
 		fill_row(w, i, row, t);
@@ -580,6 +586,8 @@ bool rb_modes_refine(struct rb_modes *w, double t)
 		const double left = rb_modes_left(w, t);
 		int row = w->joints.count;
 
+		w->left = left;
+
 		/* redundant contacts may contradict each other: then a residual remains */
 		if (!(left > 4 * DBL_EPSILON * w->max) || !(left < 0.5 * before))
 			return true;
@@ -730,7 +738,10 @@ static bool reserve_joints(struct rb_modes *w, size_t unknowns)
 		w->coupled = (struct rb_coupled){.l = w->l,
 		                                 .body = w->c->member,
 		                                 .pose = w->pose,
-		                                 .body_count = w->c->member_count};
+		                                 .body_count = w->c->member_count,
+		                                 .kept = &w->kept};
+		w->kept = (struct rb_coupled_kept){.block = &w->l->factors,
+		                                   .capacity = &w->l->factors_capacity};
 		w->multiplier = rb_arena_take(arena, 2 * rows, sizeof *w->multiplier);
 		if (!w->multiplier || !rb_coupled_reserve(&w->coupled, (int)unknowns))
 			return false;

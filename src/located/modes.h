@@ -32,6 +32,8 @@ struct rb_modes {
 	struct rb_dense dense;   /* for joints, and contacts in their modes */
 	struct rb_joint_rows joints;
 	struct rb_coupled coupled;         /* of joints and contacts, where there are joints */
+	struct rb_coupled_kept kept;       /* at the nodes of the piece */
+	double left;                       /* m/s^2: of the last solution, by rb_modes_refine */
 	double *multiplier, *joint_change; /* [joints.count]: N; what refining adds */
 	bool balanced;                     /* forces across slips that creep, by rb_modes_solve */
 	bool slip_ends, hits;              /* why `broken` said so */

@@ -95,23 +95,23 @@ INLINE void factor_own(int pitch, struct rb_envelope *e, const struct rb_envelop
                        double *panel, double least, bool *good)
 {
 	const int before = b->begin - b->first;
-	double *const inverse = e->inverse + b->first;
+	double *const pivot = e->pivot + b->first;
 
 	for (int c = 0; c < b->count; c++) {
 		double *const at = panel + (before + c) * pitch;
-		const double whole = at[c], *of = inverse;
+		const double whole = at[c], *of = pivot;
 		struct column sum;
 
 		load(pitch, &sum, at);
 		for (const double *from = panel; from < at; from += pitch)
-			subtract(pitch, &sum, from, from[c] * *of++);
+			subtract(pitch, &sum, from, from[c] / *of++);
 		store(pitch, at, &sum);
 		*good = *good && at[c] > least * whole;
-		inverse[before + c] = 1 / at[c];
+		pivot[before + c] = at[c];
 	}
 	for (int k = 0; k < before + b->count; k++)
 		for (int r = 0; r < pitch; r++)
-			panel[k * pitch + r] *= inverse[k];
+			panel[k * pitch + r] /= pivot[k];
 }
 
 INLINE void factor_block(int pitch, struct rb_envelope *e, const struct rb_envelope_block *b,
@@ -178,7 +178,7 @@ void rb_envelope_solve(const struct rb_envelope *e, double *x)
 		FOR_EACH_PITCH(forward, b->pitch, b, e->value + b->at, x)
 	}
 	for (int r = 0; r < e->n; r++)
-		x[r] *= e->inverse[r];
+		x[r] /= e->pivot[r];
 	for (int i = e->block_count; i-- > 0;) {
 		const struct rb_envelope_block *const b = &e->block[i];
 

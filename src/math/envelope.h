@@ -29,14 +29,14 @@ struct rb_envelope {
 	int n, block_count;
 	struct rb_envelope_block *block; /* [block_count]: one after the other, n rows in all */
 	int *of;                         /* [n]: block of each row */
-	double *value;   /* [rb_envelope_lay_out]: entries of the lower half; after it, L */
-	double *inverse; /* [n]: of D */
+	double *value; /* [rb_envelope_lay_out]: entries of the lower half; after it, L */
+	double *pivot; /* [n]: D */
 };
 
-/* The size of `value` is no more than this, where no row's reach is more than n. */
+/* `value` is no larger: so large with single rows, which take two each, that reach to 0. */
 static inline size_t rb_envelope_size_max(int n)
 {
-	return ((size_t)n + 1) * 2 * (size_t)n;
+	return ((size_t)n + 4) * (size_t)n;
 }
 
 /*
