@@ -103,7 +103,8 @@ static void balances(struct lab *lab, double energy, double momentum, double ope
 	                           fmax(l->energy_scale, gravity); /* of 1 kg by 1 m */
 	/* of what only turns all momentum is rounding: of a millionth of its angular momentum by 1 m */
 	const double linear = rb_vec3_length(l->momentum[RB_MOMENTUM_CAUSES][0]) /
-	                      fmax(fmax(l->momentum_scale[0], 1e-6 * l->momentum_scale[1]), DBL_MIN);
+	                      fmax(fmax(l->momentum_scale[0], 1e-6 * l->momentum_scale[1]),
+	                           DBL_MIN);
 	const double angular = rb_vec3_length(l->momentum[RB_MOMENTUM_CAUSES][1]) /
 	                       fmax(l->momentum_scale[1], DBL_MIN);
 
