@@ -55,7 +55,7 @@ static inline bool rb_shape_has_parts(enum rb_shape_kind kind)
  *   cylinder   radius, and size[2] its height along local z
  *   hull       the convex hull of points: solids[solid]
  *   terrain    triangles beside each other, static, two-sided, without thickness: solids[solid]
- *   union      several of the above but planes, rectangles and terrains, rigidly joined: solids[solid]
+ *   union      several of the above but planes, rectangles, terrains, joined: solids[solid]
  */
 struct rb_shape {
 	enum rb_shape_kind kind; /* which of the numbers below it reads */
@@ -554,9 +554,14 @@ RB_CHECKED enum rb_status rb_scene_add_union(struct rb_scene *scene,
  * more than RB_TERRAIN_MAX.
  */
 enum { RB_TERRAIN_MAX = 65536 };
-RB_CHECKED enum rb_status rb_scene_add_terrain(struct rb_scene *scene, const rb_vec3 *vertices,
-                                               size_t vertex_count, const int (*corners)[3],
-                                               size_t count, int *solid, struct rb_error *err);
+struct rb_terrain_def {
+	const rb_vec3 *vertices; /* m, [vertex_count] */
+	const int (*corners)[3]; /* [count] */
+	size_t vertex_count, count;
+};
+RB_CHECKED enum rb_status rb_scene_add_terrain(struct rb_scene *scene,
+                                               const struct rb_terrain_def *def, int *solid,
+                                               struct rb_error *err);
 /* A copy of a solid that is complete. */
 RB_CHECKED enum rb_status rb_scene_add_solid(struct rb_scene *scene, const struct rb_solid *def,
                                              int *solid, struct rb_error *err);

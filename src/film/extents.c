@@ -5,7 +5,7 @@
  */
 #include "film/extents.h"
 
-#include "geom/terrain.h"
+#include "geom/triangles.h"
 
 #include <math.h>
 

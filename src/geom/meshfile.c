@@ -196,9 +196,9 @@ enum rb_status rb_meshfile_read(enum rb_meshfile_kind kind, const char *bytes, s
 
 /* ---- triangles ---- */
 
-static enum rb_status too_many(size_t most, struct rb_error *err)
+static enum rb_status too_many(const struct rb_meshfile_triangles *mesh, struct rb_error *err)
 {
-	return RB_FAIL(err, RB_ERR_SCENE, "it has more than %zu triangles", most);
+	return RB_FAIL(err, RB_ERR_SCENE, "it has more than %zu triangles", mesh->triangles_max);
 }
 
 /* Place of a point among distinct ones in order (bisection). */
@@ -217,23 +217,22 @@ static int place_of(const rb_vec3 *points, size_t count, rb_vec3 point)
 }
 
 /* Three corners in a row are a triangle of STL. */
-static enum rb_status join_corners(rb_vec3 *points, size_t *count, int (*corners)[3], size_t most,
-                                   size_t *triangles, struct rb_error *err)
+static enum rb_status join_corners(struct rb_meshfile_triangles *mesh, struct rb_error *err)
 {
-	rb_vec3 *const all = points + *count;
-	const size_t all_count = *count;
+	const size_t all_count = mesh->count;
+	rb_vec3 *const all = mesh->points + all_count;
 
 	if (all_count % 3 != 0)
 		return RB_FAIL(err, RB_ERR_SCENE,
 		               "it is cut off: its last triangle has %zu corner%s", all_count % 3,
 		               all_count % 3 == 1 ? "" : "s");
-	if (all_count / 3 > most)
-		return too_many(most, err);
-	memcpy(all, points, all_count * sizeof *all);
-	*count = make_distinct(points, all_count);
+	if (all_count / 3 > mesh->triangles_max)
+		return too_many(mesh, err);
+	memcpy(all, mesh->points, all_count * sizeof *all);
+	mesh->count = make_distinct(mesh->points, all_count);
 	for (size_t k = 0; k < all_count; k++)
-		corners[k / 3][k % 3] = place_of(points, *count, all[k]);
-	*triangles = all_count / 3;
+		mesh->corners[k / 3][k % 3] = place_of(mesh->points, mesh->count, all[k]);
+	mesh->triangle_count = all_count / 3;
 	return RB_OK;
 }
 
@@ -257,28 +256,45 @@ static bool read_index(const char **text, size_t so_far, int *index)
 	return true;
 }
 
+/* Reads the corners of a face, behind its `f`; how many, as far as there was room. */
+static int read_face(const char **at, size_t so_far, struct rb_meshfile_triangles *mesh, bool *full)
+{
+	int first = 0, before = 0, now, found = 0;
+
+	for (; read_index(at, so_far, &now); found++) {
+		*full = found >= 2 && mesh->triangle_count == mesh->triangles_max;
+		if (*full)
+			return found;
+		if (found >= 2) {
+			int *const corner = mesh->corners[mesh->triangle_count++];
+			corner[0] = first;
+			corner[1] = before;
+			corner[2] = now;
+		}
+		first = found == 0 ? now : first;
+		before = now;
+	}
+	return found;
+}
+
 /* Reads the faces of OBJ. */
-static enum rb_status read_faces(const char *bytes, size_t size, int (*corners)[3], size_t most,
-                                 size_t *triangles, struct rb_error *err)
+static enum rb_status read_faces(const char *bytes, size_t size, struct rb_meshfile_triangles *mesh,
+                                 struct rb_error *err)
 {
 	const char *const end = bytes + size;
 	size_t line = 1, so_far = 0;
+	bool full = false;
 
 	for (const char *at = bytes; at < end; line++) {
 		at += strspn(at, " \t");
 		const char *const newline = memchr(at, '\n', (size_t)(end - at));
-		so_far += at[0] == 'v' && (at[1] == ' ' || at[1] == '\t');
-		if (at[0] == 'f' && (at[1] == ' ' || at[1] == '\t')) {
-			int first = 0, before = 0, now, found = 0;
-			for (at++; read_index(&at, so_far, &now); found++) {
-				if (found >= 2 && *triangles == most)
-					return too_many(most, err);
-				if (found >= 2)
-					memcpy(corners[(*triangles)++],
-					       (const int[]){first, before, now}, sizeof *corners);
-				first = found == 0 ? now : first;
-				before = now;
-			}
+		const bool is_word = at < end && (at[1] == ' ' || at[1] == '\t');
+		so_far += is_word && at[0] == 'v';
+		if (is_word && at[0] == 'f') {
+			at++;
+			const int found = read_face(&at, so_far, mesh, &full);
+			if (full)
+				return too_many(mesh, err);
 			at += strspn(at, " \t\r");
 			if (found < 3 || (*at != '\n' && *at != '\0' && *at != '#'))
 				return RB_FAIL(err, RB_ERR_SCENE,
@@ -292,19 +308,17 @@ static enum rb_status read_faces(const char *bytes, size_t size, int (*corners)[
 }
 
 enum rb_status rb_meshfile_read_triangles(enum rb_meshfile_kind kind, const char *bytes,
-                                          size_t size, rb_vec3 *points, size_t *count,
-                                          int (*corners)[3], size_t most, size_t *triangles,
+                                          size_t size, struct rb_meshfile_triangles *mesh,
                                           struct rb_error *err)
 {
-	enum rb_status status = read_corners(kind, bytes, size, points, count, err);
+	enum rb_status status = read_corners(kind, bytes, size, mesh->points, &mesh->count, err);
 
-	*triangles = 0;
+	mesh->triangle_count = 0;
 	if (status)
 		return status;
-	status = kind == RB_MESHFILE_STL
-	                 ? join_corners(points, count, corners, most, triangles, err)
-	                 : read_faces(bytes, size, corners, most, triangles, err);
-	if (!status && *triangles == 0)
+	status = kind == RB_MESHFILE_STL ? join_corners(mesh, err)
+	                                 : read_faces(bytes, size, mesh, err);
+	if (!status && mesh->triangle_count == 0)
 		status = RB_FAIL(err, RB_ERR_SCENE, "it has no triangles");
 	return status;
 }

@@ -33,14 +33,21 @@ RB_CHECKED enum rb_status rb_meshfile_read(enum rb_meshfile_kind kind, const cha
                                            size_t size, rb_vec3 *points, size_t *count,
                                            struct rb_error *err);
 
+/* Triangles by the numbers of their corners; memory is the caller's. */
+struct rb_meshfile_triangles {
+	rb_vec3 *points;   /* [count]; room for twice as many as rb_meshfile_corners_max */
+	int (*corners)[3]; /* [triangle_count] */
+	size_t count, triangle_count;
+	size_t triangles_max; /* room in `corners`, set before */
+};
+
 /*
- * Triangles, by their corners in `points`, which has room for twice as many as above: the first
- * `count` are set. Faces of more corners are divided from their first. RB_ERR_SCENE also where
- * there are more than `most`, which `corners` has room for, or none.
+ * Faces of more than three corners are divided from their first. RB_ERR_SCENE also where there is
+ * none, or no room for all.
  */
 RB_CHECKED enum rb_status rb_meshfile_read_triangles(enum rb_meshfile_kind kind, const char *bytes,
-                                                     size_t size, rb_vec3 *points, size_t *count,
-                                                     int (*corners)[3], size_t most,
-                                                     size_t *triangles, struct rb_error *err);
+                                                     size_t size,
+                                                     struct rb_meshfile_triangles *mesh,
+                                                     struct rb_error *err);
 
 #endif

@@ -15,6 +15,7 @@
 #include <stddef.h>
 
 #include "located/bounds.h"
+#include "located/extent.h"
 #include "located/feature.h"
 #include "model/parts.h"
 
@@ -33,15 +34,6 @@ static const double leap_first = 0x1p-20, leap_last = 0x1p-13;
 /* Step of the difference quotient for a direction's rate, as a share of the size travelled. */
 static const double moment_share = 0x1p-20;
 
-/*
- * Distances of a body's points from its centre of mass, m: of all, of the core, and of the core
- * along and across the axis of the bounds. INFINITY for a plane. Rotation moves only the core: a
- * ball around one of its points is the same after any rotation.
- */
-struct extent {
-	double ball, core, along, across;
-};
-
 /* Facets of a terrain that a search looks at, by and large: decides cost only. */
 enum { FACETS_NEAR = 8 };
 
@@ -50,7 +42,7 @@ struct course {
 	const struct rb_located *l;
 	struct rb_touch_pair pair; /* at pair.t */
 	struct rb_bounds of_a, of_b;
-	struct extent a, b;
+	struct rb_extent a, b;
 	double size; /* m: of the smaller that has one */
 	bool flies;  /* both on parabolas: then their relative acceleration is this */
 	rb_vec3 external;
@@ -64,72 +56,14 @@ struct course {
 	double bend_a, bend_b; /* m/s^2: of a point, by turning */
 };
 
-/* Extends e by the point p, from the centre of mass. */
-static void reach_out(struct extent *e, rb_vec3 p, rb_vec3 axis)
-{
-	e->core = fmax(e->core, rb_vec3_length(p));
-	e->along = fmax(e->along, fabs(rb_vec3_dot(p, axis)));
-	e->across = fmax(e->across, rb_vec3_length(rb_vec3_reject(p, axis)));
-}
-
-/* Extents of a body about its centre of mass; `axis` is a unit vector in object coordinates. */
-static struct extent extent_of(const struct rb_located *l, int i, rb_vec3 axis)
-{
-	const struct rb_shape *shape = &l->model->shape[i];
-	const struct rb_body_parts *parts = rb_model_parts(l->model, i);
-	rb_vec3 centre = {0, 0, 0};
-	struct extent e = {0};
-
-	if (shape->kind == RB_SHAPE_PLANE)
-		return (struct extent){(double)INFINITY, (double)INFINITY, (double)INFINITY,
-		                       (double)INFINITY};
-	if (i < l->n && l->model->center_of_mass)
-		centre = l->model->center_of_mass[i];
-	e.ball = rb_vec3_length(centre) + (shape->kind == RB_SHAPE_RECTANGLE
-	                                           ? 0.5 * (shape->size[0] + shape->size[1])
-	                                           : rb_model_reach(l->model, i));
-	/* a terrain does not turn: what its points do is not asked for */
-	if (parts->terrain)
-		return (struct extent){e.ball, e.ball, e.ball, e.ball};
-	for (int k = 0; k < parts->count; k++) {
-		const struct rb_body_part *part = &parts->part[k];
-		const rb_core *core = &part->core;
-		const rb_vec3 at = rb_vec3_sub(part->at, centre);
-
-		if (core->kind == RB_CORE_CYLINDER) {
-			/*
-			 * a ring about its axis: its extent by that of its centre line, plus its
-			 * radius
-			 */
-			const rb_vec3 u = rb_mat3_apply(&part->turn, (rb_vec3){0, 0, 1});
-			const rb_vec3 half = rb_vec3_scale(core->half_height, u);
-			const double off = rb_vec3_length(rb_vec3_cross(u, axis));
-			struct extent ends = {0};
-
-			reach_out(&ends, rb_vec3_add(at, half), axis);
-			reach_out(&ends, rb_vec3_sub(at, half), axis);
-			e.core = fmax(e.core, ends.core + core->round);
-			e.along = fmax(e.along, ends.along + off * core->round);
-			e.across = fmax(e.across, ends.across + core->round);
-			continue;
-		}
-		for (int v = 0; v < core->polytope->vertex_count; v++)
-			reach_out(&e,
-			          rb_vec3_add(at, rb_mat3_apply(&part->turn,
-			                                        core->polytope->vertices[v])),
-			          axis);
-	}
-	return e;
-}
-
 /* Bounds and extents, which hold for the whole search. */
 static void start(struct course *c, const struct rb_located *l, int a, int b)
 {
 	*c = (struct course){.l = l, .pair = {.a = a, .b = b}};
 	c->of_a = rb_bounds_of(l, a);
 	c->of_b = rb_bounds_of(l, b);
-	c->a = extent_of(l, a, c->of_a.axis);
-	c->b = extent_of(l, b, c->of_b.axis);
+	c->a = rb_extent_of(l, a, c->of_a.axis);
+	c->b = rb_extent_of(l, b, c->of_b.axis);
 	c->size = fmin(c->a.ball, c->b.ball);
 	c->flies = !rb_located_on_piece(l, a) && !rb_located_on_piece(l, b) &&
 	           !(rb_arc_decay(l, a) > 0) && !(rb_arc_decay(l, b) > 0);
@@ -156,7 +90,7 @@ static double arm_of(const struct course *c, double ball, double other)
 static double turn_on(struct course *c, bool is_a, double *turn, double *bend)
 {
 	struct rb_bounds *max = is_a ? &c->of_a : &c->of_b;
-	const struct extent *own = is_a ? &c->a : &c->b, *other = is_a ? &c->b : &c->a;
+	const struct rb_extent *own = is_a ? &c->a : &c->b, *other = is_a ? &c->b : &c->a;
 	const struct rb_pose *pose = is_a ? &c->pair.pose_a : &c->pair.pose_b;
 
 	if (max->growing > 0) {

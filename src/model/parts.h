@@ -14,7 +14,7 @@
 #include <rbsim/model.h>
 
 #include "geom/convex.h"
-#include "geom/terrain.h"
+#include "geom/triangles.h"
 #include "math/quat.h"
 
 struct rb_body_part {

@@ -138,23 +138,24 @@ static bool has_area(const rb_vec3 *vertices, const int corner[3])
 }
 
 /* Whether vertices and triangles can be what they are said to be. */
-static enum rb_status check_terrain(const rb_vec3 *vertices, size_t vertex_count,
-                                    const int (*corners)[3], size_t count, struct rb_error *err)
+static enum rb_status check_terrain(const struct rb_terrain_def *def, struct rb_error *err)
 {
-	if (count == 0 || count > RB_TERRAIN_MAX)
+	if (def->count == 0 || def->count > RB_TERRAIN_MAX)
 		return RB_FAIL(err, RB_ERR_SCENE, "a terrain of %zu triangles (wanted 1 to %d)",
-		               count, RB_TERRAIN_MAX);
-	for (size_t k = 0; k < vertex_count; k++)
+		               def->count, RB_TERRAIN_MAX);
+	for (size_t k = 0; k < def->vertex_count; k++) {
+		const rb_vec3 v = def->vertices[k];
 		/* squares of coordinates must be finite, too */
-		if (!(rb_vec3_max_abs(vertices[k]) < 1e150))
+		if (!(rb_vec3_max_abs(v) < 1e150))
 			return RB_FAIL(err, RB_ERR_SCENE,
-			               "its vertex %zu is not finite (%g, %g, %g)", k + 1,
-			               vertices[k].x, vertices[k].y, vertices[k].z);
-	for (size_t k = 0; k < 3 * count; k++) {
-		const int corner = corners[k / 3][k % 3];
-		if (corner < 0 || (size_t)corner >= vertex_count)
+			               "its vertex %zu is not finite (%g, %g, %g)", k + 1, v.x, v.y,
+			               v.z);
+	}
+	for (size_t k = 0; k < 3 * def->count; k++) {
+		const int corner = def->corners[k / 3][k % 3];
+		if (corner < 0 || (size_t)corner >= def->vertex_count)
 			return RB_FAIL(err, RB_ERR_SCENE, "triangle %zu has no vertex %d of %zu",
-			               k / 3 + 1, corner + 1, vertex_count);
+			               k / 3 + 1, corner + 1, def->vertex_count);
 	}
 	return RB_OK;
 }
@@ -199,31 +200,31 @@ static int terrain_edges(const struct rb_solid *made, int (*edges)[2])
 	return count;
 }
 
-enum rb_status rb_scene_add_terrain(struct rb_scene *scene, const rb_vec3 *vertices,
-                                    size_t vertex_count, const int (*corners)[3], size_t count,
+enum rb_status rb_scene_add_terrain(struct rb_scene *scene, const struct rb_terrain_def *def,
                                     int *solid, struct rb_error *err)
 {
-	struct rb_solid made = {.vertices = vertices, .vertex_count = (int)vertex_count};
-	enum rb_status status = check_terrain(vertices, vertex_count, corners, count, err);
+	struct rb_solid made = {.vertices = def->vertices, .vertex_count = (int)def->vertex_count};
+	enum rb_status status = check_terrain(def, err);
 
 	*solid = -1;
 	if (status)
 		return status;
-	int *const loops = rb_memory_take(3 * count, sizeof *loops);
-	int *const first = rb_memory_take(count + 1, sizeof *first);
-	int(*const edges)[2] = rb_memory_take(3 * count, sizeof *edges);
+	int *const loops = rb_memory_take(3 * def->count, sizeof *loops);
+	int *const first = rb_memory_take(def->count + 1, sizeof *first);
+	int(*const edges)[2] = rb_memory_take(3 * def->count, sizeof *edges);
 	if (!loops || !first || !edges)
 		status = RB_FAIL(err, RB_ERR_MEMORY, "out of memory for a terrain of %zu triangles",
-		                 count);
-	for (size_t k = 0; !status && k < count; k++) {
-		if (!has_area(vertices, corners[k]))
+		                 def->count);
+	for (size_t k = 0; !status && k < def->count; k++) {
+		if (!has_area(def->vertices, def->corners[k]))
 			continue;
-		memcpy(loops + 3 * made.face_count, corners[k], sizeof corners[k]);
+		memcpy(loops + 3 * made.face_count, def->corners[k], sizeof def->corners[k]);
 		first[made.face_count] = 3 * made.face_count;
 		made.face_count++;
 	}
 	if (!status && made.face_count == 0)
-		status = RB_FAIL(err, RB_ERR_SCENE, "none of its %zu triangles has an area", count);
+		status = RB_FAIL(err, RB_ERR_SCENE, "none of its %zu triangles has an area",
+		                 def->count);
 	if (!status) {
 		first[made.face_count] = 3 * made.face_count;
 		made.loops = loops;

@@ -440,12 +440,10 @@ static bool check_bodies(struct check *check)
 				check, i,
 				"a plane has no mass: it is static, or 'motion' says how it moves");
 			good = false;
-		} else if (body->shape.kind == RB_SHAPE_TERRAIN && !body->is_static) {
-			body_mistake(check, i, "a terrain is static");
-			good = false;
 		} else if (rb_body_is_free(body) && shaped) {
 			check_mass(check, i);
-		} else if (body->is_static && rb_body_is_driven(body)) {
+		} else if (rb_body_is_driven(body) &&
+		           (body->is_static || body->shape.kind == RB_SHAPE_TERRAIN)) {
 			body_mistake(check, i, "'motion' of a static body: it never moves");
 		}
 	}

@@ -13,7 +13,7 @@
 #include "model/validate.h"
 #include "script/assets.h"
 #include "script/fields.h"
-#include "script/terrain.h"
+#include "script/meshes.h"
 #include "script/values.h"
 #include "script/vector.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A static surface of triangles, solid to both sides, without thickness: a solid that the call
- * makes of a file or a height (script/terrain).
+ * makes of a file or a height (script/meshes).
  */
 #include "shape/shape_types.h"
 

@@ -281,7 +281,7 @@ static bool is_real(const struct rb_model *model, int terrain, int j, const rb_m
 	                      (rb_part)(at->key >> 32) >> 24 == RB_PART_MANTLE;
 	const bool is_sphere = other->core->kind == RB_CORE_POLYTOPE &&
 	                       other->core->polytope->vertex_count == 1;
-	/* a wide band takes corners beside the line in which a straight side touches for points of it */
+	/* a wide band takes corners beside the line of a straight side for points of it */
 	if (is_round && !is_sphere) {
 		const rb_vec3 across = rb_vec3_cross(rb_placed_axis(other), normal);
 		const double round = other->core->radius + other->core->round;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* src/geom/terrain.c: which facets are near, and which touches at their edges are real. */
+/* src/geom/triangles.c: which facets are near, and which touches at their edges are real. */
 #include "support.h"
 
-#include "geom/terrain.h"
+#include "geom/triangles.h"
 #include "math/random.h"
 #include "math/vec3.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Memory for points and triangles is Lua's: a height that raises an error may then jump. */
-#include "script/terrain.h"
+#include "script/meshes.h"
 
 #include <math.h>
 
@@ -43,13 +43,6 @@ const struct rb_source_file *rb_mesh_file(struct rb_call *call, int text,
 	return rb_asset_take(call, "file", name, any_bytes);
 }
 
-/* What both ways come to. */
-struct mesh {
-	rb_vec3 *points;
-	int (*corners)[3];
-	size_t count, triangles;
-};
-
 /* Memory that lies on Lua's stack. */
 static void *take(lua_State *L, size_t count, size_t size)
 {
@@ -57,7 +50,7 @@ static void *take(lua_State *L, size_t count, size_t size)
 }
 
 /* Reads the file that `file` names; false: a mistake was noted. */
-static bool read_file(struct rb_call *call, struct mesh *mesh)
+static bool read_file(struct rb_call *call, struct rb_meshfile_triangles *mesh)
 {
 	lua_State *const L = call->L;
 	enum rb_meshfile_kind kind;
@@ -73,9 +66,7 @@ static bool read_file(struct rb_call *call, struct mesh *mesh)
 	rb_sandbox_charge(L, 40 * corners_max); /* their sorting */
 	mesh->points = take(L, 2 * corners_max, sizeof *mesh->points);
 	mesh->corners = take(L, RB_TERRAIN_MAX, sizeof *mesh->corners);
-	if (rb_meshfile_read_triangles(kind, file->text, file->size_bytes, mesh->points,
-	                               &mesh->count, mesh->corners, RB_TERRAIN_MAX,
-	                               &mesh->triangles, &err)) {
+	if (rb_meshfile_read_triangles(kind, file->text, file->size_bytes, mesh, &err)) {
 		rb_call_mistake(call, "'file': '%s': %s", lua_tostring(L, text), err.text);
 		return false;
 	}
@@ -121,7 +112,7 @@ static bool ask(struct rb_call *call, rb_vec3 *point)
  * Asks for heights over the grid; each cell is two triangles, divided along x = y; false: a mistake
  * was noted.
  */
-static bool read_height(struct rb_call *call, struct mesh *mesh)
+static bool read_height(struct rb_call *call, struct rb_meshfile_triangles *mesh)
 {
 	lua_State *const L = call->L;
 	double size[2];
@@ -156,18 +147,18 @@ static bool read_height(struct rb_call *call, struct mesh *mesh)
 	for (size_t j = 0; j < ny; j++)
 		for (size_t i = 0; i < nx; i++) {
 			const int low = (int)(j * (nx + 1) + i), high = low + (int)nx + 1;
-			int(*const to)[3] = mesh->corners + mesh->triangles;
+			int(*const to)[3] = mesh->corners + mesh->triangle_count;
 			to[0][0] = to[1][0] = low;
 			to[0][1] = low + 1;
 			to[0][2] = to[1][1] = high + 1;
 			to[1][2] = high;
-			mesh->triangles += 2;
+			mesh->triangle_count += 2;
 		}
 	return true;
 }
 
 /* Reads either; false: a mistake was noted. */
-static bool read_mesh(struct rb_call *call, struct mesh *mesh)
+static bool read_mesh(struct rb_call *call, struct rb_meshfile_triangles *mesh)
 {
 	const bool of_file = rb_call_tried(call, "file"), of_height = rb_call_tried(call, "height");
 	static const char *const others[2][2] = {{"size", "cells"}, {"scale", "scale"}};
@@ -192,15 +183,16 @@ bool rb_terrain_read(struct rb_call *call, struct rb_shape *shape)
 {
 	struct rb_scene *const scene = call->script->scene;
 	const int top = lua_gettop(call->L);
-	struct mesh mesh = {0};
+	struct rb_meshfile_triangles mesh = {.triangles_max = RB_TERRAIN_MAX};
 	struct rb_error err;
 	bool right = read_mesh(call, &mesh);
 
 	if (right) {
-		rb_sandbox_charge(call->L, mesh.triangles * WORK_A_TRIANGLE);
-		const enum rb_status status = rb_scene_add_terrain(
-			scene, mesh.points, mesh.count, (const int(*)[3])mesh.corners,
-			mesh.triangles, &shape->solid, &err);
+		rb_sandbox_charge(call->L, mesh.triangle_count * WORK_A_TRIANGLE);
+		const struct rb_terrain_def def = {mesh.points, (const int(*)[3])mesh.corners,
+		                                   mesh.count, mesh.triangle_count};
+		const enum rb_status status = rb_scene_add_terrain(scene, &def, &shape->solid,
+		                                                   &err);
 		right = status == RB_OK;
 		if (status == RB_ERR_SCENE)
 			rb_call_mistake(call, "'%s': %s",

@@ -3,7 +3,7 @@
  * Boxes are halved at the median of their middles along the longest side: a tree whose depth is
  * that of its number of leaves, whatever the triangles. Neighbours are found by sorting edges.
  */
-#include "geom/terrain.h"
+#include "geom/triangles.h"
 
 #include <float.h>
 #include <math.h>
@@ -304,16 +304,16 @@ static int edges_at(const rb_vec3 v[3], rb_vec3 normal, double size, rb_vec3 poi
 /* A point in the middle of what is outermost: a corner, or an edge. */
 static rb_vec3 outermost(const rb_vec3 v[3], double size, rb_vec3 outward)
 {
-	double height[3], most = -(double)INFINITY, count = 0;
+	double height[3], highest = -(double)INFINITY, count = 0;
 	rb_vec3 sum = {0, 0, 0};
 
 	/* relative to a corner: far from the origin no digits are lost */
 	for (int k = 0; k < 3; k++) {
 		height[k] = rb_vec3_dot(outward, rb_vec3_sub(v[k], v[0]));
-		most = fmax(most, height[k]);
+		highest = fmax(highest, height[k]);
 	}
 	for (int k = 0; k < 3; k++)
-		if (height[k] >= most - BORDER * size) {
+		if (height[k] >= highest - BORDER * size) {
 			sum = rb_vec3_add(sum, v[k]);
 			count++;
 		}

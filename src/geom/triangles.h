@@ -11,8 +11,8 @@
  * a touch is real only if nothing of the surface is nearer in its direction: across the edge, the
  * neighbour must fall away from it (its Voronoi region; what Bullet calls internal edges).
  */
-#ifndef RB_GEOM_TERRAIN_H
-#define RB_GEOM_TERRAIN_H
+#ifndef RB_GEOM_TRIANGLES_H
+#define RB_GEOM_TRIANGLES_H
 
 #include <stdbool.h>
 

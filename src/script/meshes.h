@@ -3,8 +3,8 @@
  * Terrains: triangles of a file, or of a height over a grid, which the script's function is asked
  * for while the scene is read. Owns nothing; memory in between is Lua's.
  */
-#ifndef RB_SCRIPT_TERRAIN_H
-#define RB_SCRIPT_TERRAIN_H
+#ifndef RB_SCRIPT_MESHES_H
+#define RB_SCRIPT_MESHES_H
 
 #include "geom/meshfile.h"
 #include "script/call.h"
