@@ -413,14 +413,17 @@ void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct r
 		          cut.table_rows);
 		frames->contact_end = add_column(h5, frames, "/rbsim/frames", "contact_end", &end);
 	}
-	frames->time = add_column(
-		h5, frames, first, "time",
-		&(struct rb_h5_layout){.kind = RB_H5_F64, .chunk_rows = cut.numbers_rows});
+	struct rb_h5_layout clock = {.kind = RB_H5_F64, .chunk_rows = cut.numbers_rows};
+	frames->time = add_column(h5, frames, first, "time", &clock);
 	rb_h5_units(h5, frames->time->path, "s");
-	frames->step = add_column(
-		h5, frames, first, "step",
-		&(struct rb_h5_layout){.kind = RB_H5_I64, .chunk_rows = cut.numbers_rows});
+	clock.kind = RB_H5_I64;
+	frames->step = add_column(h5, frames, first, "step", &clock);
 	link_steps(h5, frames);
+	if (model->keeps_ledger) { /* MDAnalysis wants a value in a group that holds others */
+		rb_h5_link(h5, "/observables/momentum/value", "/observables/ledger/momentum/value");
+		rb_h5_link(h5, "/observables/momentum/step", "/observables/ledger/momentum/step");
+		rb_h5_link(h5, "/observables/momentum/time", "/observables/ledger/momentum/time");
+	}
 	if (buffers)
 		take_buffers(h5, frames);
 }

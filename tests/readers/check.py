@@ -119,6 +119,19 @@ def check_h5dump(path):
     return f"{len(done.stdout)} characters"
 
 
+def check_depth(path):
+    """What MDAnalysis asks of /observables: elements have a value, or hold elements that have one."""
+    with h5py.File(path, "r") as f:
+        for name, element in f["observables"].items():
+            for inner, member in element.items() if "value" not in element else []:
+                assert "value" in member, f"observables/{name}/{inner} has no value"
+        if "ledger" in f["observables"]:
+            ledger = f["observables/ledger/momentum"]
+            assert ledger["value"] == f["observables/momentum/value"], "two datasets"
+            assert ledger["applied/value"].shape[1:] == (2, 3)
+    return "depth of observables"
+
+
 def check_mdanalysis(path):
     try:
         import MDAnalysis
@@ -189,7 +202,7 @@ def check_vtk(path):
 def main():
     path = sys.argv[1]
     failed = False
-    for name, check in [("h5py", check_h5py), ("h5dump", check_h5dump), ("MDAnalysis", check_mdanalysis),
+    for name, check in [("h5py", check_h5py), ("depth", check_depth), ("h5dump", check_h5dump), ("MDAnalysis", check_mdanalysis),
                         ("pyh5md", check_pyh5md), ("VTK", check_vtk)]:
         try:
             said = check(path)

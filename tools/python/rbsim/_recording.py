@@ -301,8 +301,7 @@ class Run:
                     continue
                 if "value" in element:
                     readers[prefix + name] = self._reader(f"/observables/{prefix}{name}/value")
-                else:
-                    visit(f"{prefix}{name}/", element)
+                visit(f"{prefix}{name}/", element)  # one that has a value may have others within it
 
         visit("", self._file["/observables"])
         return _Lazy(readers)
