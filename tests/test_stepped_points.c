@@ -5,6 +5,7 @@
  */
 #include "worlds.h"
 
+#include "stepped/clearance.h"
 #include "stepped/projection.h"
 #include "stepped/inside.h"
 #include "stepped/stepped.h"
@@ -213,9 +214,52 @@ static void steps_take_over_what_was_located(void **state)
 	lab_close(&lab);
 }
 
+/*
+ * Spheres that fly fast past each other: many pairs could meet within the steps of a list, few
+ * touch. Looking for the points takes room for those that are found, and gives it back.
+ */
+static void memory_follows_the_points_and_not_the_pairs(void **state)
+{
+	enum { SIDE = 12, BODIES = SIDE * SIDE * SIDE };
+	struct lab lab;
+
+	(void)state;
+	open_weightless(&lab, 1);
+	lab_plane(&lab, (rb_vec3){0, 0, -0.61}, (rb_vec3){0, 0, 1});
+	for (int k = 0; k < BODIES; k++)
+		lab_sphere(&lab, 0.5, 1,
+		           (rb_vec3){1.2 * (k % SIDE), 1.2 * (k / SIDE % SIDE),
+		                     1.2 * (k / SIDE / SIDE)},
+		           (rb_vec3){0, 0, -20});
+	lab_seal(&lab, 1);
+	lab_step(&lab);
+	struct rb_stepped *const s = lab.world->stepped;
+	struct rb_arena *const arena = &lab.world->arena[0];
+	const size_t pairs = s->candidates.pair_count;
+	rb_arena_release(arena);
+	s->closing.count = 0;
+	assert_int_equal(rb_step_points_add(&s->closing, lab.world, &s->candidates, 1.0 / 240,
+	                                    HUGE_VAL, &lab.error),
+	                 RB_OK);
+	assert_true(pairs > 4 * BODIES);
+	assert_int_equal(arena->used, 0);
+	assert_null(arena->overflow);
+	/* of a block: what is told of it, and arrays of 16, 32, ... to twice what is found */
+	const size_t blocks = pairs / RB_PAIRS_PER_BLOCK + 1;
+	const size_t most = (4 * s->closing.count + 16 * blocks) * sizeof *s->closing.row +
+	                    512 * (blocks + 1);
+	print_message("%zu pairs, %zu points, %zu bytes\n", pairs, s->closing.count,
+	              arena->high_water);
+	assert_true(arena->high_water <= most);
+	assert_true(rb_step_points_sort(&s->closing, arena, &lab.error) == RB_OK);
+	assert_int_equal(arena->used, 0);
+	lab_close(&lab);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(memory_follows_the_points_and_not_the_pairs),
 		cmocka_unit_test(steps_take_over_what_was_located),
 		cmocka_unit_test(a_stick_that_turns_hits_what_its_tip_reaches),
 		cmocka_unit_test(what_comes_back_is_met),

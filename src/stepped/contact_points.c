@@ -83,11 +83,17 @@ static rb_vec3 center_of(const struct rb_world *world, int i)
 	                                    : world->model->position[i];
 }
 
+/*
+ * Points of a block for which room is taken first: of fast bodies few pairs touch, and with room
+ * for all, blocks of 200,000 spheres took four gigabytes.
+ */
+enum { BLOCK_POINTS = 16 };
+
 static struct rb_step_point *add_point(struct inspection *inspection)
 {
 	if (inspection->count == inspection->capacity) {
 		const size_t capacity = inspection->capacity ? 2 * inspection->capacity
-		                                             : RB_PAIRS_PER_BLOCK;
+		                                             : BLOCK_POINTS;
 		struct rb_step_point *out = rb_arena_take(inspection->arena, capacity, sizeof *out);
 
 		if (!out) {
@@ -535,6 +541,25 @@ static void inspect_block(void *user, int block, int worker)
 	inspections->block[block] = inspection;
 }
 
+/* Fill levels of all arenas, in the first of them; NULL: no memory. */
+static rb_arena_mark *mark_arenas(const struct rb_world *world)
+{
+	const rb_arena_mark first = rb_arena_here(&world->arena[0]);
+	rb_arena_mark *mark = rb_arena_take(&world->arena[0], (size_t)world->worker_count,
+	                                    sizeof *mark);
+
+	for (int k = 0; mark && k < world->worker_count; k++)
+		mark[k] = k > 0 ? rb_arena_here(&world->arena[k]) : first;
+	return mark;
+}
+
+/* Back to them; the first arena, which holds them, last. */
+static void free_arenas(const struct rb_world *world, const rb_arena_mark *mark)
+{
+	for (int k = world->worker_count - 1; k >= 0; k--)
+		rb_arena_back(&world->arena[k], mark[k]);
+}
+
 enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world *world,
                                   struct rb_candidates *candidates, double h, double max,
                                   struct rb_error *err)
@@ -547,6 +572,10 @@ enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world
 	                                                 .max = max}};
 	bool good = true;
 
+	/* points are looked for many times in a step, in waves: each leaves the arenas as it was */
+	const rb_arena_mark *const mark = mark_arenas(world);
+	if (!mark)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
 	inspections.block = rb_arena_take(&world->arena[0], (size_t)blocks + 1,
 	                                  sizeof *inspections.block);
 	if (!inspections.block)
@@ -558,8 +587,10 @@ enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world
 		good = good && !inspections.block[b].failed;
 	}
 	if (!good ||
-	    !rb_memory_reserve(&points->row, &points->capacity, count, sizeof *points->row))
+	    !rb_memory_reserve(&points->row, &points->capacity, count, sizeof *points->row)) {
+		free_arenas(world, mark);
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
+	}
 	for (int b = 0; b < blocks; b++) {
 		const struct inspection *inspection = &inspections.block[b];
 
@@ -568,6 +599,7 @@ enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world
 			       inspection->count * sizeof *points->row);
 		points->count += inspection->count;
 	}
+	free_arenas(world, mark);
 	return RB_OK;
 }
 
@@ -575,6 +607,7 @@ enum rb_status rb_step_points_sort(struct rb_step_points *points, struct rb_aren
                                    struct rb_error *err)
 {
 	const size_t n = points->count;
+	const rb_arena_mark here = rb_arena_here(arena);
 	struct rb_sort_item *item = rb_arena_take(arena, 2 * n + 1, sizeof *item);
 	struct rb_step_point *row = rb_arena_take(arena, n + 1, sizeof *row);
 
@@ -587,5 +620,6 @@ enum rb_status rb_step_points_sort(struct rb_step_points *points, struct rb_aren
 		row[k] = points->row[item[k].value];
 	if (n > 0)
 		memcpy(points->row, row, n * sizeof *row);
+	rb_arena_back(arena, here);
 	return RB_OK;
 }
