@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Every shipped scene runs and keeps what it expects. Hopper and tower are small, the heap too in builds that are slow.
+# Every shipped scene runs and keeps what it expects. Hopper, tower and flows are small, the heap too in builds that are
+# slow.
 set -eu
 scenes=$(dirname "$0")/../../scenes
 for scene in "$scenes"/*.lua "$scenes"/examples/*.lua; do
@@ -8,6 +9,10 @@ for scene in "$scenes"/*.lua "$scenes"/examples/*.lua; do
 	case $scene in
 	*/heap.lua) [ "${RBSIM_MODE:-release}" = release ] || set -- "$@" --param balls=15 ;;
 	*/kapla.lua) set -- "$@" --param floors=3 ;;
+	*/drum.lua) set -- "$@" --param seconds=0.8 ;;
+	*/hourglass.lua) set -- "$@" --param n=60 --param seconds=0.6 ;;
+	*/silo.lua) set -- "$@" --param n=150 ;;
+	*/angle_of_repose.lua) set -- "$@" --param R=0.06 --param seconds=1 ;;
 	*/hopper.lua) set -- "$@" --param n=30 --param seconds=1 ;;
 	esac
 	"$RBSIM" "$scene" "$@" || {
