@@ -15,6 +15,9 @@
 
 struct rb_located;
 
+/* Steps after the first failure to locate; twice as many after each further one. */
+enum { RB_DENSE_STEPS_FIRST = 16 };
+
 /*
  * All events up to `until_s`, callbacks called; the world's state is then as of that moment. Of a
  * scene that may also be stepped (method "auto"): ends earlier, with the state of that moment,

@@ -199,13 +199,13 @@ void rb_world_destroy(struct rb_world *world)
 }
 
 /* Steps taken before locating is tried again: 16 at first, twice as many after each failure. */
-enum { DENSE_STEPS_FIRST = 16, DENSE_STEPS_MAX = 4096 };
+enum { DENSE_STEPS_MAX = 4096 };
 
 static void more_dense_steps(struct rb_world *world)
 {
 	if (world->dense_steps < DENSE_STEPS_MAX)
 		world->dense_steps = world->dense_steps > 0 ? 2 * world->dense_steps
-		                                            : DENSE_STEPS_FIRST;
+		                                            : RB_DENSE_STEPS_FIRST;
 }
 
 /*
