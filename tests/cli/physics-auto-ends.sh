@@ -87,3 +87,7 @@ for method in stepped auto; do
 	short=$(value smallest_step)
 	awk -v s="$short" 'BEGIN { exit !(s > 1e-3) }' || fail "$method: what is squeezed takes steps of $short s"
 done
+
+# attempts that follow failures get less: what auto moves of a heap is a small multiple of its steps (12; 21 with the whole count each)
+exits 0 "$TOP/scenes/heap.lua" --param balls=60 --duration 3 --no-record --no-render --quiet --json --threads 1
+awk -v moved="$(value body_steps)" 'BEGIN { exit !(moved < 15 * 60 * 3 * 240) }' || fail "a heap: $(value body_steps) body steps"
