@@ -437,9 +437,10 @@ typedef float eight_floats __attribute__((vector_size(EIGHT * sizeof(float))));
 /*
  * 1/sqrt(x) to some roundings: that of floats, which takes a third of the time, and a step of third
  * order (A. Householder, The numerical treatment of a single nonlinear equation, 1970) from there.
- * `close`: where x is none that a float can hold, and it is not that.
+ * `miss`: the fourth power of what the floats were off by, which is much or NaN where x is none
+ * that a float can hold.
  */
-RB_LANES_INLINE void inverse_root(const eight *x, eight *y, eight_mask *close)
+RB_LANES_INLINE void inverse_root(const eight *x, eight *y, eight *miss)
 {
 	const eight_floats rough = __builtin_convertvector(*x, eight_floats);
 	eight_floats root;
@@ -457,7 +458,8 @@ RB_LANES_INLINE void inverse_root(const eight *x, eight *y, eight_mask *close)
 	const eight off = 1 - *x * (first * first);
 
 	*y = first + first * (off * (0.5 + 0.375 * off));
-	*close = ~(eight_mask)(off * off <= 0x1p-30);
+	const eight square = off * off;
+	*miss = square * square;
 }
 
 /* Adds what the near points do at `x`: acceleration and potential. False: some are too close. */
@@ -465,8 +467,8 @@ RB_LANES_INLINE bool sum_near(const struct near_points *near, double soft2, cons
                               double sum[4])
 {
 	eight ax = {0}, ay = {0}, az = {0}, psi = {0};
-	eight_mask close = {0};
-	long long any = 0;
+	eight misses = {0};
+	double all_misses = 0;
 
 	for (int k = 0; k < near->count; k += EIGHT) {
 		const eight dx = *(const eight *)(near->x + k) - x[0];
@@ -476,10 +478,10 @@ RB_LANES_INLINE bool sum_near(const struct near_points *near, double soft2, cons
 		/* the point itself, and what is at the same place: nothing */
 		const eight_mask distinct = (eight_mask)(square > 0);
 		eight inverse;
-		eight_mask own_close;
+		eight miss;
 
-		inverse_root(&soft, &inverse, &own_close);
-		close |= own_close & distinct;
+		inverse_root(&soft, &inverse, &miss);
+		misses += (eight)((eight_mask)miss & distinct);
 		const eight all = *(const eight *)(near->mu + k) * inverse;
 		const eight own = (eight)((eight_mask)all & distinct);
 		const eight factor = (eight)((eight_mask)(all * (inverse * inverse)) & distinct);
@@ -494,9 +496,10 @@ RB_LANES_INLINE bool sum_near(const struct near_points *near, double soft2, cons
 		sum[1] += ay[i];
 		sum[2] += az[i];
 		sum[3] += psi[i];
-		any |= close[i];
+		all_misses += misses[i];
 	}
-	return any == 0;
+	/* each time a few roundings of floats, of which the third power is left */
+	return all_misses <= 0x1p-60;
 }
 
 /* The same of points that may be as close as doubles can be. */
