@@ -432,12 +432,16 @@ void rb_sleep_note(struct rb_world *world)
 	}
 }
 
-/* Not failed, moved by no bit, and with a small reach. */
+/*
+ * Not failed, moved by no bit, with nothing left that the next step would take into account, and
+ * with a small reach.
+ */
 static bool may_sleep(const struct rb_world *world, int i, const unsigned char *failed)
 {
 	const struct rb_stepped *s = world->stepped;
 
 	return !(failed && failed[i]) && !s->bad[i] && is_unmoved(world, i) &&
+	       s->solver.left[i] == 0 &&
 	       s->candidates.reach[i] <= small_share * world->model->size_min_m;
 }
 
