@@ -4,11 +4,22 @@
 #include <float.h>
 
 #include "base/error.h"
+#include "located/set.h"
 
 /* Share of its time by which a flight of a series may come down early or late. */
 static const double disturbed_share = 0.25;
 /* Rounding of a gap, in ulp of the size, and of a time. */
 enum { GAP_ULP = 2, TIME_ULP = 4 };
+
+double rb_bounces_closing(const struct rb_located *l, const struct rb_contact_point *m, double t)
+{
+	const struct rb_held *held = rb_set_held_like(l, m);
+
+	if (held) /* what its force has balanced */
+		return fabs(rb_vec3_dot(held->force, m->normal)) *
+		       (l->model->inverse_mass[m->a] + l->model->inverse_mass[m->b]);
+	return -rb_contact_point_bend(l, m, t);
+}
 
 void rb_bounces_note(struct rb_located *l, const struct rb_contact_point *m, double t, double u,
                      double closing, double e)

@@ -21,6 +21,9 @@
 #include "located/contact_point.h"
 #include "located/located.h"
 
+/* m/s^2: the acceleration that brings two separating bodies together again. */
+double rb_bounces_closing(const struct rb_located *l, const struct rb_contact_point *m, double t);
+
 /*
  * A rebound at t: at `rebound_m_s` under the acceleration `closing_m_s2`, both positive, with a
  * restitution between 0 and 1.

@@ -82,17 +82,6 @@ static double turn_inverse_mass(const struct rb_located *l, int i)
 	       (l->top ? radius * radius * l->model->inverse_inertia_scalar[i] : 0);
 }
 
-/* Acceleration that brings two separating bodies together again, m/s^2. */
-static double closing_of(const struct rb_located *l, const struct rb_contact_point *m, double t)
-{
-	const struct rb_held *held = rb_set_held_like(l, m);
-
-	if (held) /* what its force has balanced */
-		return fabs(rb_vec3_dot(held->force, m->normal)) *
-		       (l->model->inverse_mass[m->a] + l->model->inverse_mass[m->b]);
-	return -rb_contact_point_bend(l, m, t);
-}
-
 /* True if the rebound would stay within rounding of the size; positions do not matter. */
 static bool ends_here(const struct rb_located *l, const struct rb_contact_point *m,
                       double target_velocity, double closing)
@@ -219,7 +208,7 @@ bool rb_resolve_impact_of_pair(struct rb_located *l, int a, int b, double t)
 	c.noise = rb_contact_point_noise(l, &m);
 	if (!(approach > c.noise) || m.on_rim || !(target_velocity > c.noise))
 		return false;
-	const double closing = closing_of(l, &m, t);
+	const double closing = rb_bounces_closing(l, &m, t);
 	if (ends_here(l, &m, target_velocity, closing))
 		return false;
 	if ((rb_located_on_piece(l, a) || rb_located_on_piece(l, b)) &&
@@ -459,7 +448,7 @@ static double accumulation(struct impact *s, int k)
 	                       (!rb_set_is_single(l, m->a, m->b) && rb_set_held_like(l, m));
 	if (!took_part || !(target_velocity > 0))
 		return -1;
-	const double closing = closing_of(l, &after, s->t);
+	const double closing = rb_bounces_closing(l, &after, s->t);
 	const bool bounces = closing > 0 && c->approach > 0 && c->restitution > 0 &&
 	                     c->restitution < 1 && rb_set_is_single(l, m->a, m->b);
 	if (bounces)

@@ -384,8 +384,8 @@ static const struct rb_row motor_rows[] = {
 	{"speed", RB_ROW_NUMBER, 0, 0, AT(rb_joint_def, motor_speed), NULL, NULL,
          "required, or angle or way", "rad/s or m/s", "the motor keeps this speed"},
 	{"angle", RB_ROW_FUNCTION, 0, 0, AT(rb_joint_def, motor_function), NULL, NULL, "none", "",
-         "of a joint with an angle: a function of t that returns the angle, rad, that it follows, 0 "
-         "at the start, and perhaps its speed"},
+         "of a joint with an angle: a function of t that returns the angle, rad, that it follows, "
+         "0 at the start, and perhaps its speed"},
 	{"way", RB_ROW_FUNCTION, 0, 0, AT(rb_joint_def, motor_function), NULL, NULL, "none", "",
          "the same of a joint with a way, m"},
 	{"torque", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_joint_def, motor_max), NULL, NULL,
@@ -653,8 +653,8 @@ void rb_fields_print(FILE *file)
 	static const struct rb_row_table *const before[] = {
 		&rb_rows_world, &rb_rows_gravitation, &rb_rows_material, &rb_rows_contact_pair};
 	static const struct rb_row_table *const after[] = {
-		&rb_rows_body,  &rb_rows_force, &rb_rows_particle, &rb_rows_camera,
-		&rb_rows_units, &rb_rows_light, &rb_rows_record,   &rb_rows_param,
+		&rb_rows_body,  &rb_rows_force,  &rb_rows_particle, &rb_rows_camera,
+		&rb_rows_units, &rb_rows_light,  &rb_rows_record,   &rb_rows_param,
 		&rb_rows_field, &rb_rows_measure};
 
 	for (size_t t = 0; t < sizeof before / sizeof *before; t++)
