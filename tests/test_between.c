@@ -486,6 +486,7 @@ static void begin_steps(struct lab *lab, double frame_rate)
 	lab_open(lab, 0.6, frame_rate);
 	lab->scene.world.method = RB_METHOD_STEPPED;
 	lab->scene.world.time_step_s = 1.0 / FINE;
+	lab->scene.world.tolerance_m = 1e-7; /* what is between frames is judged, not overlaps */
 	lab->scene.world.gravity = (rb_vec3){0, 0, -9.81};
 	lab_surface(lab, 0.4, 0.5);
 	lab_plane(lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});

@@ -190,6 +190,11 @@ def extent(run):
     return max((abs(x) for p in run.places[:1] for q in p for x in q), default=1.0) or 1.0
 
 
+def promised(run):
+    """m: the largest overlap that a frame may show: that of steps, where some were taken."""
+    return run.facts["stepped_tolerance" if run.facts["stepped"] > 0 else "tolerance"]
+
+
 def apart(a, b):
     """Distances of places, frame by frame, as a share of the scene."""
     size = extent(a)
@@ -237,7 +242,7 @@ class Judge:
                 not run.ledger.get("gained_share", 0.0) <= GAIN:
             found.append(("ledger", "%.3g of the energy comes from nowhere" % run.ledger["gained_share"]))
         deepest = max((f[3] for f in run.frames), default=0.0)
-        run.overlap = deepest / run.facts.get("tolerance", math.inf) if run.facts else 0.0
+        run.overlap = deepest / promised(run) if run.facts else 0.0
         if "overlap" in checks and run.overlap > 1 and not run.status:
             found.append(("overlap", "%.3g m, %.3g tolerances" % (deepest, run.overlap)))
         if "lost" in checks and any(not f[4] <= 1e-3 for f in run.frames):
@@ -277,7 +282,7 @@ class Judge:
             other = self.bench.run(method, "places=true", "disturb=%g" % (sign * DISTURBANCE), processor=limit)
             far = apart(run, other)
             grown = [max(a, b) for a, b in zip(grown, far)] if len(far) == len(run.places) else []
-        own = 0 if method == "located" else 100 * run.facts.get("tolerance", 0) / extent(run)
+        own = 0 if method == "located" else 100 * run.facts.get("stepped_tolerance", 0) / extent(run)
         for name, params in (("turned", "turn=%d" % (1 if number % 2 else 3)), ("turned", "turn=2"), ("mirrored", "mirror=true")):
             other = self.bench.run(method, "places=true", params, processor=limit)
             if other.over_time():

@@ -62,7 +62,7 @@ for _ = 1, 100000 do
 	end
 end
 
-expect("no overlap beyond the tolerance", function() return max_penetration(), 1e-6 * smallest end)
+expect("no overlap beyond the tolerance", function() return max_penetration(), 1e-4 * smallest end)
 expect("nobody has left the room", function()
 	for _, b in ipairs(bodies) do
 		local p = b.position
