@@ -12,8 +12,8 @@ struct advice {
 	const char *word, *text;
 };
 
-static const char meshes[] = "meshes are not in this version; hull { file = ... } is the convex "
-			     "solid of an STL or OBJ file";
+static const char meshes[] = "of an STL or OBJ file, hull { file = ... } is the convex solid, and "
+			     "terrain { file = ... } its triangles, which are static";
 static const char outside[] = "scenes reach no files or programs; record { } says what is written";
 static const char of_material[] = "it belongs to a material: material { ... }";
 static const char of_spin[] = "a vector in rad/s is 'angular_velocity'";
@@ -27,7 +27,7 @@ static const struct advice globals[] = {
 	{"motor",
          "a key of joint: joint { kind = \"hinge\", ..., motor = {speed = ..., torque = ...} }"},
 	{"mesh", meshes},
-	{"terrain", meshes},
+	{"heightfield", "terrain { height = function(x, y) ... end, size = ..., cells = ... }"},
 	{"os", outside},
 	{"io", outside},
 	{"debug", "a scene has no 'debug'"},
