@@ -510,15 +510,43 @@ static void meshes_are_closed_and_look_outwards(void **state)
 
 enum { CLIPS = 5, WAYS = 4 };
 
-/* Every shape in a row, at 2.5 m from each other along x. */
+/* A triangle that stands upright and looks at the camera. */
+static void add_terrain(struct studio *studio, rb_vec3 at)
+{
+	static const rb_vec3 corner[3] = {{-1, 0, -1}, {1, 0, -1}, {0, 0, 1}};
+	static const int triangle[1][3] = {{0, 1, 2}};
+	const struct rb_terrain_def terrain = {
+		.vertices = corner, .corners = triangle, .vertex_count = 3, .count = 1};
+	struct rb_shape shape = {.kind = RB_SHAPE_TERRAIN};
+
+	assert_int_equal(
+		rb_scene_add_terrain(&studio->lab.scene, &terrain, &shape.solid, &studio->err),
+		RB_OK);
+	struct rb_body_def def = solid_def(shape, at, (rb_vec3){0, 0, 0});
+	def.call = "terrain";
+	def.mass = (double)NAN;
+	def.angular_velocity = (rb_vec3){0, 0, 0};
+	def.is_static = true;
+	lab_add(&studio->lab, &def);
+}
+
+/* Where the row of all shapes has that one: SHAPES_APART m from the next along x. */
+#define SHAPES_APART 2.2
+static double place_of(int kind)
+{
+	return SHAPES_APART * (kind - 0.5 * (RB_SHAPE_KIND_COUNT - 1));
+}
+
 static void add_every_shape(struct studio *studio)
 {
 	for (int kind = 0; kind < RB_SHAPE_KIND_COUNT; kind++) {
-		const rb_vec3 at = {2.5 * (kind - 3.5), 0, 0};
+		const rb_vec3 at = {place_of(kind), 0, 0};
 		if (kind == RB_SHAPE_PLANE) { /* below all */
 			lab_plane(&studio->lab, (rb_vec3){0, 0, -2}, (rb_vec3){0, 0, 1});
 		} else if (kind == RB_SHAPE_RECTANGLE) {
 			lab_rectangle(&studio->lab, at, (rb_vec3){0, -1, 0}, 1, 1);
+		} else if (kind == RB_SHAPE_TERRAIN) {
+			add_terrain(studio, at);
 		} else if (kind == RB_SHAPE_UNION) {
 			struct rb_solid_part part = {.shape = shape_of(studio, RB_SHAPE_BOX),
 			                             .orientation = rb_quat_identity,
@@ -573,7 +601,7 @@ static void every_style_projection_clip_and_number_of_samples_draws_every_shape(
 		studio_seal(&studio);
 		studio_draw(&studio);
 		for (int kind = 0; kind < RB_SHAPE_KIND_COUNT; kind++) {
-			const rb_vec3 at = {2.5 * (kind - 3.5), 0, kind == RB_SHAPE_PLANE ? -2 : 0};
+			const rb_vec3 at = {place_of(kind), 0, kind == RB_SHAPE_PLANE ? -2 : 0};
 			int drawn = 0;
 			for (int k = 0; k < 21 * 21; k++) {
 				const rb_vec3 near_it = {at.x + 0.1 * (k % 21 - 10), at.y,

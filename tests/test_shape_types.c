@@ -9,7 +9,7 @@
 #include "support.h"
 
 static struct rb_scene scene;
-static int hull, both;
+static int hull, both, slope;
 
 /* One of each type that has a volume, with sizes that differ. */
 static int all_shapes(struct rb_shape shape[RB_SHAPE_KIND_COUNT])
@@ -28,15 +28,19 @@ static int all_shapes(struct rb_shape shape[RB_SHAPE_KIND_COUNT])
 	         .position = {0.5, 0.1, 0},
 	         .orientation = {sqrt(0.5), sqrt(0.5), 0, 0},
 	         .share = 1}};
+	static const int triangle[1][3] = {{0, 1, 2}};
+	const struct rb_terrain_def terrain = {
+		.vertices = corner, .corners = triangle, .vertex_count = 3, .count = 1};
 	int count = 0;
 
 	if (scene.solid_count == 0) {
 		assert_int_equal(rb_scene_init(&scene, NULL), RB_OK);
 		assert_int_equal(rb_scene_add_hull(&scene, corner, 5, &hull, NULL), RB_OK);
 		assert_int_equal(rb_scene_add_union(&scene, parts, 2, &both, NULL), RB_OK);
+		assert_int_equal(rb_scene_add_terrain(&scene, &terrain, &slope, NULL), RB_OK);
 	}
 	for (int k = 0; k < RB_SHAPE_KIND_COUNT; k++)
-		if (rb_shape_types[k]->form != RB_FORM_SURFACE)
+		if (rb_shape_types[k]->form != RB_FORM_SURFACE && k != RB_SHAPE_TERRAIN)
 			shape[count++] = (struct rb_shape){.kind = (enum rb_shape_kind)k,
 			                                   .solid = k == RB_SHAPE_UNION ? both
 			                                                                : hull,
@@ -198,15 +202,17 @@ static void distances_are_those_to_the_surface(void **state)
 static void every_number_that_a_row_reads_has_a_fault_and_a_text(void **state)
 {
 	static const char *const want[RB_SHAPE_KIND_COUNT] = {
-		"sphere 2",    "plane",        "rectangle 3 4", "box 3 4 5",
-		"capsule 2 5", "cylinder 2 5", "hull 5",        "union 2"};
+		"sphere 2",     "plane",  "rectangle 3 4", "box 3 4 5", "capsule 2 5",
+		"cylinder 2 5", "hull 5", "union 2",       "terrain 3"};
 
 	all_shapes((struct rb_shape[RB_SHAPE_KIND_COUNT]){{0}});
 	(void)state;
 	for (int k = 0; k < RB_SHAPE_KIND_COUNT; k++) {
 		const struct rb_shape_type *const type = rb_shape_types[k];
 		const struct rb_shape right = {.kind = (enum rb_shape_kind)k,
-		                               .solid = k == RB_SHAPE_UNION ? both : hull,
+		                               .solid = k == RB_SHAPE_UNION     ? both
+		                                        : k == RB_SHAPE_TERRAIN ? slope
+		                                                                : hull,
 		                               .radius = 2,
 		                               .size = {3, 4, 5}};
 		char text[RB_SHAPE_FAULT_SIZE];
