@@ -21,6 +21,7 @@ static const struct {
 	{&rb_rows_force, sizeof(struct rb_force_def)},
 	{&rb_rows_particle, sizeof(double) + sizeof(rb_vec3)},
 	{&rb_rows_camera, sizeof(struct rb_camera_def)},
+	{&rb_rows_units, sizeof(struct rb_camera_def)},
 	{&rb_rows_light, sizeof(struct rb_light_def)},
 	{&rb_rows_record, sizeof(struct rb_record_def)},
 	{&rb_rows_param, sizeof(struct rb_param_def)},
@@ -191,7 +192,7 @@ static void choices_stand_in_the_order_of_their_numbers(void **state)
 		[RB_JOINT_HINGE] = "hinge", [RB_JOINT_SLIDER] = "slider",
 		[RB_JOINT_ROD] = "rod",     [RB_JOINT_CYLINDRICAL] = "cylindrical",
 		[RB_JOINT_ROPE] = "rope",   [RB_JOINT_UNIVERSAL] = "universal"};
-	static const char *const overlays[] = {"time", "title", "energy"};
+	static const char *const overlays[] = {"time", "title", "energy", "scale"};
 
 	(void)state;
 	assert_choices(&rb_rows_world, "rollback", 3, rollbacks);
@@ -202,11 +203,12 @@ static void choices_stand_in_the_order_of_their_numbers(void **state)
 	assert_choices(&rb_rows_joint, "kind", RB_JOINT_KIND_COUNT, joints);
 	for (int k = 0; k < RB_JOINT_KIND_COUNT; k++)
 		assert_string_equal(rb_joint_kind_name(k), joints[k]);
-	assert_choices(&rb_rows_camera, "overlay", 3, overlays);
+	assert_choices(&rb_rows_camera, "overlay", 4, overlays);
 	assert_int_equal(RB_FIELD_EVENTS, 1 << 5);
 	assert_int_equal(RB_FIELD_TORQUE, 1 << 9);
 	assert_int_equal(RB_FIELD_JOINTS, 1 << 10);
 	assert_int_equal(RB_OVERLAY_ENERGY, 1 << 2);
+	assert_int_equal(RB_OVERLAY_SCALE, 1 << 3);
 }
 
 static void choices_are_read_with_and_without_blanks(void **state)

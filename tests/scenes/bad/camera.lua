@@ -31,7 +31,7 @@ camera { projection = "parallel", height = 0 }
 -- expect: :8: camera: 'frustum' excludes 'fov', 'height', 'near' and 'far'
 -- expect: :8: camera: 'frustum' must be {left, right, bottom, top, near, far} with left < right, bottom < top and 0 < near < far
 -- expect: :9: camera: 'background' must be a color with parts in [0, 1] (got {2, 0, 0})
--- expect: :9: camera: 'overlay' must be one of time, title, energy (got 'tittle') (did you mean 'title'?)
+-- expect: :9: camera: 'overlay' must be one of time, title, energy, scale (got 'tittle') (did you mean 'title'?)
 -- expect: :9: camera: 'vectors' must be one of velocity, contact, joint (got 'contacts') (did you mean 'contact'?)
 -- expect: :9: camera: 'style' must be one of shaded, wireframe (got 'wire') (did you mean 'wireframe'?)
 -- expect: :9: camera: 'trails' must be a list of bodies (got 1 at 1)
