@@ -26,6 +26,7 @@ UNITS = {
     "/observables/stepped/value": "s",
     "/rbsim/time_step": "s",
     "/rbsim/tolerance": "m",
+    "/rbsim/stepped_tolerance": "m",
     "/rbsim/frame_rate": "1/s",
     "/rbsim/duration": "s",
     "/rbsim/gravity": "m/s^2",
@@ -63,7 +64,7 @@ UNITS = {
 LEDGER, BOOKS = "/observables/ledger/", "/observables/ledger/momentum/"
 # what is the scene's own, or a camera's, or says itself what it is
 LEFT_OUT = ("/rbsim/parameters/", "/rbsim/files/", "/rbsim/cameras/", "/results/", "/observables/probes/", "/VTKHDF/")
-KINDS = ["sphere", "plane", "rectangle", "box", "capsule", "cylinder", "hull", "union"]
+KINDS = ["sphere", "plane", "rectangle", "box", "capsule", "cylinder", "hull", "union", "terrain"]
 EVENTS = ["collision", "rest", "slide", "roll", "lift", "edge", "merge", "impulse",
           "angular_impulse", "displacement"]
 
@@ -81,6 +82,8 @@ def wanted_unit(name):
     if name in UNITS:
         return UNITS[name]
     if name.startswith(LEDGER) and name.endswith("/value"):
+        if name == BOOKS + "value":  # a link to the bodies' momentum
+            return MOMENTUM
         return ENERGY if not name.startswith(BOOKS) else f"{MOMENTUM}, {ANGULAR}"
     return "s" if name.endswith("/time") else None
 
@@ -134,6 +137,8 @@ def frames(f, report):
     for name, group in f["observables"].items():
         if isinstance(group, h5py.Group) and "value" in group:
             report.true("lengths", len(group["value"]) == len(k), name)
+    if BOOKS in f:
+        report.true("steps linked", f[BOOKS]["value"] == f["observables/momentum/value"], BOOKS + "value")
 
 
 def views(f, report):

@@ -124,13 +124,17 @@ class Recording:
         self.unit = 2.0 ** (-24 if value is not None and value.dtype == np.float32 else -53)
         if self.spin is None and self.velocity is not None:
             self.spin = np.zeros(wide + (3,))
-        self.observed = {name: e["value"][:] for name, e in f["observables"].items()
-                         if isinstance(e, h5py.Group) and "value" in e}
+        self.observed = self.values_in(f["observables"])
         self.ledger, self.books = {}, {}
         if "ledger" in f["observables"]:
             ledger = f["observables/ledger"]
-            self.ledger = {n: e["value"][:] for n, e in ledger.items() if "value" in e}
-            self.books = {n: e["value"][:] for n, e in ledger.get("momentum", {}).items() if "value" in e}
+            self.ledger, self.books = self.values_in(ledger), self.values_in(ledger.get("momentum", {}))
+
+    @staticmethod
+    def values_in(group):
+        """Of each observable of the group its values: not of what the group links to, nor of groups of observables."""
+        return {name: e["value"][:] for name, e in group.items() if isinstance(e, h5py.Group) and "value" in e
+                and not any(isinstance(item, h5py.Group) for item in e.values())}
 
     def read_bodies(self, f):
         bodies, statics = f["particles/bodies"], f["particles/statics"]
