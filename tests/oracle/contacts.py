@@ -136,7 +136,7 @@ def shapes(rec, report, c, frame, stepped, where):
     (di, qi), (dj, qj) = c.surface()
     off = way(rec, c, frame, stepped)
     # either side of the gap may have the point
-    bound = rec.tolerance + c.slack() + off
+    bound = rec.tolerance[frame] + c.slack() + off
     report.bounds("points on bodies", np.maximum(np.abs(di), np.abs(dj)), bound, where, "m")
     s = c.parted(qi, qj)
     rows = np.nonzero(~np.isnan(s))[0]
@@ -172,7 +172,9 @@ def forces(rec, report, c, frame, stepped, where):
     fast = np.where(stepped, fall + 0.1 * rate + 4 * spun, 1e-6 * rate + 1e-9)
     # one that creeps (rbsim-scene(5)) rubs against where it is going, not against where it has gone up to now
     creeps = speed <= 2e-5 * (rate + spun + np.sqrt(2 * np.linalg.norm(rec.gravity) * c.size()))
-    rows = np.nonzero((speed > fast) & (push > 1e-6 * scale) & (friction > 0))[0]
+    # bodies that parted within the step: where they met, neither has at the frame the speed that it had
+    parted = stepped & (rec.contacts["gap"][c.rows] > c.size())
+    rows = np.nonzero((speed > fast) & (push > 1e-6 * scale) & (friction > 0) & ~parted)[0]
     against = rub[rows] + (friction * push / speed)[rows][:, None] * slip[rows]
     if len(rows):
         report.bounds("friction against slip", np.linalg.norm(against, axis=1),

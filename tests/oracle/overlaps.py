@@ -163,7 +163,7 @@ def check(rec, report, geometry, count=24, pairs_most=20000):
         if not stepped:
             report.bound("overlap told, located", told[frame] - worst, slack, where, "m")
         if rec.rollback != "none":
-            report.bound("overlap", worst, rec.tolerance * (1 + 1e-9) + slack, where, "m")
+            report.bound("overlap", worst, rec.tolerance[frame] * (1 + 1e-9) + slack, where, "m")
         close += len(found)
         if close > pairs_most:
             break

@@ -220,7 +220,9 @@ class Recording:
         self.friction = run["materials/pair_friction"][:]
         self.restitution = run["materials/pair_restitution"][:]
         self.materials = {k: v[:] for k, v in run["materials"].items()}
-        for name in ("tolerance", "time_step", "frame_rate", "duration"):
+        self.tolerance = np.where(np.cumsum(self.observed["stepped"]) > 0, run["stepped_tolerance"][()],
+                                  run["tolerance"][()])  # of each frame
+        for name in ("time_step", "frame_rate", "duration"):
             setattr(self, name, float(run[name][()]))
         self.status, self.method = text(run["status"][()]), text(run["method"][()])
         self.rollback = text(run["rollback"][()])
