@@ -509,7 +509,9 @@ static void sum_close(const struct near_points *near, double soft2, const double
 	for (int k = 0; k < near->count; k++) {
 		const rb_vec3 d = {near->x[k] - x[0], near->y[k] - x[1], near->z[k] - x[2]};
 		const double square = rb_vec3_dot(d, d), soft = square + soft2;
-		const double factor = square > 0 ? near->mu[k] / (soft * sqrt(soft)) : 0;
+		const double mu = near->mu[k];
+		/* of what fills up eights, too, the cube of a distance may come to 0 */
+		const double factor = square > 0 && fabs(mu) > 0 ? mu / (soft * sqrt(soft)) : 0;
 
 		sum[0] += factor * d.x;
 		sum[1] += factor * d.y;

@@ -146,10 +146,11 @@ static enum rb_status check_terrain(const struct rb_terrain_def *def, struct rb_
 	for (size_t k = 0; k < def->vertex_count; k++) {
 		const rb_vec3 v = def->vertices[k];
 		/* squares of coordinates must be finite, too */
-		if (!(rb_vec3_max_abs(v) < 1e150))
+		if (!rb_vec3_finite(v) || !(rb_vec3_max_abs(v) < 1e150))
 			return RB_FAIL(err, RB_ERR_SCENE,
-			               "its vertex %zu is not finite (%g, %g, %g)", k + 1, v.x, v.y,
-			               v.z);
+			               "its vertex %zu is not finite, or so large that its square "
+			               "is not (%g, %g, %g)",
+			               k + 1, v.x, v.y, v.z);
 	}
 	for (size_t k = 0; k < 3 * def->count; k++) {
 		const int corner = def->corners[k / 3][k % 3];

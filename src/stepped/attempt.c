@@ -88,8 +88,10 @@ static rb_vec3 free_velocity(const struct rb_world *world, int i)
 	return rb_vec3_scale(0.5, sum);
 }
 
-/* The velocity with which the centre of mass moves through the step, m/s: the solved one for a body
- * in an island. */
+/*
+ * The velocity with which the centre of mass moves through the step, m/s: the solved one for a body
+ * that something pushes.
+ */
 static rb_vec3 moving_velocity(const struct rb_world *world, int i)
 {
 	return rb_solver_is_free(&world->stepped->solver, i)
@@ -146,6 +148,16 @@ static bool find_unpushed(const struct rb_world *world, const struct rb_cohort *
 }
 
 /*
+ * One that may be free is not. Others stay as they are: driven bodies are set by nobody else, and
+ * what has been seen of a body must not depend on which of its points came first.
+ */
+static void block(const struct rb_solver *solver, int i)
+{
+	if (solver->clear[i] != RB_CLEAR_NO)
+		solver->clear[i] |= RB_CLEAR_BLOCKED;
+}
+
+/*
  * Which bodies of islands move as free ones: those without an impulse that stay clear of all they
  * are near on a free way too, whatever the other one of a pair does. Whether a pair that does not
  * meet is looked at follows from boxes along the axes, and must not decide how a body moves.
@@ -167,9 +179,9 @@ static void find_clear(struct rb_world *world, const struct rb_cohort *cohort, d
 		const double b = rb_vec3_dot(free_shift(world, point->b, h), point->normal);
 		if (solved_gap(solver, point, h) - fmax(a, 0) + fmin(b, 0) > 0)
 			continue;
-		solver->clear[point->a] |= RB_CLEAR_BLOCKED;
+		block(solver, point->a);
 		if (yields)
-			solver->clear[point->b] |= RB_CLEAR_BLOCKED;
+			block(solver, point->b);
 	}
 }
 
