@@ -52,8 +52,8 @@ on_frame(function()
 	start, turning = start or centre(), turning or angular_momentum().z
 	moved = math.max(moved, (centre() - start):length())
 end)
--- tolerance: 1e-6 of a radius
-expect("no grain overlaps another one, m", function() return max_penetration(), 1e-6 * radius end)
+-- tolerance: 1e-4 of a radius
+expect("no grain overlaps another one, m", function() return max_penetration(), 1e-4 * radius end)
 expect("the middle of all stays, m", function() return moved, 1e-9 * size end)
 -- forces of contact act within a step of 19 s, a hundredth of the time in which a heap falls in
 if aside > 0 then
