@@ -170,17 +170,17 @@ static void find_clear(struct rb_world *world, const struct rb_cohort *cohort, d
 		return;
 	for (size_t k = 0; k < cohort->points.count; k++) {
 		const struct rb_step_point *point = &cohort->points.row[k];
-		const bool yields = point->b < solver->body_count;
+		const bool has_b = point->b < solver->body_count;
 
 		if (solver->clear[point->a] == RB_CLEAR_NO &&
-		    (!yields || solver->clear[point->b] == RB_CLEAR_NO))
+		    (!has_b || solver->clear[point->b] == RB_CLEAR_NO))
 			continue;
 		const double a = rb_vec3_dot(free_shift(world, point->a, h), point->normal);
 		const double b = rb_vec3_dot(free_shift(world, point->b, h), point->normal);
 		if (solved_gap(solver, point, h) - fmax(a, 0) + fmin(b, 0) > 0)
 			continue;
 		block(solver, point->a);
-		if (yields)
+		if (has_b)
 			block(solver, point->b);
 	}
 }
