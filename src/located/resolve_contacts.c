@@ -28,9 +28,7 @@
 
 /* Rounding, in ulp, of a speed (of a fall by the own size) and of an acceleration (of the load). */
 enum { REST_ULP = 64, LOAD_ULP = 64 };
-/*
- * Share of friction missing where the solver found no solution with all of it; above its residue.
- */
+/* Share of friction missing where the solver found no solution with all; above its residue. */
 static const double gave_way = 1e-9;
 
 /* Share of the external accelerations below which an acceleration is residue of the solver. */
