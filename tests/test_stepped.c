@@ -58,6 +58,40 @@ static void what_is_near_and_is_not_met_changes_no_fall(void **state)
 	lab_close(&lab);
 }
 
+/*
+ * A large ball hits a wall. It blocks the way of a small one below it, and not that of the one that
+ * it would have met without the wall: that falls on a parabola, whichever of the two comes first.
+ */
+static void what_is_pushed_blocks_where_it_is_only(void **state)
+{
+	const double h = 0.05, slope = sqrt(0.5);
+
+	(void)state;
+	for (int order = 0; order < 2; order++) {
+		struct lab lab;
+		int beside = 0;
+
+		open_stepped(&lab, h, 1 / h, h);
+		lab_surface(&lab, 0, 0);
+		lab_plane(&lab, (rb_vec3){1 + 1e-4, 0, 0}, (rb_vec3){-1, 0, 0});
+		lab_sphere(&lab, 1, 100, (rb_vec3){0, 0, 0}, (rb_vec3){1, 0, 0});
+		for (int k = 0; k < 2; k++)
+			if (k == order)
+				lab_sphere(&lab, 0.1, 1, (rb_vec3){0, 0, -1.105},
+				           (rb_vec3){0, 0.5, 0});
+			else
+				beside = lab_sphere(&lab, 0.1, 1,
+				                    (rb_vec3){1.11 * slope, 0, 1.11 * slope},
+				                    (rb_vec3){0, 0.5, 0});
+		lab_seal(&lab, 1);
+		lab_run(&lab);
+		assert_vector(rb_world_position(lab.world, beside),
+		              ((rb_vec3){1.11 * slope, 0.5 * h, 1.11 * slope - 0.5 * g * h * h}),
+		              1e-12);
+		lab_close(&lab);
+	}
+}
+
 /* Height of the first apex after a drop from 1 m with e = 0.8 */
 static double apex(double time_step)
 {
@@ -549,6 +583,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(free_fall_is_exact_for_any_step),
 		cmocka_unit_test(what_is_near_and_is_not_met_changes_no_fall),
+		cmocka_unit_test(what_is_pushed_blocks_where_it_is_only),
 		cmocka_unit_test(the_error_of_a_bounce_is_bounded_by_the_step),
 		cmocka_unit_test(a_ball_at_rest_with_restitution_rests),
 		cmocka_unit_test(sliding_turns_into_rolling),
