@@ -198,7 +198,10 @@ void rb_world_destroy(struct rb_world *world)
 	rb_memory_free(world);
 }
 
-/* Steps taken before locating is tried again: 16 at first, twice as many after each failure. */
+/*
+ * Steps taken before locating is tried again: RB_DENSE_STEPS_FIRST, and twice as many after each
+ * failure, up to this.
+ */
 enum { DENSE_STEPS_MAX = 4096 };
 
 static void more_dense_steps(struct rb_world *world)

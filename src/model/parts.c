@@ -278,7 +278,9 @@ double rb_parts_gap_at_start(const struct rb_parts_table *table, const struct rb
 	const rb_vec3 way = rb_vec3_sub(scene->bodies[b].position, scene->bodies[a].position);
 	double least = (double)INFINITY;
 
-	if (of_a->terrain) /* of two only the second is asked for what is near */
+	/* of two, which are not both static, only the second is asked for what is near */
+	RB_ASSERT(!of_a->terrain || !of_b->terrain);
+	if (of_a->terrain)
 		return rb_parts_gap_at_start(table, scene, b, a);
 	for (int i = 0; i < of_a->count; i++) {
 		const rb_placed at_a = rb_body_part_place(&of_a->part[i], origin, turn_a);
