@@ -17,13 +17,13 @@ exits 0 bounce.lua --no-record --quiet --duration 1 --param e=0.5
 says_nothing out
 {
 	echo 'world { duration = 1 }'
-	example 2
+	example 3
 } >union.lua
 exits 0 check union.lua --no-record
 says out '1 union'
 {
 	echo 'world { duration = 1 }'
-	example 3
+	example 4
 } >motion.lua
 exits 0 check motion.lua --no-record
 says out '1 of them driven'

@@ -14,6 +14,7 @@ plane|plane { normal = {0, 0, 1}, point = {0, 0, -2}, @ }
 box|box { static = true, size = {1, 1, 1}, @ }
 capsule|capsule { static = true, radius = 1, length = 1, @ }
 cylinder|cylinder { static = true, radius = 1, length = 1, @ }
+terrain|terrain { height = function() return 0 end, size = {1, 1}, cells = {2, 2}, @ }
 hull|hull { static = true, points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, @ }
 union|body { material = m, shapes = {{ shape = "sphere", radius = 0.1 }}, @ }
 shapes|body { material = m, shapes = {{ shape = "sphere", radius = 0.1, @ }} }
@@ -23,6 +24,7 @@ particles|sphere { radius = 0.1, particles = {{ mass = 1, position = {1, 0, 0} }
 spring|spring { a = ball, b = other, stiffness = 1, @ }
 drag|drag { linear = 1, @ }
 camera|camera { @ }
+units|camera { units = { @ } }
 lights|camera { lights = {{ direction = {0, 0, -1}, @ }} }
 record|record { @ }
 field|field(function() return {0, 0, 0} end, { @ })

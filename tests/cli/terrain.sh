@@ -11,7 +11,7 @@ local method = param("method", "located", "of the run")
 local floor = param("floor", "height", "what is below", {choices = {"plane", "height", "stl", "ascii", "obj"}})
 local body = param("body", "sphere", "what rolls", {choices = {"sphere", "cylinder", "box"}})
 local slope, g, r = param("slope", 0.0, "of the floor along x"), 9.81, 0.125
-world { duration = 1, frame_rate = 40, gravity = {0, 0, -g}, method = method }
+world { duration = 1, frame_rate = 40, gravity = {0, 0, -g}, method = method, tolerance = 1e-6 * r }
 local stuff = material { friction = 0.5, restitution = 0.5 }
 local keys = {name = "floor", material = stuff}
 if floor == "plane" then keys.normal = {-slope, 0, 1} plane(keys)
@@ -107,7 +107,7 @@ cat measured
 cat >hills.lua <<'END'
 local shape = param("shape", "sphere", "what falls")
 local count = param("count", 1, "how many")
-world { duration = param("duration", 0.6, "s"), frame_rate = 30, gravity = {0, 0, -9.81} }
+world { duration = param("duration", 0.6, "s"), frame_rate = 30, gravity = {0, 0, -9.81}, tolerance = 5e-6 }
 local stuff = material { friction = 0.6, restitution = 0.2 }
 local function height(x, y) return 0.15 * math.sin(3 * x) * math.cos(2.5 * y) + 0.12 * (x * x + y * y) end
 local ground = terrain { name = "hills", height = height, size = {4, 4}, cells = {24, 24}, material = stuff }
@@ -138,7 +138,6 @@ end)
 local touched = 0
 on_collision(function(c) if c.b == ground or c.a == ground then touched = touched + 1 end end)
 expect("the ground was hit", function() return touched > 0 end)
--- 1e-4 of the smallest half-width, 0.05, or what the run says
 expect("overlap", function() return max_penetration(), 5e-6 end)
 END
 for method in located stepped; do
@@ -187,6 +186,12 @@ flat='height = function() return 0 end'
 refused "$flat, size = {1, 1}" "'height' needs 'cells'"
 refused "$flat, size = {1, 1}, cells = {1000, 1000}" "'cells': 1000 x 1000 cells of two triangles are too many \(wanted at most 32768\)"
 refused "$flat, size = {1, 1}, cells = {0, 1}" "'cells'"
+refused "$flat, size = {-1, 1}, cells = {2, 2}" "'size'"
+# two of 64,800 triangles are more than a scene may have, by far
+printf 'local function flat() return 0 end\nsphere { radius = 1, position = {0, 0, 5} }\nfor _ = 1, 2 do %s end\n' \
+	'terrain { height = flat, size = {9, 9}, cells = {180, 180} }' >two.lua
+exits 65 check two.lua --duration 1
+says err 'memory'
 refused "$flat, size = {1, 1}, cells = {2, 2}, scale = 2" "'scale' is of a 'file'"
 refused "$flat, size = {1, 1}, cells = {2, 2}, file = \"a.stl\"" "'file' and 'height' exclude each other"
 refused 'height = function() return 0/0 end, size = {1, 1}, cells = {2, 2}' "'height' must return a finite number"
