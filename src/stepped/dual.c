@@ -26,6 +26,14 @@ static const double redundant_share = 1e-10;
  * change in a step.
  */
 static const double compliance_share = 1e-9;
+/*
+ * Of its diagonal, by how much the factors take a bounded row to give way. Refinement takes it back
+ * where that can be: it only makes factors exist for several bounded rows on one coordinate. Where
+ * these want different speeds their impulses then grow against each other until all but one of them
+ * are at a bound. Several times the share of what is redundant: no row without bounds is taken for
+ * one that depends on those with bounds.
+ */
+static const double damping_share = 5e-10;
 /* A refinement that leaves more than this of what was off is the last one. */
 static const double progress_share = 0.5;
 
@@ -38,7 +46,7 @@ struct unknown {
 	rb_vec3 linear;             /* along, or 0 of couples */
 	rb_vec3 torque_a, torque_b; /* of a unit impulse, on a and b */
 	rb_vec3 turn_a, turn_b;     /* spin that it makes */
-	double diagonal;            /* K_ii, softness and compliance, 1/kg */
+	double diagonal;            /* K_ii, softness, and compliance or damping, 1/kg */
 	double compliance;          /* 1/kg */
 	enum bound bound;
 };
@@ -54,6 +62,8 @@ struct system {
 	int block_count;
 	int (*pair)[2]; /* blocks that share a body that yields */
 	int pair_count;
+	rb_along_across *begun, *was; /* [rows]: impulses as it and as a round began */
+	struct rb_solver_body *end;   /* [2 blocks]: as it began */
 	struct rb_blocks blocks;
 	double *change, *scratch; /* [6 blocks] */
 	double *least;            /* [6 blocks] */
@@ -95,6 +105,8 @@ static void add_unknown(struct system *s, int row_number, rb_vec3 along)
 	if (is_held(row)) {
 		u->compliance = compliance_share * u->diagonal;
 		u->diagonal += u->compliance;
+	} else {
+		u->diagonal += damping_share * u->diagonal;
 	}
 	if (row->set != RB_CONSTRAINT_INTERVAL)
 		return;
@@ -185,10 +197,13 @@ static bool prepare(struct system *s)
 			bodies = s->ends[k][e] >= bodies ? s->ends[k][e] + 1 : bodies;
 	if (!list_pairs(s, bodies))
 		return false;
+	s->begun = rb_arena_take(arena, rows, sizeof *s->begun);
+	s->was = rb_arena_take(arena, rows, sizeof *s->was);
+	s->end = rb_arena_take(arena, 2 * (size_t)s->block_count, sizeof *s->end);
 	s->change = rb_arena_take(arena, RB_BLOCK * (size_t)s->block_count, sizeof *s->change);
 	s->scratch = rb_arena_take(arena, RB_BLOCK * (size_t)s->block_count, sizeof *s->scratch);
 	s->least = rb_arena_take(arena, RB_BLOCK * (size_t)s->block_count, sizeof *s->least);
-	return s->change && s->scratch && s->least &&
+	return s->begun && s->was && s->end && s->change && s->scratch && s->least &&
 	       rb_blocks_plan(&s->blocks, s->block_count, (const int(*)[2])s->pair, s->pair_count,
 	                      s->dual->max, arena);
 }
@@ -335,6 +350,49 @@ static double refine(struct system *s)
 
 /* ---- bounds ---- */
 
+/* Impulses, and velocities of what they act on, as it begins. */
+static void keep_begin(struct system *s)
+{
+	const struct rb_row_system *dense = s->dense;
+
+	for (int k = 0; k < dense->row_count; k++)
+		s->begun[k] = dense->row[k].impulse;
+	for (int k = 0; k < s->block_count; k++)
+		for (int e = 0; e < 2; e++)
+			s->end[2 * k + e] = dense->bodies.body[s->ends[k][e]];
+}
+
+static void keep_round(struct system *s)
+{
+	for (int k = 0; k < s->dense->row_count; k++)
+		s->was[k] = s->dense->row[k].impulse;
+}
+
+/*
+ * After a pivot: impulses within bounds go back to those that the round began with, and velocities
+ * become what impulses make of them. Those that rows against each other came to were large, and so
+ * was their rounding.
+ */
+static void go_back(struct system *s)
+{
+	const struct rb_row_system *dense = s->dense;
+
+	for (int k = 0; k < s->count; k++)
+		if (s->unknown[k].bound == INSIDE)
+			dense->row[s->unknown[k].row].impulse = s->was[s->unknown[k].row];
+	for (int k = 0; k < s->block_count; k++)
+		for (int e = 0; e < 2; e++)
+			/* what does not yield may be shared: not written to */
+			if (rb_solver_is_dynamic(&dense->bodies.body[s->ends[k][e]]))
+				dense->bodies.body[s->ends[k][e]] = s->end[2 * k + e];
+	for (int k = 0; k < dense->row_count; k++) {
+		const rb_vec3 begun = rb_constraint_joined(&dense->row[k], s->begun[k]);
+
+		rb_constraint_apply(&dense->bodies, &dense->row[k],
+		                    rb_vec3_sub(rb_constraint_impulse(&dense->row[k]), begun));
+	}
+}
+
 /* Brings an impulse that is beyond a bound there, or lets one go that should leave it; whether. */
 static bool pivot(struct system *s, struct unknown *x, double tolerance)
 {
@@ -380,9 +438,11 @@ struct rb_dual_result rb_dual_solve(const struct rb_dual *dual)
 	if (dual->dense->row_count > 0 && prepare(&s)) {
 		bool more = true;
 
+		keep_begin(&s);
 		result.tried = true;
 		for (int round = 0; more && round < ROUNDS_MAX; round++) {
 			result.steps++;
+			keep_round(&s);
 			if (!factor(&s))
 				break;
 			const double left = refine(&s);
@@ -390,6 +450,8 @@ struct rb_dual_result rb_dual_solve(const struct rb_dual *dual)
 			more = pivot_all(&s, round < ROUNDS_TOGETHER,
 			                 fmax(dual->tolerance, 2 * left));
 			result.residual = more ? (double)INFINITY : left;
+			if (more)
+				go_back(&s);
 		}
 	}
 	rb_arena_back(dual->arena, here);

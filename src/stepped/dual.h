@@ -7,7 +7,9 @@
  *
  * Rows that are at a bound are left out; which ones are is found by pivoting. Rows that depend on
  * others get no impulse: they hold as the others do, but for what is of second order in drift,
- * which would else grow into forces of joints against each other.
+ * which would else grow into forces of joints against each other. Rows with bounds depend on
+ * nothing: several on one coordinate, as motors, friction, limits and ropes, are told apart by
+ * their bounds.
  */
 #ifndef RB_STEPPED_DUAL_H
 #define RB_STEPPED_DUAL_H
