@@ -6,6 +6,8 @@
  */
 #include "located/sizes.h"
 
+#include "located/external_force.h"
+
 /* Acceleration, m/s^2, that the force alone would give to the body's point. */
 static double load_of(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force)
 {
@@ -33,12 +35,33 @@ static double size_of(const struct rb_modes *w, int body)
 /*
  * m/s^2, of the points of a joined body that turns: those of its joints, and what they answer, are
  * differences of these, and round like them where they cancel, as of a balanced wheel in gimbals.
+ * And by the torque of a motor at its bound, which has no row.
  */
 static double turning_load(const struct rb_modes *w, int k)
 {
 	const double spin = rb_vec3_length(w->pose[k].spin);
+	const double turns = fmax(spin * spin, rb_vec3_length(w->angular[k]));
 
-	return spin * spin * size_of(w, w->c->member[k]);
+	return turns * size_of(w, w->c->member[k]);
+}
+
+/*
+ * m/s^2, of a member's points: what a joint's row of that multiplier does to it. Of a couple alone,
+ * which a stop or a motor on the body's own axis is, all of it turns.
+ */
+static double row_load(const struct rb_modes *w, int place, rb_vec3 linear, rb_vec3 angular,
+                       double multiplier)
+{
+	if (place < 0)
+		return 0;
+	const int body = w->c->member[place];
+	const double moves = w->l->model->inverse_mass[body] * rb_vec3_length(linear);
+
+	if (moves > 0 || !w->l->top)
+		return moves * multiplier;
+	return multiplier * size_of(w, body) *
+	       rb_vec3_length(
+		       rb_inverse_inertia_apply(w->l, body, w->pose[place].orientation, angular));
 }
 
 /*
@@ -56,15 +79,12 @@ double rb_sizes_load(const struct rb_modes *w)
 	}
 	for (int k = 0; k < w->joints.count; k++) {
 		const struct rb_joint_row *row = &w->joints.row[k];
-		const double force = fabs(w->multiplier[k]) * rb_vec3_length(row->wrench.linear);
+		const double size = fabs(w->multiplier[k]);
 
-		for (int e = 0; e < 2; e++) {
-			const int place = e == 0 ? row->a : row->b;
-
-			if (place >= 0)
-				max = fmax(max,
-				           w->l->model->inverse_mass[w->c->member[place]] * force);
-		}
+		max = fmax(max,
+		           row_load(w, row->a, row->wrench.linear, row->wrench.angular_a, size));
+		max = fmax(max,
+		           row_load(w, row->b, row->wrench.linear, row->wrench.angular_b, size));
 	}
 	for (int k = 0; w->joints.count > 0 && k < w->c->member_count; k++)
 		if (rb_joint_rows_hold(w->l, w->c->member[k]))
