@@ -500,6 +500,18 @@ static signed char follow_then(struct rb_modes *w, int k, const double *value)
 	               : RB_DRIVE_KEEPS;
 }
 
+/* Does a stop of the joint hold? Then what its free coordinate has of a rate is rounding. */
+static bool is_stopped(const struct rb_located *l, int which)
+{
+	const signed char *const mode = &l->drive_mode[RB_JOINT_PARTS_HELD * which];
+	bool any = false;
+
+	for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++)
+		any = any || (mode[stop] == RB_DRIVE_HELD &&
+		              rb_joint_rows_has_stop(&l->model->joints->joint[which], stop));
+	return any;
+}
+
 /*
  * The mode that a drive has no more at this state (its place among those that come next), and what
  * it has then; NULL: all hold.
@@ -529,7 +541,8 @@ static signed char *broken_drive(struct rb_modes *w, const double *value, signed
 		const int which = w->joints.joint[k];
 		struct rb_joint_spring_row spring;
 
-		if (!rb_joint_rows_spring(&w->joints, k, w->time_s, &spring))
+		if (is_stopped(l, which) ||
+		    !rb_joint_rows_spring(&w->joints, k, w->time_s, &spring))
 			continue;
 		for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
 			const struct rb_joint_drive drive = rb_joint_rows_drive_now(l, which, kind);
