@@ -45,6 +45,8 @@ static char last_words[160];
 
 static _Thread_local struct rb_overtime *volatile watched;
 static _Thread_local bool ticking;
+/* A handler is under way: setting the hook takes a time that grows with the depth of calls. */
+static _Thread_local volatile sig_atomic_t handling;
 
 double rb_overtime_seconds(void)
 {
@@ -79,9 +81,12 @@ static void tick(int number, siginfo_t *about, void *context)
 	if (!call)
 		return;
 	call->ticks += 1 + about->si_overrun; /* the system's clock may be coarser */
-	if (!rb_overtime_is_up(call))
+	/* a tick within a handler is counted only: else handlers would pile up on the stack */
+	if (!rb_overtime_is_up(call) || handling)
 		return;
+	handling = 1;
 	lua_sethook(call->running, call->hook, LUA_MASKCOUNT, 1); /* Lua allows it in a handler */
+	handling = 0;
 	if (call->ticks < JUMP_TICKS)
 		return;
 	const uintptr_t at = interrupted_at(context);
