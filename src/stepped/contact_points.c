@@ -174,11 +174,9 @@ static void fill_point(const struct inspection *inspection, struct rb_step_point
 	const struct rb_named_impulse *last = &points->last[point->from - 1];
 	point->normal_impulse = inspection->h * last->force;
 	if (point->friction > 0)
-		/* a group that goes on resting keeps it as it is, also where the normal has turned */
 		point->friction_impulse = rb_vec3_scale(
-			inspection->h, rb_vec3_reject(rb_pivot_turn(last->friction_impulse,
-		                                                    point->normal, pivot, 1),
-		                                      point->normal));
+			inspection->h,
+			rb_pivot_turn(last->friction_impulse, point->normal, pivot, 1));
 }
 
 /* A way longer than this share of a radius is looked along for the normal of the touch. */

@@ -166,8 +166,10 @@ static double put(const struct rb_row_system *rows, struct rb_constraint *row,
 	const double square = rb_vec3_dot(row->impulse.t, row->impulse.t);
 	rb_vec3 friction_impulse = row->impulse.t;
 
+	/* an impulse that was next to nothing would grow with what rounding has left along the normal */
 	if (slides(row))
-		friction_impulse = rb_vec3_scale(share, friction_impulse);
+		friction_impulse = rb_vec3_scale(share,
+		                                 rb_vec3_reject(friction_impulse, row->normal));
 	else if (square > max * max)
 		friction_impulse = rb_vec3_scale(max / sqrt(square), friction_impulse);
 	const rb_vec3 change = rb_vec3_add_scaled(rb_vec3_sub(friction_impulse, row->impulse.t),
