@@ -3,6 +3,8 @@
 
 #include <float.h>
 
+#include "base/error.h"
+
 /* Rounding of a unit normal; of impulses, over the largest, besides that of velocities. */
 static const double unit_error = 1e-9, impulse_error = 1e-9;
 
@@ -65,6 +67,16 @@ bool rb_row_system_is_sound(const struct rb_row_system *system, int bodies)
 			return false;
 	}
 	return true;
+}
+
+void rb_row_system_reject_normals(const struct rb_row_system *system)
+{
+	for (int k = 0; k < system->row_count; k++) {
+		struct rb_constraint *row = &system->row[k];
+
+		RB_ASSERT_COSTLY(fabs(rb_vec3_length(row->normal) - 1) <= unit_error);
+		row->impulse.t = rb_vec3_reject(row->impulse.t, row->normal);
+	}
 }
 
 rb_vec3 rb_constraint_couple_velocity(const struct rb_solver_bodies *bodies,

@@ -96,6 +96,12 @@ struct rb_row_system {
  */
 bool rb_row_system_is_sound(const struct rb_row_system *system, int bodies);
 
+/*
+ * Leaves out of the impulses across the normals what lies along them: rounding of speeds far above
+ * those that a solution ends with.
+ */
+void rb_row_system_reject_normals(const struct rb_row_system *system);
+
 /* Each row has a set that `wide` and the classic method take. */
 bool rb_row_system_is_of_contacts(const struct rb_row_system *system);
 

@@ -72,6 +72,8 @@ static struct rb_contact contact_of(const struct rb_world *world, const struct r
 			1 / h, rb_vec3_add(point->friction_impulse,
 		                           rb_vec3_add_scaled(rebound, -more, point->normal)));
 	}
+	/* a later look, or the step that put it to rest, may have seen another normal */
+	contact.tangent_force = rb_vec3_reject(contact.tangent_force, contact.normal);
 	return in_order(contact);
 }
 

@@ -142,8 +142,10 @@ static bool sweep_more(const struct rb_solver *solver, struct rb_sweeper *sweepe
 
 	island->sweeps += result.sweeps;
 	island->residual = result.residual;
-	if (rb_sweeper_went_far(sweeper))
+	if (rb_sweeper_went_far(sweeper)) {
+		rb_row_system_reject_normals(sweeper->dense);
 		apply_again(solver, island, sweeper->dense);
+	}
 	return result.residual <= tolerance;
 }
 
