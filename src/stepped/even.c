@@ -166,7 +166,7 @@ static double put(const struct rb_row_system *rows, struct rb_constraint *row,
 	const double square = rb_vec3_dot(row->impulse.t, row->impulse.t);
 	rb_vec3 friction_impulse = row->impulse.t;
 
-	/* an impulse that was next to nothing would grow with what rounding has left along the normal */
+	/* an impulse that was next to nothing grows, and with it what is left along the normal */
 	if (slides(row))
 		friction_impulse = rb_vec3_scale(share,
 		                                 rb_vec3_reject(friction_impulse, row->normal));
