@@ -23,6 +23,16 @@ for k = 0, sides - 1 do
 		return {R * math.cos(a), 0, R * math.sin(a)}, {math.cos(half), 0, math.sin(half), 0}
 	end }
 end
+-- The rim is drawn by a body of its own, which turns with the walls and touches nothing.
+local rim = {}
+for k = 1, sides do
+	local a = 2 * math.pi * k / sides
+	rim[k] = { shape = "box", size = {0.3 * r, deep, 2.02 * R * math.tan(math.pi / sides)}, position = (R + 0.15 * r) * vec3(math.cos(a), 0, math.sin(a)),
+		orientation = {axis = {0, 1, 0}, angle = -a} }
+end
+body { name = "rim", shapes = rim, collides_with = {}, material = steel, motion = function(t)
+	return {0, 0, 0}, {math.cos(rate * t / 2), 0, -math.sin(rate * t / 2), 0}, {0, 0, 0}, {0, -rate, 0}
+end }
 for side = -1, 1, 2 do
 	plane { name = "end " .. side, material = smooth, normal = {0, -side, 0}, point = {0, side * deep / 2, 0}, visible = side > 0,
 		color = {0.30, 0.32, 0.35}, texture = "none" }

@@ -31,6 +31,8 @@ for s, opening in ipairs(openings) do
 			point = vec3(x0, 0, 0) + (D / 2 + ring / 2) * out }
 		plane { name = "wall " .. s .. side, material = steel, size = {wide, 60 * r}, axis = aside, normal = -1 * out,
 			point = vec3(x0, 0, 30 * r) + wide / 2 * out, visible = false }
+		box { name = "edge " .. s .. side, static = true, collides_with = {}, material = steel, size = {0.4 * r, 0.4 * r, 30 * r},
+			position = vec3(x0, 0, 15 * r) + (wide / 2 + 0.2 * r) * (out + aside) }
 	end
 	local beads, across = {}, math.floor(wide / (2.1 * r))
 	for i = 0, n - 1 do

@@ -9,6 +9,8 @@ local mu = param("mu", 0.5, "friction of walls and beads", {min = 0, max = 2})
 local wide = param("wide", 5, "width of the square silo, diameters of a bead", {min = 3, max = 40})
 local g, r, fall, begins = 9.81, 0.01, 0.002, 0.6
 local D = 2 * r * wide
+local across = math.floor((D - 0.2 * r) / (2.05 * r))
+local high = 2.1 * r * n / across / across
 
 world { title = "The load on the floor of a silo", duration = 1.2, frame_rate = 60, gravity = {0, 0, -g}, method = "stepped", seed = 4 }
 local glass = material { name = "glass", density = 2500, friction = mu, restitution = 0, color = {0.55, 0.70, 0.80} }
@@ -16,19 +18,20 @@ local steel = material { name = "steel", friction = mu, restitution = 0, color =
 for k = 0, 3 do
 	local out = vec3(math.cos(k * math.pi / 2), math.sin(k * math.pi / 2), 0)
 	plane { name = "wall " .. k, material = steel, normal = -1 * out, point = D / 2 * out, visible = false }
+	box { name = "edge " .. k, static = true, collides_with = {}, material = steel, size = {0.4 * r, 0.4 * r, high},
+		position = (D / 2 + 0.2 * r) * vec3(out.x - out.y, out.x + out.y, 0) + vec3(0, 0, high / 2) }
 end
 local floor = plane { name = "floor", material = steel, motion = function(t)
 	local late = math.max(0, t - begins)
 	return {0, 0, -fall * late}, nil, {0, 0, t > begins and -fall or 0}
 end }
-local across, beads = math.floor((D - 0.2 * r) / (2.05 * r)), {}
+local beads = {}
 for k = 0, n - 1 do
 	local x, y, z = k % across, k // across % across, k // (across * across)
 	local function off() return 0.04 * r * (math.random() - 0.5) end
 	beads[k + 1] = sphere { radius = r, material = glass, texture = "none",
 		position = {(x - (across - 1) / 2) * 2.05 * r + off(), (y - (across - 1) / 2) * 2.05 * r + off(), (1.1 + 2.1 * z) * r} }
 end
-local high = 2.1 * r * n / across / across
 camera { name = "main", position = {0, -1.9 * high - 4 * D, 0.7 * high}, look_at = {0, 0, 0.48 * high}, fov = deg(30), size = {480, 960},
 	overlay = {"title", "time"}, video = "silo.mp4" }
 

@@ -23,6 +23,9 @@ end }
 for k = 0, 3 do
 	local out = vec3(math.cos(k * math.pi / 2), math.sin(k * math.pi / 2), 0)
 	plane { name = "wall " .. k, material = wall, normal = -1 * out, point = side / 2 * out, visible = false }
+	box { name = "edge " .. k, static = true, collides_with = {}, material = wall, color = {0.60, 0.64, 0.68},
+		size = {0.3 * r, 0.3 * r, 3 * layers * r},
+		position = (side / 2 + 0.15 * r) * vec3(out.x - out.y, out.x + out.y, 0) + vec3(0, 0, 1.5 * layers * r) }
 end
 local beads = {}
 for k = 0, layers * across * across - 1 do
