@@ -710,13 +710,14 @@ static bool is_moving(const struct rb_resolution *s)
 }
 
 /*
- * True if it is another point of bodies in contact. An impact has resolved all of them, but of a
- * flat rim only some: where it turns, another may be the lowest.
+ * True if it is another point of bodies in contact. An impact may bring one into the range of
+ * touching by the speed that it gives it, and where a flat rim turns, another may be the lowest.
  */
-static bool comes_to_touch(const struct rb_resolution *s, const struct rb_contact_point *m)
+static bool comes_to_touch(const struct rb_resolution *s, int k)
 {
-	return (!rb_slips_is_after_impact(s, m) || rb_vec3_max_abs(m->half) > 0) &&
-	       !rb_contact_point_passes(s->l, m, s->t);
+	return (s->before[k].a < 0 || rb_vec3_max_abs(s->contact_point[k].half) > 0 ||
+	        !rb_slips_is_after_impact(s, &s->contact_point[k])) &&
+	       !rb_contact_point_passes(s->l, &s->contact_point[k], s->t);
 }
 
 /*
@@ -729,7 +730,7 @@ static int find_hit(const struct rb_resolution *s)
 		if (rb_vec3_dot(s->contact_point[k].velocity, s->contact_point[k].normal) <
 		            -integrates(s, &s->contact_point[k]) &&
 		    ((s->before[k].a >= 0 && !rb_slips_is_after_impact(s, &s->contact_point[k])) ||
-		     comes_to_touch(s, &s->contact_point[k])))
+		     comes_to_touch(s, k)))
 			return k;
 	return -1;
 }
