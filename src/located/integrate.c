@@ -18,6 +18,7 @@
 #include "located/set.h"
 #include "located/sizes.h"
 #include "located/work.h"
+#include "located/mechanics.h"
 
 /* Of the sizes of position and velocity, per step; rounding is below it. */
 static const double tolerance = 3e-14;
@@ -133,6 +134,54 @@ static struct rb_gauss_guess guess_of(const struct rb_modes *w, double *to)
 }
 
 /*
+ * Its one pair rebounds by the law of eccentric impacts, all its points as one, as where a slip
+ * begins that no force allows (located/seize): its slip may not stop but turn. False: there are
+ * several pairs, or there is such a force.
+ */
+static bool rebounds(struct rb_modes *w)
+{
+	struct rb_located *const l = w->l;
+	const struct rb_contact_point *const first = &w->contact_point[0];
+	const rb_vec3 none = {0, 0, 0};
+	bool pushes = false;
+	rb_vec3 change;
+
+	for (int k = 0; k < w->c->held_count; k++) {
+		if (w->contact_point[k].a != first->a || w->contact_point[k].b != first->b)
+			return false;
+		pushes = pushes || rb_vec3_dot(w->force[k], w->contact_point[k].normal) > 0;
+	}
+	if (!pushes)
+		return false;
+	const struct rb_contact_point m = rb_painleve_middle(l, first, w->force, w->c->held_count);
+	const rb_vec3 impulse = rb_painleve_impulse(l, &m, &change);
+	if (!(rb_vec3_dot(impulse, m.normal) > 0))
+		return false;
+	for (int k = 0; k < w->c->member_count; k++) {
+		const int i = w->c->member[k];
+		struct rb_pose pose = w->pose[k];
+		const bool is_a = i == m.a;
+
+		if (is_a || i == m.b) {
+			const struct rb_mechanics_change by = rb_mechanics_change(
+				l, i, pose.orientation, is_a ? m.arm_a : m.arm_b,
+				is_a ? rb_vec3_neg(impulse) : impulse);
+
+			pose.velocity = rb_vec3_add(pose.velocity, by.linear);
+			pose.spin = rb_vec3_add(pose.spin, by.angular);
+		}
+		rb_arc_anchor(l, i, w->origin_s, &pose, none, none);
+	}
+	rb_work_impact(l, &m, impulse, m.velocity, rb_vec3_add(m.velocity, change));
+	rb_record_impact(l, w->origin_s, &m, impulse, 0);
+	w->c->integrated = false;
+	w->c->has_jumped = w->c->hits = true;
+	w->c->hit_a = m.a;
+	w->c->hit_b = m.b;
+	return true;
+}
+
+/*
  * All contacts stick after it, and the cluster is to be resolved anew. False: it is no such case.
  */
 static bool is_painleve(struct rb_modes *w)
@@ -164,7 +213,7 @@ static bool is_painleve(struct rb_modes *w)
 	for (int k = 0; k < c->held_count; k++)
 		friction[k] = w->contact[k].friction;
 	if (!rb_painleve_stop(&painleve))
-		return false;
+		return rebounds(w);
 	for (int k = 0; k < c->member_count; k++) {
 		struct rb_pose pose = w->pose[k];
 		const rb_vec3 none = {0, 0, 0};

@@ -7,6 +7,10 @@
  */
 #include "located/painleve.h"
 
+#include <float.h>
+
+#include "constraint/contact_row.h"
+#include "constraint/eccentric.h"
 #include "located/mechanics.h"
 
 /*
@@ -88,4 +92,67 @@ bool rb_painleve_stop(struct rb_painleve *painleve)
 	}
 	respond(painleve, painleve->impulse, painleve->scratch);
 	return true;
+}
+
+/* True for a body that has a place: others do not yield. */
+static bool is_dynamic(const struct rb_located *l, int body)
+{
+	return body < l->n && l->place[body] >= 0;
+}
+
+/* Arm on a dynamic body: a fixed one may be anywhere. */
+static rb_vec3 arm_of(const struct rb_located *l, const struct rb_contact_point *m)
+{
+	return is_dynamic(l, m->a) ? m->arm_a : m->arm_b;
+}
+
+struct rb_contact_point rb_painleve_middle(const struct rb_located *l,
+                                           const struct rb_contact_point *points,
+                                           const rb_vec3 *force, int count)
+{
+	struct rb_contact_point all = points[0];
+	rb_vec3 off = {0, 0, 0}, velocity = {0, 0, 0};
+	double sum = 0;
+
+	RB_ASSERT(count > 0);
+	if (count == 1)
+		return all;
+	for (int i = 0; i < count; i++) {
+		const struct rb_contact_point *const m = &points[i];
+		const double pushes = fmax(0, rb_vec3_dot(force[i], m->normal));
+
+		off = rb_vec3_add_scaled(off, pushes, rb_vec3_sub(arm_of(l, m), arm_of(l, &all)));
+		velocity = rb_vec3_add_scaled(velocity, pushes, m->velocity);
+		sum += pushes;
+	}
+	RB_ASSERT_COSTLY(sum > 0);
+	off = rb_vec3_scale(1 / sum, off);
+	all.velocity = rb_vec3_scale(1 / sum, velocity);
+	all.point = rb_vec3_add(all.point, off);
+	all.arm_a = rb_vec3_add(all.arm_a, off);
+	all.arm_b = rb_vec3_add(all.arm_b, off);
+	return all;
+}
+
+rb_vec3 rb_painleve_impulse(const struct rb_located *l, const struct rb_contact_point *m,
+                            rb_vec3 *change)
+{
+	const struct rb_pair_material *const material = rb_contact_material(l->model, m->a, m->b);
+	struct rb_eccentric contact = {.normal = m->normal,
+	                               .friction = material->friction,
+	                               .restitution = material->restitution};
+	const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
+	const double speed = rb_vec3_length(slip);
+
+	if (is_dynamic(l, m->a))
+		rb_mechanics_add_effective_mass(l, m->a, &m->pose_a, m->arm_a,
+		                                &contact.inverse_effective_mass);
+	if (is_dynamic(l, m->b))
+		rb_mechanics_add_effective_mass(l, m->b, &m->pose_b, m->arm_b,
+		                                &contact.inverse_effective_mass);
+	const rb_vec3 impulse = rb_eccentric_impulse(
+		&contact, rb_vec3_add_scaled(slip, -4 * DBL_EPSILON * speed, m->normal));
+
+	*change = rb_mat3_apply(&contact.inverse_effective_mass, impulse);
+	return rb_vec3_length(*change) > sqrt(DBL_EPSILON) * speed ? impulse : (rb_vec3){0, 0, 0};
 }

@@ -31,4 +31,17 @@ struct rb_painleve {
 /* Impulses that stop all contacts' points; false: they would pull, or be outside the cones. */
 bool rb_painleve_stop(struct rb_painleve *painleve);
 
+/* The points of a pair, [count], as one: at the centre of their normal forces; one pushes. */
+struct rb_contact_point rb_painleve_middle(const struct rb_located *l,
+                                           const struct rb_contact_point *points,
+                                           const rb_vec3 *force, int count);
+
+/*
+ * Impulse, on b, N s, by the law of constraint/eccentric for an approach of rounding size, since
+ * the normal velocity is rounding; `change`: of the relative velocity, m/s. Zero where the contact
+ * has a solution after all: the impulse is then of that size.
+ */
+rb_vec3 rb_painleve_impulse(const struct rb_located *l, const struct rb_contact_point *m,
+                            rb_vec3 *change);
+
 #endif

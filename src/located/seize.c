@@ -7,13 +7,10 @@
  */
 #include "located/seize.h"
 
-#include <float.h>
-
 #include "located/painleve.h"
 #include "located/mechanics.h"
 #include "located/event_records.h"
 #include "located/work.h"
-#include "constraint/eccentric.h"
 
 /* Share of friction that the solver left out where no solution has all of it; above its residue. */
 static const double left_out = 1e-9;
@@ -64,70 +61,17 @@ static bool is_alone(const struct rb_resolution *s, int k)
 	return true;
 }
 
-/* Arm on a dynamic body: a fixed one may be anywhere. */
-static rb_vec3 arm_of(const struct rb_resolution *s, const struct rb_contact_point *m)
-{
-	return is_dynamic(s, m->a) ? m->arm_a : m->arm_b;
-}
-
 /* The points of a pair as one, at the centre of their normal forces. */
-static struct rb_contact_point middle_of(const struct rb_resolution *s, int k)
+static struct rb_contact_point middle_of(struct rb_resolution *s, int k)
 {
-	struct rb_contact_point all = s->contact_point[k];
-	rb_vec3 off = {0, 0, 0}, velocity = {0, 0, 0};
-	double sum = 0;
 	int first;
 	const int end = rb_slips_pair(s, k, &first);
+	rb_vec3 *const force = rb_slips_take(s, end - first, sizeof *force);
 
-	for (int i = first; i < end; i++) {
-		const struct rb_contact_point *m = &s->contact_point[i];
-		const double normal_impulse = fmax(
-			0, rb_vec3_dot(s->joint.contact[i].impulse, m->normal));
-
-		off = rb_vec3_add_scaled(off, normal_impulse,
-		                         rb_vec3_sub(arm_of(s, m), arm_of(s, &all)));
-		velocity = rb_vec3_add_scaled(velocity, normal_impulse, m->velocity);
-		sum += normal_impulse;
-	}
-	if (end == first + 1)
-		return all;
-	off = rb_vec3_scale(1 / sum, off);
-	all.velocity = rb_vec3_scale(1 / sum, velocity);
-	all.point = rb_vec3_add(all.point, off);
-	all.arm_a = rb_vec3_add(all.arm_a, off);
-	all.arm_b = rb_vec3_add(all.arm_b, off);
-	return all;
-}
-
-/* Change of relative velocity at the point by an impulse: the inverse effective mass, 3 x 3. */
-static rb_mat3 inverse_effective_mass_of(const struct rb_resolution *s,
-                                         const struct rb_contact_point *m)
-{
-	rb_mat3 k = {{{0}}};
-
-	if (is_dynamic(s, m->a))
-		rb_mechanics_add_effective_mass(s->l, m->a, &m->pose_a, m->arm_a, &k);
-	if (is_dynamic(s, m->b))
-		rb_mechanics_add_effective_mass(s->l, m->b, &m->pose_b, m->arm_b, &k);
-	return k;
-}
-
-/*
- * Impulse for an approach of rounding size, since the normal velocity is rounding. Where the
- * contact has a solution after all, the impulse is that small, and none is applied.
- */
-static rb_vec3 impulse_at(const struct rb_resolution *s, const struct rb_contact_point *m,
-                          const struct rb_solver_contact *c, rb_vec3 *change)
-{
-	const struct rb_eccentric contact = {inverse_effective_mass_of(s, m), m->normal,
-	                                     c->friction, c->restitution};
-	const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
-	const double speed = rb_vec3_length(slip);
-	const rb_vec3 impulse = rb_eccentric_impulse(
-		&contact, rb_vec3_add_scaled(slip, -4 * DBL_EPSILON * speed, m->normal));
-
-	*change = rb_mat3_apply(&contact.inverse_effective_mass, impulse);
-	return rb_vec3_length(*change) > sqrt(DBL_EPSILON) * speed ? impulse : (rb_vec3){0, 0, 0};
+	for (int i = first; i < end && force; i++)
+		force[i - first] = s->joint.contact[i].impulse;
+	return force ? rb_painleve_middle(s->l, &s->contact_point[first], force, end - first)
+	             : s->contact_point[k];
 }
 
 /* Applies an impulse to a member. */
@@ -146,11 +90,10 @@ static void apply(struct rb_resolution *s, int body, const struct rb_pose *pose,
 }
 
 /* Stops the slip at one point; false: no impulse does. */
-static bool seize_at(struct rb_resolution *s, const struct rb_contact_point *m,
-                     const struct rb_solver_contact *c)
+static bool seize_at(struct rb_resolution *s, const struct rb_contact_point *m)
 {
 	rb_vec3 change;
-	const rb_vec3 impulse = impulse_at(s, m, c, &change);
+	const rb_vec3 impulse = rb_painleve_impulse(s->l, m, &change);
 
 	if (!(rb_vec3_dot(impulse, m->normal) > 0))
 		return false;
@@ -231,7 +174,7 @@ bool rb_seize(struct rb_resolution *s)
 		any = (!alone ||
 		       (rb_slips_pair(s, k, &first) > first + 1 && c->restitution == 0)) &&
 		      seize_part(s, part_of(s, k));
-		any = any || (alone && seize_at(s, &middle, c));
+		any = any || (alone && seize_at(s, &middle));
 	}
 	/* provisional: resolving again gives them their forces */
 	for (int k = 0; k < s->l->set_count && any; k++)
