@@ -361,9 +361,8 @@ static void the_centre_of_a_cloud_that_falls_in_stays(void **state)
 	open_attracting(&lab, 2.5, 20);
 	lab_surface(&lab, 0, 0.5);
 	lab.scene.world.method = RB_METHOD_STEPPED;
-	lab.scene.world.time_step_s = 2e-3;
-	lab.scene.world.tolerance_m = 1e-7; /* so close that some steps fail */
-	add_grains(&lab, N, 0.1);
+	lab.scene.world.time_step_s = 5e-3;
+	add_grains(&lab, N, 0.05);
 	lab_seal(&lab, 2);
 	const rb_vec3 from = centre(&lab, N);
 	while (rb_world_time(lab.world) < 2.5) {
@@ -376,9 +375,60 @@ static void the_centre_of_a_cloud_that_falls_in_stays(void **state)
 	assert_true(rollbacks > 0);
 	assert_true(end.collisions > 1000);
 	assert_true(rb_vec3_length(end.momentum) <= 1e-14);
-	/* 1250 steps, each of which rounds places below 1 */
-	assert_true(rb_vec3_length(rb_vec3_sub(centre(&lab, N), from)) <= 1250 * DBL_EPSILON);
+	/* steps of parts as well, of which there are as many as impacts */
+	assert_true(rb_vec3_length(end.angular_momentum) <= 1e-14);
+	/* 625 steps, each of which rounds places below 1 */
+	assert_true(rb_vec3_length(rb_vec3_sub(centre(&lab, N), from)) <= 625 * DBL_EPSILON);
 	lab_close(&lab);
+}
+
+/* Balls and boxes that come together, turning; what contacts change their angular momentum by. */
+static double turning_changes_by(double friction, double restitution, bool attract)
+{
+	enum { N = 8 };
+	struct lab lab;
+	double max = 0;
+
+	open_attracting(&lab, 1, 25);
+	lab.scene.world.gravitation.given = attract;
+	lab_surface(&lab, friction, restitution);
+	lab.scene.world.method = RB_METHOD_STEPPED;
+	lab.scene.world.time_step_s = 0.02;
+	for (int i = 0; i < N; i++) {
+		const rb_vec3 at = {(i & 1) ? 0.7 : -0.75, (i & 2) ? 0.72 : -0.8,
+		                    (i & 4) ? 0.76 : -0.71};
+		struct rb_body_def def = i % 3 ? lab_sphere_def(0.4, 1 + 0.1 * i, at, none)
+		                               : lab_box_def((rb_vec3){0.6, 0.7, 0.8}, 1 + 0.1 * i,
+		                                             at);
+
+		def.velocity = (rb_vec3){-at.x - 0.7 * at.y, -at.y + 0.7 * at.x, -at.z};
+		def.angular_velocity = (rb_vec3){0.3 * i, 1 - 0.2 * i, 0.5};
+		lab_add(&lab, &def);
+	}
+	lab_seal(&lab, 2);
+	const rb_vec3 begin = rb_world_totals(lab.world).angular_momentum;
+	while (rb_world_time(lab.world) < lab.model->duration_s) {
+		lab_step(&lab);
+		const rb_vec3 now = rb_world_totals(lab.world).angular_momentum;
+
+		max = fmax(max, rb_vec3_length(rb_vec3_sub(now, begin)));
+	}
+	assert_true(rb_world_totals(lab.world).collisions > 4);
+	assert_true(rb_vec3_length(begin) > 1);
+	lab_close(&lab);
+	return max;
+}
+
+/*
+ * An impulse acts at one point, whatever moment of the step its gap or its time of impact was found
+ * for: in 50 steps the shares of 8 bodies, of about 2 kg m^2/s, are rounded some 64 times each.
+ */
+static void contacts_by_steps_leave_the_angular_momentum(void **state)
+{
+	(void)state;
+	for (int k = 0; k < 8; k++)
+		assert_true(turning_changes_by(k & 1 ? 0.3 : 0, k & 2 ? 0.5 : 0, k & 4) <=
+		            50.0 * 8 * 2 * 64 * DBL_EPSILON);
 }
 
 /* Whoever sums it, each body has its own sum. */
@@ -418,6 +468,7 @@ int main(void)
 		cmocka_unit_test(two_balls_that_lie_on_each_other_neither_sink_nor_part),
 		cmocka_unit_test(steps_keep_linear_and_angular_momentum),
 		cmocka_unit_test(the_centre_of_a_cloud_that_falls_in_stays),
+		cmocka_unit_test(contacts_by_steps_leave_the_angular_momentum),
 		cmocka_unit_test(many_attract_each_other_alike_by_one_thread_and_by_three),
 	};
 

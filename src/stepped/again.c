@@ -133,12 +133,32 @@ static void inherit(struct rb_step_point *fresh, size_t fresh_count,
 		}
 }
 
+/* To where its impulse acts as the step begins. */
+static void turn(const struct rb_world *world, rb_vec3 between, struct rb_step_point *point)
+{
+	const int of[2] = {point->a, point->b};
+	rb_vec3 arm[2] = {point->arm_a, point->arm_b};
+
+	if (point->central) {
+		point->normal = rb_levers_normal(between, point->normal);
+		return;
+	}
+	rb_levers_join(world, of, between, point->normal, arm);
+	point->arm_a = arm[0];
+	point->arm_b = arm[1];
+}
+
 /*
  * Gap at the beginning of the step for which the linear model gives the gap that was found at its
  * end; the difference is `bend`.
  */
-static void bend(const struct rb_solver *solver, struct rb_step_point *point)
+static void bend(const struct rb_world *world, struct rb_step_point *point)
 {
+	const struct rb_solver *const solver = &world->stepped->solver;
+
+	if (solver->joins_arms && rb_stepped_is_dynamic(world, point->b))
+		turn(world, rb_islands_between(solver, world->mark.position, point->a, point->b),
+		     point);
 	const struct rb_constraint row = {
 		.a = point->a,
 		.b = point->b < solver->body_count ? point->b : solver->body_count,
@@ -205,7 +225,7 @@ static enum rb_status merge(struct rb_world *world, struct rb_cohort *cohort,
 		if (count > 0)
 			memcpy(to, seen ? fresh->row + new_at : old + at, count * sizeof *to);
 		for (size_t p = 0; seen && p < count; p++) {
-			bend(&s->solver, &to[p]);
+			bend(world, &to[p]);
 			rb_impacts_seen(s, &to[p]);
 		}
 		if (seen)

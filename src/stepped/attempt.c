@@ -199,7 +199,7 @@ static void move_block(void *user, int block, int worker)
 
 	for (int k = first; k < end; k++) {
 		const int i = flow->cohort->body[k];
-		const rb_vec3 v = rb_vec3_add(moving_velocity(world, i), flow->cohort->lead);
+		const rb_vec3 v = moving_velocity(world, i);
 
 		rb_vec3_to(
 			world->state.position + 3 * (size_t)i,

@@ -18,7 +18,7 @@ RB_FIELDS_DEFINE(rb_named_impulse_fields, struct rb_named_impulse, RB_NAMED_IMPU
 enum rb_status rb_step_points_create(struct rb_step_points *points, const struct rb_model *model,
                                      struct rb_error *err)
 {
-	*points = (struct rb_step_points){0};
+	*points = (struct rb_step_points){.joins_arms = rb_levers_matter(model)};
 	points->first_last = rb_memory_take((size_t)model->body_count + 1,
 	                                    sizeof *points->first_last);
 	if (!points->first_last)
@@ -52,20 +52,6 @@ struct inspection {
 	bool in_place; /* `out` is where the points are to be */
 	bool failed;
 };
-
-/* Its arm lies along the normal and its inertia is a number, or nothing moves it. */
-static bool is_central(const struct rb_world *world, int i)
-{
-	const struct rb_model *model = world->model;
-
-	if (i >= model->body_count)
-		return true;
-	if (model->shape[i].kind != RB_SHAPE_SPHERE || (model->driven && model->driven[i]))
-		return false;
-	if (world->state.spin && isnan(model->inverse_inertia_scalar[i]))
-		return false;
-	return !model->center_of_mass || rb_vec3_max_abs(model->center_of_mass[i]) == 0;
-}
 
 /* Way of the object's origin within the step at the present velocity, m. */
 static rb_vec3 way_of(const struct inspection *inspection, int i)
@@ -217,6 +203,24 @@ static struct rb_gap approaching(const struct inspection *inspection, struct rb_
 	return g;
 }
 
+/*
+ * Of two balls that come from far: the gap by the end of the step stays, seen along the line of
+ * their centres now, where an impulse leaves their angular momentum.
+ */
+static void turn_back(const struct inspection *inspection, struct rb_step_point *point)
+{
+	const struct rb_world *world = inspection->world;
+	const struct rb_gap now = rb_gap_of(world, &world->state, point->a, point->b);
+	const rb_vec3 d = rb_vec3_sub(way_of(inspection, point->b), way_of(inspection, point->a));
+
+	if (!(rb_vec3_dot(now.normal, point->normal) > 0) || now.gap < 0)
+		return;
+	point->bend = point->gap + rb_vec3_dot(point->normal, d) - now.gap -
+	              rb_vec3_dot(now.normal, d);
+	point->gap = now.gap;
+	point->normal = now.normal;
+}
+
 static void inspect_plain(struct inspection *inspection, struct rb_pair pair, double slack)
 {
 	const struct rb_world *world = inspection->world;
@@ -240,13 +244,15 @@ static void inspect_plain(struct inspection *inspection, struct rb_pair pair, do
 	*point = (struct rb_step_point){
 		.a = pair.a,
 		.b = pair.b,
-		.central = is_central(world, pair.a) && is_central(world, pair.b),
+		.central = rb_levers_is_ball(world, pair.a) && rb_levers_is_ball(world, pair.b),
 		.normal = g.normal,
 		.gap = g.gap,
 	};
 	const double radius_b = model->shape[pair.b].kind == RB_SHAPE_SPHERE
 	                                ? model->shape[pair.b].radius
 	                                : 0;
+	if (point->central && pair.b < model->body_count && inspection->points->joins_arms)
+		turn_back(inspection, point);
 	if (point->central) {
 		point->arm_a.x = model->shape[pair.a].radius;
 		point->arm_b.x = -radius_b;

@@ -12,6 +12,7 @@
 
 #include "constraint/contact_name.h"
 #include "stepped/candidates.h"
+#include "stepped/levers.h"
 
 struct rb_step_point {
 	int a, b;       /* indices of the model, a < b, but a driven body is b: a moves */
@@ -56,6 +57,7 @@ struct rb_step_points {
 	size_t last_count, last_capacity;
 	struct rb_named_impulse *spare; /* owned: the other buffer for them */
 	size_t spare_capacity;
+	bool joins_arms;    /* angular momentum is to stay: stepped/levers */
 	size_t *first_last; /* owned, [bodies + 1]: of each a in `last` */
 };
 

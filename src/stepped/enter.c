@@ -221,6 +221,7 @@ static void enter_closing(struct entering *n, int i)
 
 	if (body->closed_by != RB_MOMENTUM_CAUSES)
 		rb_entries_momentum(&n->e, body->closed_by, body->closed[0], body->closed[1]);
+	rb_entries_energy(&n->e, RB_ENERGY_IMPACTS, body->turned);
 	if (body->closed_by == RB_MOMENTUM_DRIVEN)
 		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN, body->lifted);
 }
@@ -242,7 +243,7 @@ static void enter_gravitation(struct entering *n, int i, struct held *held)
 	const struct rb_gravitation *const gravitation = world->gravitation;
 	const struct rb_attract *const all = &gravitation->all;
 	const rb_vec3 at = rb_world_row3(n->before->position, i);
-	const double h = n->pass.h_s;
+	const double h = n->cohort->attracted_s;
 
 	hold(held, rb_vec3_scale(h * world->model->mass[i], rb_gravitation_found(gravitation, i)),
 	     at);
@@ -412,11 +413,11 @@ static enum rb_ledger_energy friction_of(const struct rb_step_point *point)
  * Splits the work of an impulse on b at the mean relative velocity u into a normal and a tangential
  * part.
  */
-static void enter_work(struct entering *n, const struct rb_step_point *point, rb_vec3 impulse,
-                       rb_vec3 u)
+static void enter_work(struct entering *n, const struct rb_step_point *point, rb_vec3 normal,
+                       rb_vec3 impulse, rb_vec3 u)
 {
 	const double work = rb_vec3_dot(impulse, u);
-	const double along = rb_vec3_dot(impulse, point->normal) * rb_vec3_dot(u, point->normal);
+	const double along = rb_vec3_dot(impulse, normal) * rb_vec3_dot(u, normal);
 
 	rb_entries_energy(&n->e, RB_ENERGY_IMPACTS, -along);
 	rb_entries_energy(&n->e, friction_of(point), along - work);
@@ -435,6 +436,37 @@ static rb_vec3 arm_of_b(const struct rb_step_point *point)
 	                      : rb_vec3_add(point->arm_b, rb_vec3_sub(point->lever, point->arm_a));
 }
 
+/* Whether both arms of a point have been joined where its impulse acts (stepped/levers). */
+static bool is_joined(const struct entering *n, const struct rb_step_point *point)
+{
+	return n->world->stepped->solver.joins_arms && rb_stepped_is_dynamic(n->world, point->b);
+}
+
+/* Arms of such a point; `normal` becomes the one there. */
+static void joined_arms(const struct entering *n, const struct rb_step_point *point, bool at_end,
+                        rb_vec3 *normal, rb_vec3 arm[2])
+{
+	const struct rb_tally_body *a = &n->tally->body[point->a], *b = &n->tally->body[point->b];
+	const int of[2] = {point->a, point->b};
+	const rb_vec3 acted = rb_vec3_sub(b->acted, a->acted);
+	const rb_vec3 between = at_end ? rb_vec3_sub(b->place, a->place) : acted;
+
+	*normal = point->normal;
+	if (point->central) {
+		if (at_end)
+			*normal = rb_levers_normal(between, point->normal);
+		const double gap = rb_vec3_dot(between, *normal) - point->arm_a.x + point->arm_b.x;
+
+		arm[0] = rb_vec3_scale(point->arm_a.x + 0.5 * gap, *normal);
+		arm[1] = rb_vec3_scale(point->arm_b.x - 0.5 * gap, *normal);
+		return;
+	}
+	arm[0] = point->lever;
+	arm[1] = rb_vec3_sub(point->lever, acted);
+	if (at_end)
+		rb_levers_join(n->world, of, between, point->normal, arm);
+}
+
 /*
  * Mean of the relative velocity before and after, m/s. For spheres the term of the arms is written
  * without their difference of large vectors.
@@ -446,6 +478,12 @@ static rb_vec3 mean_at(const struct entering *n, const struct rb_step_point *poi
 
 	if (!is_dynamic)
 		return rb_vec3_sub(on_fixed, velocity_at(a->mean, arm_of_a(point)));
+	if (is_joined(n, point)) {
+		rb_vec3 normal, arm[2];
+
+		joined_arms(n, point, false, &normal, arm);
+		return rb_vec3_sub(velocity_at(b->mean, arm[1]), velocity_at(a->mean, arm[0]));
+	}
 	const rb_vec3 u = rb_vec3_sub(b->mean[0], a->mean[0]);
 	if (!point->central)
 		return rb_vec3_add(u, rb_vec3_sub(rb_vec3_cross(b->mean[1], arm_of_b(point)),
@@ -489,16 +527,21 @@ static rb_vec3 mean_since(const struct entering *n, int i, const rb_vec3 motion[
 static void enter_rebound(struct entering *n, const struct rb_step_point *point, rb_vec3 rebound)
 {
 	const struct rb_tally_body *a = &n->tally->body[point->a], *body = n->tally->body;
-	const rb_vec3 arm = arm_of_a(point), at = rb_vec3_add(a->place, arm);
-	rb_vec3 on_b;
+	rb_vec3 arm[2] = {arm_of_a(point), none}, normal = point->normal, on_b;
 
 	if (rb_stepped_is_dynamic(n->world, point->b)) {
-		on_b = mean_since(n, point->b, body[point->b].end, arm_of_b(point));
+		arm[1] = arm_of_b(point);
+		if (is_joined(n, point))
+			joined_arms(n, point, true, &normal, arm);
+		on_b = mean_since(n, point->b, body[point->b].end, arm[1]);
 	} else {
+		const rb_vec3 at = rb_vec3_add(a->place, arm[0]);
+
 		on_b = fixed_velocity(n, point->b, at);
 		enter_fixed(n, point->b, rb_vec3_neg(rebound), at);
 	}
-	enter_work(n, point, rebound, rb_vec3_sub(on_b, mean_since(n, point->a, a->end, arm)));
+	enter_work(n, point, normal, rebound,
+	           rb_vec3_sub(on_b, mean_since(n, point->a, a->end, arm[0])));
 }
 
 static void enter_points(struct entering *n)

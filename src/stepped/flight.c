@@ -2,7 +2,7 @@
 /*
  * Times of impact within a step. Motion is the parabola x(t) = x + shift + t (v + t a), with a =
  * (v' - v) / h from the forces of the step; for bodies that rest on contacts a is zero, since the
- * contacts will carry the forces.
+ * contacts will carry the forces. Where forces vary within a step it is the straight way with v'.
  *
  * Two spheres: the distance is a convex function of t on a straight way, so Newton's method from
  * below converges monotonically without overshoot. All other contacts keep the normal and arm of
@@ -80,6 +80,22 @@ static struct rb_flight_motion relative(const struct rb_flight *flight,
 	                                 rb_vec3_sub(b.shift, a.shift)};
 }
 
+/*
+ * The same for where they are: forces that vary within a step give their impulse as it begins, so
+ * that ways are straight, and levers of impacts are those of the motion that is made.
+ */
+static struct rb_flight_motion path(const struct rb_flight *flight,
+                                    const struct rb_step_point *point)
+{
+	struct rb_flight_motion motion = relative(flight, point);
+
+	if (flight->world->stepped->varied) {
+		motion.velocity = rb_flight_velocity(&motion, flight->h_s);
+		motion.external = (rb_vec3){0, 0, 0};
+	}
+	return motion;
+}
+
 /* Displacement after t seconds, m. */
 static rb_vec3 way(const struct rb_flight_motion *motion, double t)
 {
@@ -125,7 +141,7 @@ static double gap_of(const struct rb_flight *flight, const struct rb_step_point 
 double rb_flight_gap(const struct rb_flight *flight, const struct rb_step_point *point, double t,
                      rb_vec3 *normal)
 {
-	const struct rb_flight_motion motion = relative(flight, point);
+	const struct rb_flight_motion motion = path(flight, point);
 
 	return gap_of(flight, point, &motion, t, normal);
 }
@@ -229,7 +245,7 @@ static double face_touches(const struct rb_flight *flight, const struct rb_step_
 double rb_flight_touches(const struct rb_flight *flight, const struct rb_step_point *point,
                          double now)
 {
-	const struct rb_flight_motion motion = relative(flight, point);
+	const struct rb_flight_motion motion = path(flight, point);
 	const bool plain = rb_flight_is_plain(flight, point);
 	const double t = plain ? spheres_touch(flight, point, &motion, now)
 	                       : face_touches(flight, point, &motion, now);
@@ -239,15 +255,92 @@ double rb_flight_touches(const struct rb_flight *flight, const struct rb_step_po
 	if (!(t <= flight->h_s))
 		return (double)INFINITY;
 	(void)gap_of(flight, point, &motion, t, &normal);
-	const double approach = -rb_vec3_dot(motion.velocity, normal);
+	const double approach = rb_flight_approach(flight, point, normal);
 	return rb_flight_rebound(flight, point, approach) > rb_flight_least(flight, point, normal)
 	               ? t
 	               : (double)INFINITY;
 }
 
+/* Whether the impulse of a point is to act where both arms meet (stepped/levers). */
+static bool joins_arms(const struct rb_flight *flight, const struct rb_step_point *point)
+{
+	return flight->world->stepped->solver.joins_arms &&
+	       rb_stepped_is_dynamic(flight->world, point->b);
+}
+
+/* From where the centre of mass of a is at t seconds, with all that forces give, to that of b. */
+static rb_vec3 lever_at(const struct rb_flight *flight, const struct rb_step_point *point, double t)
+{
+	const struct rb_world *world = flight->world;
+	const struct rb_kick *a = &world->stepped->kick[point->a];
+	const struct rb_kick *b = &world->stepped->kick[point->b];
+	const rb_vec3 u = rb_vec3_sub(rb_world_row3(world->state.velocity, point->b),
+	                              rb_world_row3(world->state.velocity, point->a));
+	const rb_vec3 kicked = rb_vec3_add(u, rb_vec3_sub(b->linear, a->linear));
+	const rb_vec3 shift = rb_vec3_sub(b->shift, a->shift);
+
+	return rb_vec3_add(between(flight, point), rb_vec3_add_scaled(shift, t, kicked));
+}
+
+/* What an arm has turned to at t seconds, in the first order. */
+static rb_vec3 turned(const struct rb_flight *flight, int i, double t, rb_vec3 arm)
+{
+	const struct rb_world *world = flight->world;
+
+	if (!world->state.spin)
+		return arm;
+	const rb_vec3 spin = rb_vec3_add(rb_world_row3(world->mark.spin, i),
+	                                 world->stepped->kick[i].angular);
+
+	return rb_vec3_add_scaled(arm, t, rb_vec3_cross(spin, arm));
+}
+
+void rb_flight_turn(const struct rb_flight *flight, struct rb_step_point *point, double t,
+                    rb_vec3 arm[2])
+{
+	const struct rb_world *world = flight->world;
+	const int of[2] = {point->a, point->b};
+	const bool joins = joins_arms(flight, point);
+	const rb_vec3 d = joins ? lever_at(flight, point, t) : (rb_vec3){0, 0, 0};
+	const double gap = rb_flight_gap(flight, point, t, &point->normal);
+	double half = 0;
+
+	if (joins && point->central) {
+		point->normal = rb_levers_normal(d, point->normal);
+		half = 0.5 * (rb_vec3_dot(d, point->normal) - radii_of(point));
+	} else if (joins) {
+		rb_vec3 normal;
+
+		arm[0] = turned(flight, point->a, t, point->arm_a);
+		arm[1] = turned(flight, point->b, t, point->arm_b);
+		rb_levers_join(world, of, d, point->normal, arm);
+		point->arm_a = arm[0];
+		point->arm_b = arm[1];
+		/* the gap at this moment stays */
+		point->bend += gap - rb_flight_gap(flight, point, t, &normal);
+	}
+	const rb_vec3 n = point->normal;
+	arm[0] = point->central ? rb_vec3_scale(point->arm_a.x + half, n) : point->arm_a;
+	arm[1] = point->central ? rb_vec3_scale(point->arm_b.x - half, n) : point->arm_b;
+}
+
+/*
+ * Of two balls, the normal as the step's impulses act; the gap by its end stays as `normal` has it.
+ */
+static void turn_back(const struct rb_flight *flight, struct rb_step_point *point)
+{
+	const struct rb_flight_motion motion = path(flight, point);
+	const rb_vec3 d = rb_vec3_add(between(flight, point), motion.shift);
+	const rb_vec3 more = rb_vec3_scale(flight->h_s, rb_flight_velocity(&motion, flight->h_s));
+	const rb_vec3 was = point->normal;
+
+	point->normal = rb_levers_normal(d, was);
+	point->bend += rb_vec3_dot(more, rb_vec3_sub(was, point->normal));
+}
+
 void rb_flight_see(const struct rb_flight *flight, struct rb_step_point *point, bool touched)
 {
-	const struct rb_flight_motion motion = relative(flight, point);
+	const struct rb_flight_motion motion = path(flight, point);
 
 	RB_ASSERT_COSTLY(flight->h_s > 0);
 	if (!rb_flight_is_plain(flight, point)) {
@@ -266,4 +359,6 @@ void rb_flight_see(const struct rb_flight *flight, struct rb_step_point *point, 
 	point->bend = rb_vec3_dot(point->normal,
 	                          rb_vec3_add(between(flight, point), motion.shift)) -
 	              radii_of(point) - point->gap;
+	if (joins_arms(flight, point))
+		turn_back(flight, point);
 }

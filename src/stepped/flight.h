@@ -66,6 +66,14 @@ double rb_flight_touches(const struct rb_flight *flight, const struct rb_step_po
                          double now);
 
 /*
+ * The point becomes that at which an impact acts at `t`: its normal is the one there, and between
+ * bodies that both yield, where angular momentum is to stay, it is where their arms meet. `arm`
+ * becomes the arms there, m.
+ */
+void rb_flight_turn(const struct rb_flight *flight, struct rb_step_point *point, double t,
+                    rb_vec3 arm[2]);
+
+/*
  * Gap and normal become those under which nothing that flies past is in the way; `touched`: the
  * normal is right already.
  */

@@ -396,13 +396,13 @@ static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, dou
 }
 
 /* Attraction, as of the beginning of the step. */
-static void add_gravitation(struct rb_world *world, const struct rb_cohort *cohort, double h)
+static void add_gravitation(struct rb_world *world, const struct rb_cohort *cohort)
 {
 	for (int k = 0; k < cohort->member_count; k++) {
 		double *const v = world->state.velocity + 3 * (size_t)cohort->body[k];
 
 		rb_vec3_to(v, rb_vec3_add_scaled(
-				      rb_vec3_from(v), h,
+				      rb_vec3_from(v), cohort->attracted_s,
 				      rb_gravitation_found(world->gravitation, cohort->body[k])));
 	}
 }
@@ -484,7 +484,7 @@ enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *coho
 			add_even(&flow, elements);
 	}
 	if (features & RB_FEATURE_GRAVITATION)
-		add_gravitation(world, cohort, h);
+		add_gravitation(world, cohort);
 	if (status == RB_OK && (features & RB_FEATURE_FIELD))
 		status = add_fields(world, cohort, start, h, err);
 	note_varied(world, cohort, 1);

@@ -314,17 +314,16 @@ static void fill_contact(const struct impacts *all, struct rb_simultaneous *join
 {
 	struct rb_step_point *point = &all->points->row[all->contact[k]];
 	struct rb_solver_contact *c = &joint->contact[k];
-	rb_vec3 normal;
+	rb_vec3 arm[2];
 
-	(void)rb_flight_gap(&all->flight, point, all->t_s, &normal);
-	point->normal = normal;
-	const double least = rb_flight_least(&all->flight, point, normal);
+	rb_flight_turn(&all->flight, point, all->t_s, arm);
+	const double least = rb_flight_least(&all->flight, point, point->normal);
 	*c = (struct rb_solver_contact){
 		.a = joint_place(all, joint, point->a),
 		.b = joint_place(all, joint, point->b),
-		.normal = normal,
-		.arm_a = point->central ? rb_vec3_scale(point->arm_a.x, normal) : point->arm_a,
-		.arm_b = point->central ? rb_vec3_scale(point->arm_b.x, normal) : point->arm_b,
+		.normal = point->normal,
+		.arm_a = arm[0],
+		.arm_b = arm[1],
 		.friction = all->world->state.spin ? point->friction : 0,
 		.restitution = point->restitution,
 	};

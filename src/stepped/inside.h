@@ -45,8 +45,8 @@ struct rb_cohort {
 	const int *body; /* borrowed: those that yield, ascending, then all driven ones */
 	int member_count, body_count;
 	struct rb_candidates *candidates; /* borrowed: candidates of theirs, reaches */
-	bool divides; /* what fails may be told apart: else one that fails takes all */
-	rb_vec3 lead; /* m/s: all move with it besides their own velocities (local_rollback) */
+	bool divides;       /* what fails may be told apart: else one that fails takes all */
+	double attracted_s; /* attraction gives its impulse of so long as the try begins */
 	struct rb_step_points points; /* of the try; `last` of the step before */
 	rb_vec3 *rebound;             /* owned, by point: N s on b */
 	size_t rebound_capacity;

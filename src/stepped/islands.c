@@ -590,17 +590,14 @@ static void set_arms(const struct pass *pass, struct rb_constraint *row, int num
 	}
 }
 
-void rb_islands_join_arms(const struct rb_solver *solver, const struct rb_world *world,
-                          struct rb_constraint *row)
+rb_vec3 rb_islands_between(const struct rb_solver *solver, const double *position, int a, int b)
 {
-	if (!is_dynamic(solver, row->b))
-		return;
-	const rb_vec3 from = rb_vec3_add(rb_world_row3(world->state.position, row->a),
-	                                 rb_constraint_arm_a(row));
-	const rb_vec3 to = rb_vec3_add(rb_world_row3(world->state.position, row->b),
-	                               rb_constraint_arm_b(row));
+	const rb_vec3 d = rb_vec3_sub(rb_vec3_from(position + 3 * (size_t)b),
+	                              rb_vec3_from(position + 3 * (size_t)a));
 
-	rb_constraint_join_arms(row, rb_vec3_sub(to, from));
+	if (!solver->before || !solver->kick)
+		return d;
+	return rb_vec3_add(d, rb_vec3_sub(solver->kick[b].shift, solver->kick[a].shift));
 }
 
 static void fill_row(const struct pass *pass, struct rb_constraint *row, int number)
@@ -622,8 +619,11 @@ static void fill_row(const struct pass *pass, struct rb_constraint *row, int num
 	RB_ASSERT_COSTLY(point->normal_impulse >= 0 && point->friction >= 0 && solver->h_s > 0);
 	row->impulse.t = rb_constraint_within(row->impulse.t, row->friction * row->impulse.n);
 	set_arms(pass, row, number);
-	if (solver->joint)
-		rb_islands_join_arms(solver, pass->world, row);
+	if (solver->joins_arms && is_dynamic(solver, row->b))
+		rb_levers_join_row(
+			pass->world,
+			rb_islands_between(solver, pass->world->state.position, row->a, row->b),
+			row);
 	rb_effective_mass_fill(&solver->dense.bodies, row);
 }
 

@@ -12,6 +12,7 @@
 #include "constraint/row.h"
 #include "stepped/contact_points.h"
 #include "stepped/joint_constraints.h"
+#include "stepped/levers.h"
 
 #include <float.h>
 
@@ -85,6 +86,7 @@ struct rb_solver {
 	double whole_s;  /* of the step that was tried first, set by the caller; 0: of this one */
 	double external; /* m^2/s^2: the most that its forces change a velocity by, squared */
 	bool bounces;    /* materials of the scene have restitution */
+	bool joins_arms; /* angular momentum is to stay: stepped/levers */
 	bool mixed;      /* some pairs of them have, others have none */
 	bool joints_bounce; /* limits of joints have restitution */
 	/* the last step before locating goes on: what touches is left without approach */
@@ -123,13 +125,8 @@ static inline bool rb_rest_holds(const struct rb_solver *solver, int i, const do
 RB_CHECKED enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
                                           struct rb_step_points *points, struct rb_error *err);
 
-/*
- * Of a contact of two bodies that both yield: the impulse acts at one point, as they stand now. A
- * gap leaves two points, a matter of the tolerance among contacts alone; with joints it is more,
- * since friction at what is foreseen to touch, and rebounds, are large there.
- */
-void rb_islands_join_arms(const struct rb_solver *solver, const struct rb_world *world,
-                          struct rb_constraint *row);
+/* m: b's centre of mass from a's where the impulses of the step act; `position`: as it began. */
+rb_vec3 rb_islands_between(const struct rb_solver *solver, const double *position, int a, int b);
 
 /* How joints of the step under way are asked for their rows. */
 struct rb_joint_query rb_islands_joints(const struct rb_solver *solver,

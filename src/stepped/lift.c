@@ -54,14 +54,16 @@ enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world,
 		.sunk = rb_arena_take(arena, n, sizeof *lift->sunk),
 		.way = rb_arena_take(arena, 6 * n, sizeof *lift->way),
 		.turn = rb_arena_take(arena, 3 * n, sizeof *lift->turn),
+		.swept = rb_arena_take(arena, 3 * n, sizeof *lift->swept),
 		.moved = rb_arena_take(arena, n, 1),
 		.given = rb_arena_take(arena, n, 1),
 		.held = rb_arena_take(arena, n, 1),
 		.sum = rb_arena_take(arena, SUMS * n, sizeof *lift->sum)};
 	if (!lift->parent || !lift->energy_budget || !lift->sunk || !lift->way || !lift->turn ||
-	    !lift->moved || !lift->given || !lift->held || !lift->sum)
+	    !lift->swept || !lift->moved || !lift->given || !lift->held || !lift->sum)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
 	memset(lift->turn, 0, 3 * n * sizeof *lift->turn);
+	memset(lift->swept, 0, 3 * n * sizeof *lift->swept);
 	memset(lift->moved, 0, n);
 	memset(lift->given, 0, n);
 	memset(lift->held, 0, n);
@@ -150,10 +152,159 @@ void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i)
 	lift->moved[i] = 1;
 	rb_vec3_to(way, rb_vec3_add(rb_vec3_from(way), body->linear));
 	rb_vec3_to(way + 3, rb_vec3_add(rb_vec3_from(way + 3), momentum.angular));
-	if (!isnan(body->inverse_inertia))
-		return;
-	rb_vec3_to(aside + 3,
-	           rb_quat_rotate(rb_quat_from_turn(body->angular), rb_vec3_from(aside + 3)));
+	double *const swept = lift->swept + 3 * (size_t)i;
+	const rb_vec3 p = rb_vec3_scale(world->model->mass[i], rb_vec3_from(aside));
+	rb_vec3 more = rb_vec3_cross(body->linear, p);
+
+	if (isnan(body->inverse_inertia)) {
+		const struct rb_solver_body spin = {.angular = rb_vec3_from(aside + 3)};
+		const rb_vec3 turning = rb_energy_weigh(solver, i, &spin).angular;
+		const rb_quat turn = rb_quat_from_turn(body->angular);
+
+		more = rb_vec3_add(more, rb_vec3_sub(rb_quat_rotate(turn, turning), turning));
+		rb_vec3_to(aside + 3, rb_quat_rotate(turn, spin.angular));
+	}
+	rb_vec3_to(swept, rb_vec3_add(rb_vec3_from(swept), more));
+}
+
+/* ---- angular momentum ---- */
+
+/* Whether a group, of that first body, is to keep its momenta. */
+static bool is_free(const struct rb_lift *lift, const struct rb_world *world, int root)
+{
+	return world->stepped->solver.joins_arms && !lift->held[root] && !lift->given[root];
+}
+
+/* Sums of a group, by its first body. */
+struct turning {
+	double mass;
+	rb_vec3 moment, momentum, swept; /* kg m, kg m/s; kg m^2/s */
+	rb_mat3 inertia;                 /* kg m^2, about the centre of mass */
+	rb_vec3 turn;                    /* rad/s: what gives it back */
+	bool moved;
+	double gain; /* J: of that turn */
+};
+
+/*
+ * Of the largest moment of inertia: what is added to all of them, so that two points, which have
+ * none about their line, have an inverse. Twelve digits of a correction are right.
+ */
+static const double least_inertia = 1e-12;
+
+static void add_inertia(const struct rb_world *world, int i, struct turning *group)
+{
+	const rb_vec3 center = rb_vec3_scale(1 / group->mass, group->moment);
+	const rb_vec3 r = rb_vec3_sub(rb_world_row3(world->state.position, i), center);
+	const double mass = world->model->mass[i];
+
+	for (int c = 0; c < 3; c++) {
+		const rb_vec3 unit = {c == 0, c == 1, c == 2};
+		rb_vec3 of = rb_vec3_scale(mass, rb_vec3_cross(r, rb_vec3_cross(unit, r)));
+
+		if (world->state.spin)
+			of = rb_vec3_add(of, rb_tally_spin(world, &world->state, i, unit));
+		group->inertia.m[0][c] += of.x;
+		group->inertia.m[1][c] += of.y;
+		group->inertia.m[2][c] += of.z;
+	}
+}
+
+static void find_turn(struct turning *group)
+{
+	rb_mat3 inverse, *const inertia = &group->inertia;
+	const double some = least_inertia *
+	                    (inertia->m[0][0] + inertia->m[1][1] + inertia->m[2][2]);
+
+	for (int c = 0; c < 3; c++)
+		inertia->m[c][c] += some;
+	if (some > 0 && rb_mat3_inverse(inertia, &inverse))
+		group->turn = rb_vec3_neg(rb_mat3_apply(&inverse, group->swept));
+}
+
+static void note_moved(struct rb_lift *lift, struct rb_world *world, int i, const rb_vec3 motion[2])
+{
+	if (world->stepped->tally)
+		rb_tally_close(world, i, motion);
+	if (!lift->moved[i])
+		memset(lift->way + 6 * (size_t)i, 0, 6 * sizeof *lift->way);
+	lift->moved[i] = 1;
+}
+
+/* A body turns with its group. */
+static void turn_body(struct rb_lift *lift, struct rb_world *world, int i, struct turning *group)
+{
+	double *const v = world->state.velocity + 3 * (size_t)i;
+	double *const w = world->state.spin ? world->state.spin + 3 * (size_t)i : NULL;
+	const rb_vec3 center = rb_vec3_scale(1 / group->mass, group->moment);
+	const rb_vec3 r = rb_vec3_sub(rb_world_row3(world->state.position, i), center);
+	const rb_vec3 motion[2] = {rb_vec3_from(v), w ? rb_vec3_from(w) : (rb_vec3){0, 0, 0}};
+
+	note_moved(lift, world, i, motion);
+	group->gain -= rb_world_kinetic_energy(world, world->model->id_of[i]);
+	rb_vec3_to(v, rb_vec3_add(motion[0], rb_vec3_cross(group->turn, r)));
+	if (w)
+		rb_vec3_to(w, rb_vec3_add(motion[1], group->turn));
+	group->gain += rb_world_kinetic_energy(world, world->model->id_of[i]);
+}
+
+static void add_groups(struct rb_lift *lift, const struct rb_world *world, struct turning *all)
+{
+	const struct rb_stepped *s = world->stepped;
+
+	for (int k = 0; k < s->member_count; k++)
+		all[s->body[k]] = (struct turning){.mass = 0};
+	for (int k = 0; k < s->member_count; k++) {
+		const int i = s->body[k];
+		struct turning *group = &all[rb_forest_root(lift->parent, i)];
+		const double mass = world->model->mass[i];
+		double *const swept = lift->swept + 3 * (size_t)i;
+
+		group->mass += mass;
+		group->moment = rb_vec3_add_scaled(group->moment, mass,
+		                                   rb_world_row3(world->state.position, i));
+		group->moved = group->moved || lift->moved[i];
+		group->swept = rb_vec3_add(group->swept, rb_vec3_from(swept));
+		rb_vec3_to(swept, (rb_vec3){0, 0, 0});
+	}
+	for (int k = 0; k < s->member_count; k++) {
+		const int root = rb_forest_root(lift->parent, s->body[k]);
+
+		if (all[root].moved && is_free(lift, world, root))
+			add_inertia(world, s->body[k], &all[root]);
+	}
+}
+
+/*
+ * Groups that nothing holds get the angular momentum back that closing them has changed, by turning
+ * as a whole: no gap closes and nothing slips by that. What it gains is to be paid. False: no
+ * memory.
+ */
+static bool keep_turning(struct rb_lift *lift, struct rb_world *world)
+{
+	struct rb_stepped *s = world->stepped;
+	const size_t n = (size_t)world->model->body_count;
+	struct turning *const all = rb_arena_take(&world->arena[0], n, sizeof *all);
+
+	if (!all)
+		return false;
+	add_groups(lift, world, all);
+	for (int k = 0; k < s->member_count; k++)
+		if (rb_vec3_max_abs(all[s->body[k]].swept) > 0)
+			find_turn(&all[s->body[k]]);
+	for (int k = 0; k < s->member_count; k++) {
+		struct turning *group = &all[rb_forest_root(lift->parent, s->body[k])];
+
+		if (rb_vec3_max_abs(group->turn) > 0)
+			turn_body(lift, world, s->body[k], group);
+	}
+	for (int k = 0; k < s->member_count; k++) {
+		const int i = s->body[k];
+
+		lift->sum[SUMS * (size_t)i + RISE] += fmax(0, all[i].gain);
+		if (s->tally)
+			s->tally->body[i].turned += fmax(0, -all[i].gain);
+	}
+	return true;
 }
 
 /* Spin in rad/s for an angular momentum about the centre of mass. */
@@ -226,21 +377,26 @@ static double share_of(double need, double mixed, double square)
 	return left >= 0 ? 2 * need / (mixed + copysign(sqrt(left), mixed)) : (double)NAN;
 }
 
-/*
- * The first way of paying `need` J that suffices. `anyhow` allows those that change linear
- * momentum.
- */
-static struct payment payment_of(const double *sum, double need, bool held, bool anyhow)
+/* What a group may pay with. */
+struct means {
+	bool held;   /* something stands below it */
+	bool free;   /* nothing holds it: motion along the ways of closing leaves its momenta */
+	bool anyhow; /* linear momentum may change */
+};
+
+/* The first way of paying `need` J that suffices. */
+static struct payment payment_of(const double *sum, double need, struct means means)
 {
 	if (!(need > 0))
 		return nothing;
 	const double twist = share_of(need, sum[TURN_MIXED], sum[TURN_SQUARE]);
-	if (isfinite(twist))
+	const double pace = means.anyhow || means.free ? share_of(need, sum[MIXED], sum[SQUARE])
+	                                               : (double)NAN;
+	if (isfinite(twist) && !(means.free && isfinite(pace)))
 		return (struct payment){.twist = twist};
-	const double pace = anyhow ? share_of(need, sum[MIXED], sum[SQUARE]) : (double)NAN;
 	if (isfinite(pace))
 		return (struct payment){.pace = pace};
-	if (anyhow && held && sum[KINETIC] >= need)
+	if (means.anyhow && means.held && sum[KINETIC] >= need)
 		return (struct payment){.slowed = need / sum[KINETIC] /
 		                                  (1 + sqrt(1 - need / sum[KINETIC]))};
 	return impossible;
@@ -254,6 +410,7 @@ static void pay(struct rb_lift *lift, struct rb_world *world, int i, struct paym
 	const double *way = lift->way + 6 * (size_t)i;
 	const double kept = 1 - payment.slowed;
 	rb_vec3 linear = rb_vec3_from(v), spin = w ? rb_vec3_from(w) : (rb_vec3){0, 0, 0};
+	const rb_vec3 before[2] = {linear, spin};
 
 	if (world->stepped->tally)
 		rb_tally_close(world, i, (const rb_vec3[2]){linear, spin});
@@ -266,6 +423,13 @@ static void pay(struct rb_lift *lift, struct rb_world *world, int i, struct paym
 	rb_vec3_to(v, rb_vec3_scale(kept, linear));
 	if (w)
 		rb_vec3_to(w, rb_vec3_scale(kept, spin));
+	const rb_vec3 more = rb_vec3_sub(rb_vec3_from(v), before[0]);
+	const rb_vec3 p = rb_vec3_scale(world->model->mass[i], more);
+	const rb_vec3 twist = w ? rb_vec3_sub(rb_vec3_from(w), before[1]) : more;
+
+	rb_vec3_to(lift->swept + 3 * (size_t)i,
+	           rb_vec3_add(rb_vec3_cross(rb_world_row3(world->state.position, i), p),
+	                       rb_tally_spin(world, &world->state, i, twist)));
 }
 
 /*
@@ -284,12 +448,21 @@ static void record_closed(const struct rb_lift *lift, struct rb_world *world, in
 	                lifted);
 }
 
-void rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool anyhow)
+enum rb_status rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool anyhow,
+                           struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
+	const size_t n = (size_t)world->model->body_count;
 
 	for (int k = 0; k < s->member_count; k++)
 		memset(lift->sum + SUMS * (size_t)s->body[k], 0, SUMS * sizeof *lift->sum);
+	if (s->solver.joins_arms && !keep_turning(lift, world))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
+	unsigned char *const paid = rb_arena_take(&world->arena[0], n, 1);
+	bool any = false;
+
+	if (!paid)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
 	for (int k = 0; k < s->member_count; k++)
 		add_up(lift, world, s->body[k]);
 	for (int k = 0; k < s->member_count; k++) {
@@ -298,7 +471,10 @@ void rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool anyhow)
 		const double *sum = lift->sum + SUMS * (size_t)root;
 		const double need = lift->given[root] ? 0
 		                                      : sum[RISE] - 0.5 * lift->energy_budget[root];
-		struct payment payment = payment_of(sum, need, lift->held[root], anyhow);
+		const struct means means = {.held = lift->held[root],
+		                            .free = is_free(lift, world, root),
+		                            .anyhow = anyhow};
+		struct payment payment = payment_of(sum, need, means);
 
 		if (anyhow && isnan(payment.twist) && need <= lift->sunk[root])
 			payment = nothing;
@@ -307,7 +483,13 @@ void rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool anyhow)
 			rb_stepped_blame(s, i);
 		else if (need > 0)
 			pay(lift, world, i, payment);
-		if (s->tally && (lift->moved[i] || (need > 0 && !isnan(payment.twist))))
-			record_closed(lift, world, i);
+		paid[i] = need > 0 && !isnan(payment.twist);
+		any = any || paid[i];
 	}
+	if (s->solver.joins_arms && any && !keep_turning(lift, world))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
+	for (int k = 0; s->tally && k < s->member_count; k++)
+		if (lift->moved[s->body[k]] || paid[s->body[k]])
+			record_closed(lift, world, s->body[k]);
+	return RB_OK;
 }

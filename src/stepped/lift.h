@@ -19,9 +19,10 @@
 struct rb_lift {
 	int *parent; /* [bodies]: groups: of the solution, joined by those that are closed */
 	double *energy_budget; /* [bodies], J, twice: what contacts took, by the first of a group */
-	double *sunk; /* [bodies], J: that steps before have given, by the first of a group */
-	double *way;  /* [6 bodies]: m; kg m^2 rad, as momentum */
-	double *turn; /* [3 bodies]: of the torque, by the impulses of closing, kg m^2/s */
+	double *sunk;  /* [bodies], J: that steps before have given, by the first of a group */
+	double *way;   /* [6 bodies]: m; kg m^2 rad, as momentum */
+	double *turn;  /* [3 bodies]: of the torque, by the impulses of closing, kg m^2/s */
+	double *swept; /* [3 bodies] kg m^2/s: angular momentum that moving has made */
 	unsigned char *moved; /* [bodies] */
 	unsigned char *given; /* [bodies]: a driven body has pushed, by a body of the group */
 	unsigned char *held;  /* [bodies]: so has a static one */
@@ -44,12 +45,14 @@ void rb_lift_turn(struct rb_lift *lift, const struct rb_world *world,
 void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i);
 
 /*
- * Velocities, given back, pay; groups that cannot are blamed: in shorter steps turning leaves less
- * to close, with its square. `anyhow`: where spin does not suffice, motion along the ways of
- * closing pays, else, with what stands still below, all motion; no contact's force says so. What
- * stands still has nothing to pay with: it may rise by as much as it has sunk into the overlap that
- * the step has found, which gave that energy when it was made.
+ * Groups that nothing holds get their angular momentum back by turning as a whole: no gap closes
+ * and nothing slips by that. Then velocities, given back, pay; groups that cannot are blamed: in
+ * shorter steps turning leaves less to close, with its square. `anyhow`: where spin does not
+ * suffice, motion along the ways of closing pays, else, with what stands still below, all motion;
+ * no contact's force says so. What stands still has nothing to pay with: it may rise by as much as
+ * it has sunk into the overlap that the step has found, which gave that energy when it was made.
  */
-void rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool anyhow);
+RB_CHECKED enum rb_status rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool anyhow,
+                                      struct rb_error *err);
 
 #endif

@@ -368,38 +368,12 @@ static void take_back(struct rb_world *world)
 }
 
 /*
- * Mean acceleration of the group by the attraction of all, m/s^2; zero where something fixed or
- * driven may be in its way.
- */
-static rb_vec3 fall_of(const struct rb_world *world)
-{
-	const struct rb_cohort *part = &world->stepped->part;
-	const rb_vec3 none = {0, 0, 0};
-	rb_vec3 sum = none;
-	double mass = 0;
-
-	if (!(world->model->features & RB_FEATURE_GRAVITATION))
-		return none;
-	for (size_t k = 0; k < part->candidates->pair_count; k++)
-		if (!rb_stepped_is_dynamic(world, part->candidates->pair[k].b))
-			return none;
-	for (int k = 0; k < part->member_count; k++) {
-		const int i = part->body[k];
-
-		sum = rb_vec3_add_scaled(sum, world->model->mass[i],
-		                         rb_gravitation_found(world->gravitation, i));
-		mass += world->model->mass[i];
-	}
-	return rb_vec3_scale(1 / mass, sum);
-}
-
-/*
  * Adaptive substeps of one group over dt. `*left`: a body has left its box and the group has met
  * another; it has to start over.
  *
- * Attraction moves the others by its whole impulse, a dt^2 (symplectic Euler); by the sum of the
- * substeps' ones the group would fall behind by a (dt^2 - sum of h^2) / 2, and with it the centre
- * of mass of all. The group as a whole is moved on: its motion within is not affected.
+ * Attraction gives its impulse of the whole step as that begins, as it does to the others
+ * (symplectic Euler): what two bodies give each other is then opposite and along one line, whoever
+ * takes substeps, which keeps the motion of the centre of mass and the angular momentum.
  */
 static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *group, double start,
                                 double dt, bool *left, struct rb_error *err)
@@ -419,7 +393,7 @@ static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *g
 			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 		reset_arenas(world);
 		rb_state_copy_rows(&world->mark, &world->state, part->body, part->body_count);
-		part->lead = rb_vec3_scale(0.5 * (dt - h), fall_of(world));
+		part->attracted_s = done > 0 ? 0 : dt;
 		status = rb_attempt(world, part, start + done, h, err);
 		if (status == RB_OK)
 			status = rb_judge(world, part, h, &outcome, err);

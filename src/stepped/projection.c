@@ -525,8 +525,9 @@ enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *coh
 	}
 	give_velocities(&search);
 	if (status == RB_OK)
-		rb_lift_pay(&search.lift, world,
-		            paying_parts * cohort->candidates->h_s <= s->solver.whole_s);
+		status = rb_lift_pay(&search.lift, world,
+		                     paying_parts * cohort->candidates->h_s <= s->solver.whole_s,
+		                     err);
 	for (size_t k = 0; k < last.deep_count; k++)
 		blame(world, &last.deep[k]);
 	if (last.deep_count > 0 || s->bad_count == 0)

@@ -43,7 +43,8 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 {
 	const size_t n = (size_t)model->body_count + 1;
 
-	*solver = (struct rb_solver){.body_count = model->body_count};
+	*solver = (struct rb_solver){.body_count = model->body_count,
+	                             .joins_arms = rb_levers_matter(model)};
 	solver->dense.bodies.body = rb_memory_take(n, sizeof *solver->dense.bodies.body);
 	solver->free = rb_memory_take(n, sizeof *solver->free);
 	solver->parent = rb_memory_take(n, sizeof *solver->parent);
@@ -340,6 +341,19 @@ static void store_joints(struct rb_solver *solver, const struct rb_joint_query *
 	}
 }
 
+/* To where the impulse of a rebound acts, as bodies have moved since the row was made. */
+static void turn(struct rb_solver *solver, const struct rb_world *world, struct rb_constraint *row)
+{
+	if (row->b < solver->body_count && solver->dense.bodies.body[row->b].inverse_mass > 0) {
+		const rb_vec3 d = rb_islands_between(solver, world->state.position, row->a, row->b);
+
+		if (row->central)
+			row->normal = rb_levers_normal(d, row->normal);
+		rb_levers_join_row(world, d, row);
+	}
+	rb_effective_mass_fill(&solver->dense.bodies, row);
+}
+
 enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *world,
                                  const struct rb_step_points *points, rb_vec3 *rebound,
                                  struct rb_error *err)
@@ -376,10 +390,8 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 			continue;
 		const struct rb_step_point *point = &points->row[solver->point[k]];
 
-		if (solver->joint) { /* bodies have moved since */
-			rb_islands_join_arms(solver, world, row);
-			rb_effective_mass_fill(&solver->dense.bodies, row);
-		}
+		if (solver->joins_arms) /* bodies have moved since */
+			turn(solver, world, row);
 		const double now = rb_vec3_dot(rb_constraint_velocity(&solver->dense.bodies, row),
 		                               row->normal);
 

@@ -262,7 +262,7 @@ static enum rb_status try_all(struct rb_world *world, double start, double h,
 	reset_arenas(world);
 	rb_sleep_gather(s);
 	rb_state_copy(&world->mark, &world->state);
-	s->solver.whole_s = h;
+	s->solver.whole_s = s->all.attracted_s = h;
 	enum rb_status status = rb_attempt(world, &s->all, start, h, err);
 	if (status == RB_OK)
 		status = rb_judge(world, &s->all, h, outcome, err);
@@ -306,6 +306,18 @@ static enum rb_status show_means(struct rb_world *world, double dt, struct rb_er
 }
 
 /*
+ * Attraction at the beginning of a step, which holds through it, also for bodies that take
+ * substeps.
+ */
+static enum rb_status attract(struct rb_world *world, struct rb_error *err)
+{
+	if (!(world->model->features & RB_FEATURE_GRAVITATION))
+		return RB_OK;
+	rb_world_place_attracted(world, &world->state);
+	return rb_gravitation_sum(world->gravitation, world->team, err);
+}
+
+/*
  * Substeps common to all bodies: halves the substep for all bodies until it is good, doubles it
  * after each success. With RB_ROLLBACK_NONE only values that are not finite count as failure.
  */
@@ -333,6 +345,8 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 			parts++;
 			h = fmin(2 * h, dt - done);
 			halvings = 0;
+			if (status == RB_OK && done < dt)
+				status = attract(world, err);
 			if (status == RB_OK)
 				continue;
 			return status;
@@ -347,18 +361,6 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 		h *= 0.5;
 	}
 	return parts > 1 && world->keeps_means ? show_means(world, dt, err) : RB_OK;
-}
-
-/*
- * Attraction at the beginning of a step, which holds through it, also through substeps of some of
- * the bodies: so that what they give each other is opposite, whoever halves.
- */
-static enum rb_status attract(struct rb_world *world, struct rb_error *err)
-{
-	if (!(world->model->features & RB_FEATURE_GRAVITATION))
-		return RB_OK;
-	rb_world_place_attracted(world, &world->state);
-	return rb_gravitation_sum(world->gravitation, world->team, err);
 }
 
 static enum rb_status step(struct rb_world *world, double start, double dt, struct rb_error *err)

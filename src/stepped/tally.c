@@ -71,7 +71,9 @@ static void note_solved(const struct rb_world *world, int i, bool sleeps,
 
 	body->begin[0] = rb_world_row3(world->mark.velocity, i);
 	body->begin[1] = spin_of(&world->mark, i);
+	body->acted = rb_world_row3(world->mark.position, i);
 	if (s->kicked_count > 0 && s->kick[i].is_set) {
+		body->acted = rb_vec3_add(body->acted, s->kick[i].shift);
 		body->begin[0] = rb_vec3_add(body->begin[0], s->kick[i].linear);
 		body->begin[1] = rb_vec3_add(body->begin[1], s->kick[i].angular);
 	}
@@ -150,6 +152,7 @@ void rb_tally_close(struct rb_world *world, int i, const rb_vec3 motion[2])
 	if (body->is_closed)
 		return;
 	body->is_closed = true;
+	body->turned = 0;
 	body->closed[0] = body->closed[1] = (rb_vec3){0, 0, 0};
 	add_momentum(world, i, motion, -1, body->closed);
 }

@@ -26,6 +26,7 @@ struct rb_tally_body {
 	rb_vec3 begin[2]; /* m/s, rad/s: as the step began, with the impacts in it */
 	rb_vec3 end[2];   /* as solved, before what rebounds */
 	rb_vec3 mean[2];  /* of both */
+	rb_vec3 acted;    /* m: where impulses of the step act on it */
 	rb_vec3 place;    /* m: where the step has moved it */
 	rb_vec3 carry; /* m: where forces vary, free: from where it was to where the others act */
 	/* N s, N m s: of forces that vary, without a potential and with one; of drag */
@@ -35,6 +36,7 @@ struct rb_tally_body {
 	/* closing of overlaps, and what pays for it */
 	rb_vec3 closed[2]; /* kg m/s, kg m^2/s about the origin */
 	double lifted;     /* J: by driven bodies */
+	double turned; /* J: taken as its group was turned back after closing, by its first body */
 	bool is_closed;
 	enum rb_ledger_momentum closed_by; /* RB_MOMENTUM_CAUSES: by other bodies that yield */
 };
