@@ -139,12 +139,18 @@ static struct share solve_rows(const struct rb_sweep *sweep)
 struct sums {
 	double newest[RB_SWEEP_MEMORY]; /* of the newest difference with all */
 	double now[RB_SWEEP_MEMORY];    /* of the last change with all */
+	double way; /* m/s: the largest that the newest difference makes of a row's velocity */
 };
+
+static double larger(double a, double b)
+{
+	return a > b ? a : b;
+}
 
 /* Puts the last sweep into place `at` of the trace and adds up what the mixture needs. */
 static struct sums remember_rows(const struct rb_sweep *sweep, int at, int filled)
 {
-	struct sums sums = {{0}, {0}};
+	struct sums sums = {{0}, {0}, 0};
 
 	for (int k = 0; k < sweep->dense->row_count; k++) {
 		const struct rb_constraint *row = &sweep->dense->row[k];
@@ -156,6 +162,7 @@ static struct sums remember_rows(const struct rb_sweep *sweep, int at, int fille
 		trace->more_impulse[at] = rb_vec3_sub(impulse, trace->impulse);
 		trace->change = trace->step;
 		trace->impulse = impulse;
+		sums.way = larger(sums.way, weight * rb_vec3_max_abs(trace->more_impulse[at]));
 		for (int j = 0; j < filled; j++) {
 			const rb_vec3 d = rb_vec3_scale(weight, trace->more_change[j]);
 
@@ -219,7 +226,9 @@ bool rb_sweep_take(struct rb_sweep *sweep, struct rb_arena *arena)
 /* ---- Anderson's mixture ---- */
 
 struct mixture {
-	int count, at; /* differences that are kept, and the place of the next */
+	int count, at;               /* differences that are kept, and the place of the next */
+	double way[RB_SWEEP_MEMORY]; /* m/s: how far each leads a row at most */
+	double reach; /* m/s: of impulses, if each sweep changed them as the first has done */
 	double gram[RB_SWEEP_MEMORY][RB_SWEEP_MEMORY];
 };
 
@@ -263,8 +272,22 @@ static void solve_gram(const struct mixture *m, int filled, const double *right,
 }
 
 /*
- * Takes the last sweep in and goes to the mixture that would have changed least; `afresh`: forgets
- * all before.
+ * Whether a mixture leads no row far beyond what sweeps come to. Where impulses creep on, sweeps
+ * are nearly alike and make mixtures of any size, of which only rounding decides the way.
+ */
+static bool is_within(const struct mixture *m, const double *mix, int filled)
+{
+	double way = 0;
+
+	for (int j = 0; j < filled; j++)
+		way += fabs(mix[j]) * m->way[j];
+	/* written so that NaN is not */
+	return way <= far_ratio * m->reach;
+}
+
+/*
+ * Takes the last sweep in and goes to the mixture that would have changed least, unless that is too
+ * far; `afresh`: forgets all before.
  */
 static void accelerate(const struct rb_sweep *sweep, struct mixture *m, bool afresh)
 {
@@ -280,10 +303,26 @@ static void accelerate(const struct rb_sweep *sweep, struct mixture *m, bool afr
 	const struct sums sums = remember_rows(sweep, m->at, filled);
 	for (int j = 0; j < filled; j++)
 		m->gram[m->at][j] = m->gram[j][m->at] = sums.newest[j];
+	m->way[m->at] = sums.way;
 	solve_gram(m, filled, sums.now, mix);
 	m->count = filled;
 	m->at = (m->at + 1) % RB_SWEEP_MEMORY;
-	follow_rows(sweep, mix, filled);
+	if (is_within(m, mix, filled))
+		follow_rows(sweep, mix, filled);
+}
+
+/* m/s: the largest that the impulse of a row makes of its velocity. */
+static double size_of(const struct rb_sweep *sweep)
+{
+	double max = 0;
+
+	for (int k = 0; k < sweep->dense->row_count; k++) {
+		const struct rb_constraint *row = &sweep->dense->row[k];
+
+		max = larger(max,
+		             row->inverse_mass_n * rb_vec3_max_abs(rb_constraint_impulse(row)));
+	}
+	return max;
 }
 
 void rb_sweep_warm(const struct rb_row_system *dense)
@@ -298,7 +337,7 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 {
 	struct rb_sweep_result result = {0};
 	struct mixture mixture = {0};
-	double before = 0;
+	double before = 0, first = 0;
 
 	RB_ASSERT(sweep->trace && sweep->max > 0 && sweep->tolerance >= 0);
 	for (int k = 0; k < sweep->dense->row_count; k++)
@@ -308,9 +347,11 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 
 		result.sweeps++;
 		result.residual = now.change;
+		first = result.sweeps == 1 ? now.change : first;
 		if (now.change <= sweep->tolerance || result.sweeps == sweep->max)
 			break;
 		/* where it got worse, faces have changed, and with them what was learned */
+		mixture.reach += result.sweeps == 1 ? size_of(sweep) : first;
 		accelerate(sweep, &mixture, result.sweeps == 1 || now.size > before);
 		before = now.size;
 	}
