@@ -65,6 +65,32 @@ rb_mat3 rb_effective_mass_of(const struct rb_solver_bodies *bodies, const struct
 	return k;
 }
 
+/* Of K along three axes, what rows are solved with. */
+struct entries {
+	double nn, xx, yy, xy;
+};
+
+static void add_entries(const struct rb_solver_bodies *bodies, int i, rb_vec3 arm,
+                        const rb_vec3 axis[3], struct entries *k)
+{
+	const struct rb_solver_body *const body = &bodies->body[i];
+	rb_vec3 lever[3], spin[3];
+
+	k->nn += body->inverse_mass;
+	k->xx += body->inverse_mass;
+	k->yy += body->inverse_mass;
+	if (body->inverse_inertia == 0)
+		return;
+	for (int c = 0; c < 3; c++) {
+		lever[c] = rb_vec3_cross(arm, axis[c]);
+		spin[c] = rb_solver_turn(bodies, i, lever[c]);
+	}
+	k->nn += rb_vec3_dot(lever[0], spin[0]);
+	k->xx += rb_vec3_dot(lever[1], spin[1]);
+	k->yy += rb_vec3_dot(lever[2], spin[2]);
+	k->xy += rb_vec3_dot(lever[1], spin[2]);
+}
+
 void rb_effective_mass_fill(const struct rb_solver_bodies *bodies, struct rb_constraint *row)
 {
 	const struct rb_solver_body *a = &bodies->body[row->a], *b = &bodies->body[row->b];
@@ -78,9 +104,20 @@ void rb_effective_mass_fill(const struct rb_solver_bodies *bodies, struct rb_con
 	}
 	const rb_vec3 x = rb_vec3_across(row->normal);
 	const rb_vec3 axis[3] = {row->normal, x, rb_vec3_cross(row->normal, x)};
-	const rb_mat3 k = rb_effective_mass_of(bodies, row, axis);
+	if (row->couple) {
+		const rb_mat3 k = rb_effective_mass_of(bodies, row, axis);
 
-	RB_ASSERT_COSTLY(k.m[0][0] > 0);
-	row->inverse_mass_n = k.m[0][0];
-	row->inverse_mass_t = rb_effective_mass_across(&k);
+		row->inverse_mass_n = k.m[0][0];
+		row->inverse_mass_t = rb_effective_mass_across(&k);
+		return;
+	}
+	struct entries k = {0};
+
+	add_entries(bodies, row->a, rb_constraint_arm_a(row), axis, &k);
+	add_entries(bodies, row->b, rb_constraint_arm_b(row), axis, &k);
+	RB_ASSERT_COSTLY(k.nn > 0);
+	/* the larger eigenvalue of what is across; as in rb_effective_mass_across, without hypot */
+	const double half = 0.5 * (k.xx - k.yy);
+	row->inverse_mass_n = k.nn;
+	row->inverse_mass_t = 0.5 * (k.xx + k.yy) + sqrt(half * half + k.xy * k.xy);
 }

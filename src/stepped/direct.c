@@ -211,31 +211,48 @@ static double evaluate(struct newton *s, double *rounding)
 
 /* ---- one Newton step ---- */
 
-static rb_mat3 cross_matrix(rb_vec3 r)
+static rb_vec3 row_of(const rb_mat3 *m, int i)
 {
-	return (rb_mat3){{{0, -r.z, r.y}, {r.z, 0, -r.x}, {-r.y, r.x, 0}}};
+	return (rb_vec3){m->m[i][0], m->m[i][1], m->m[i][2]};
+}
+
+static rb_vec3 column_of(const rb_mat3 *m, int j)
+{
+	return (rb_vec3){m->m[0][j], m->m[1][j], m->m[2][j]};
 }
 
 /*
  * sign [[K, -K X], [-Y^T K, Y^T K X]] with X, Y the cross matrices of the column's and the row's
- * arm.
+ * arm: rows of K X are those of K times that arm, columns of Y^T K the other's cross products.
  */
 static void add_block(rb_block *block, double sign, const rb_mat3 *k, rb_vec3 row_arm,
                       rb_vec3 column_arm)
 {
-	const rb_mat3 x = cross_matrix(column_arm), y = cross_matrix(row_arm);
-	const rb_mat3 yt = rb_mat3_transposed(&y);
-	const rb_mat3 kx = rb_mat3_multiply(k, &x), yk = rb_mat3_multiply(&yt, k);
-	const rb_mat3 ykx = rb_mat3_multiply(&yt, &kx);
+	rb_mat3 kx;
 
 	RB_ASSERT_COSTLY(block != NULL);
-	for (int i = 0; i < 3; i++)
-		for (int j = 0; j < 3; j++) {
+	for (int i = 0; i < 3; i++) {
+		const rb_vec3 across = rb_vec3_cross(row_of(k, i), column_arm);
+
+		kx.m[i][0] = across.x;
+		kx.m[i][1] = across.y;
+		kx.m[i][2] = across.z;
+	}
+	for (int j = 0; j < 3; j++) {
+		const rb_vec3 yk = rb_vec3_cross(column_of(k, j), row_arm);
+		const rb_vec3 ykx = rb_vec3_cross(column_of(&kx, j), row_arm);
+
+		for (int i = 0; i < 3; i++) {
 			block->m[i][j] += sign * k->m[i][j];
 			block->m[i][j + 3] -= sign * kx.m[i][j];
-			block->m[i + 3][j] -= sign * yk.m[i][j];
-			block->m[i + 3][j + 3] += sign * ykx.m[i][j];
 		}
+		block->m[3][j] -= sign * yk.x;
+		block->m[4][j] -= sign * yk.y;
+		block->m[5][j] -= sign * yk.z;
+		block->m[3][j + 3] += sign * ykx.x;
+		block->m[4][j + 3] += sign * ykx.y;
+		block->m[5][j + 3] += sign * ykx.z;
+	}
 }
 
 /* The same of a couple, which only turns. */

@@ -6,8 +6,9 @@
  * of rows has made of it; where contacts slide, that would turn a symmetric box.
  *
  * Of all normal impulses p with the same wrenches A p the one of least norm is the projection of p
- * on the row space of A. It is spanned here by modified Gram-Schmidt with one reorthogonalization
- * ("twice is enough": Giraud, Langou, Rozloznik 2005) on the rows of A, six per dynamic body.
+ * on the row space of A. It is spanned here by modified Gram-Schmidt with at most one
+ * reorthogonalization ("twice is enough": Giraud, Langou, Rozloznik 2005) on the rows of A, six per
+ * dynamic body.
  * Cheaper than an SVD, and a row that is dependent is recognized on the way. Where the projection
  * would make an impulse negative, the step towards it is shortened.
  */
@@ -86,22 +87,38 @@ static double dot(const double *x, const double *y, int n)
 	return sum;
 }
 
-/* Adds the direction of v, which is overwritten, unless the span contains it already. */
+/* Takes out of v what the span contains. */
+static void reject(const struct span *span, double *v)
+{
+	for (int k = 0; k < span->count; k++) {
+		const double *const unit = span->unit + (size_t)k * (size_t)span->n;
+		const double along = dot(v, unit, span->n);
+
+		/* loads of bodies that share no row */
+		if (along == 0)
+			continue;
+		for (int i = 0; i < span->n; i++)
+			v[i] -= along * unit[i];
+	}
+}
+
+/*
+ * Adds the direction of v, which is overwritten, unless the span contains it already. What keeps
+ * most of its length is orthogonal to rounding after one pass (Daniel, Gragg, Kaufman, Stewart
+ * 1976).
+ */
 static void extend(struct span *span, double *v)
 {
 	const double size = dot(v, v, span->n);
 
-	for (int pass = 0; pass < 2; pass++)
-		for (int k = 0; k < span->count; k++) {
-			const double *const unit = span->unit + (size_t)k * (size_t)span->n;
-			const double along = dot(v, unit, span->n);
-
-			for (int i = 0; i < span->n; i++)
-				v[i] -= along * unit[i];
-		}
-	RB_ASSERT_COSTLY(span->count <= span->n);
-	const double left = dot(v, v, span->n);
-	if (span->count == span->n || !(left > own_share * own_share * size))
+	RB_ASSERT_COSTLY(span->count < span->n);
+	reject(span, v);
+	double left = dot(v, v, span->n);
+	if (!(left > 0.5 * size)) {
+		reject(span, v);
+		left = dot(v, v, span->n);
+	}
+	if (!(left > own_share * own_share * size))
 		return;
 	double *const unit = span->unit + (size_t)span->count++ * (size_t)span->n;
 	for (int i = 0; i < span->n; i++)
@@ -125,7 +142,7 @@ static void load(struct rb_constraint *const *taken, int n, int body, int which,
 		const rb_vec3 arm = is_a ? row->arm_a : row->arm_b;
 
 		v[i] = 0;
-		if (row->a != body && row->b != body)
+		if (!is_a && row->b != body)
 			continue;
 		const double part = which < 3
 		                            ? component(row->normal, which)
@@ -134,7 +151,7 @@ static void load(struct rb_constraint *const *taken, int n, int body, int which,
 	}
 }
 
-/* Row space of A: six rows for each dynamic body, each body once. */
+/* Row space of A: six rows for each dynamic body, each body once, until it is all of R^n. */
 static void span_loads(const struct rb_row_system *rows, struct rb_constraint *const *taken,
                        struct span *span, double *scratch)
 {
@@ -147,6 +164,8 @@ static void span_loads(const struct rb_row_system *rows, struct rb_constraint *c
 			for (int i = 0; i < k && !seen; i++)
 				seen = taken[i]->a == ends[e] || taken[i]->b == ends[e];
 			for (int which = 0; which < 6 && !seen; which++) {
+				if (span->count == span->n)
+					return;
 				load(taken, span->n, ends[e], which, scratch);
 				extend(span, scratch);
 			}
@@ -184,11 +203,8 @@ static double put(const struct rb_row_system *rows, struct rb_constraint *row,
 static bool share_a_body(const struct rb_row_system *rows, const struct rb_constraint *x,
                          const struct rb_constraint *y)
 {
-	const bool a_moves = rows->bodies.body[x->a].inverse_mass != 0;
-	const bool b_moves = rows->bodies.body[x->b].inverse_mass != 0;
-
-	return (a_moves && (x->a == y->a || x->a == y->b)) ||
-	       (b_moves && (x->b == y->a || x->b == y->b));
+	return ((x->a == y->a || x->a == y->b) && rows->bodies.body[x->a].inverse_mass != 0) ||
+	       ((x->b == y->a || x->b == y->b) && rows->bodies.body[x->b].inverse_mass != 0);
 }
 
 /* Rows that bodies connect, as trees: nothing of one is orthogonalized against another. */
@@ -198,10 +214,12 @@ static void connect(const struct rb_row_system *rows, struct rb_constraint *cons
 	for (int i = 0; i < n; i++) {
 		parent[i] = i;
 		for (int k = 0; k < i; k++) {
+			if (!share_a_body(rows, taken[i], taken[k]))
+				continue;
 			const int other = rb_forest_root(parent, k),
 				  own = rb_forest_root(parent, i);
 
-			if (own != other && share_a_body(rows, taken[i], taken[k]))
+			if (own != other)
 				parent[own > other ? own : other] = own < other ? own : other;
 		}
 	}
@@ -222,7 +240,9 @@ static int even_part(const struct rb_row_system *rows, struct pass *pass, int n)
 	span_loads(rows, pass->part, &span, pass->scratch);
 	for (int i = 0; i < n; i++)
 		pass->normal_impulse[i] = pass->part[i]->impulse.n;
-	for (int k = 0; k < span.count; k++) {
+	for (int i = 0; i < n && span.count == n; i++)
+		pass->even[pass->place[i]] = pass->normal_impulse[i];
+	for (int k = 0; k < span.count && span.count < n; k++) {
 		const double *const unit = span.unit + (size_t)k * (size_t)n;
 		const double along = dot(pass->normal_impulse, unit, n);
 
