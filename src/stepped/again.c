@@ -266,11 +266,12 @@ static void go_back(struct rb_world *world, const struct rb_cohort *cohort)
 	for (int k = 0; k < cohort->body_count; k++) {
 		const size_t i = (size_t)cohort->body[k];
 
-		rb_vec3_to(world->state.velocity + 3 * i, solver->free[i].linear);
+		const struct rb_solver_body *const given = solver->given ? &solver->given[i]
+		                                                         : &solver->free[i];
+
+		rb_vec3_to(world->state.velocity + 3 * i, given->linear);
 		if (world->state.spin)
-			rb_vec3_to(world->state.spin + 3 * i, solver->stiff && solver->stiff[i]
-			                                              ? solver->given_spin[i]
-			                                              : solver->free[i].angular);
+			rb_vec3_to(world->state.spin + 3 * i, given->angular);
 	}
 }
 

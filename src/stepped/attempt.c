@@ -312,6 +312,8 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 	if (status != RB_OK)
 		return status;
 	status = move_and_inspect(world, cohort, h, err);
+	if (status == RB_OK)
+		status = rb_solver_end(&s->solver, world, err);
 	if (status != RB_OK)
 		return status;
 	if (s->tally)

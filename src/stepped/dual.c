@@ -23,7 +23,7 @@ static const double redundant_share = 1e-10;
  * Of its diagonal, what a row gives way by: where rows are redundant but for next to nothing, as
  * those of a chain that is held taut, which sags within the tolerance, drift of second order would
  * else make velocities that are as many times larger. Others drift by this share of what they
- * change in a step.
+ * change in a step, beyond the impulses that they begin with.
  */
 static const double compliance_share = 1e-9;
 /*
@@ -289,9 +289,11 @@ static double short_of(const struct system *s, const struct unknown *x)
 	const struct rb_constraint *row = &s->dense->row[x->row];
 	const rb_vec3 u = rb_constraint_velocity(&s->dense->bodies, row);
 	const rb_vec3 off = rb_vec3_sub(rb_constraint_joined(row, row->target), u);
+	const rb_vec3 begun = rb_constraint_joined(row, s->begun[x->row]);
 
 	return rb_vec3_dot(off, x->along) - row->softness * row->impulse.n -
-	       x->compliance * rb_vec3_dot(rb_constraint_impulse(row), x->along);
+	       x->compliance *
+	               rb_vec3_dot(rb_vec3_sub(rb_constraint_impulse(row), begun), x->along);
 }
 
 static void give(struct system *s, const struct unknown *x, double impulse)

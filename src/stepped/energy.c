@@ -71,6 +71,7 @@ static double driven_work(const struct rb_solver *solver, const struct rb_island
 /*
  * What joints give, J, at the velocities that are solved for: where ways are bent, the constraint
  * turns with them, and its work comes back. Motors, springs and friction are no contact either.
+ * What a limit or a rope takes it takes as a contact does, by closing what was open.
  */
 static double joint_work(const struct rb_solver *solver, const struct rb_island *island)
 {
@@ -79,8 +80,10 @@ static double joint_work(const struct rb_solver *solver, const struct rb_island 
 	for (int k = island->contact_count; k < island->row_count; k++) {
 		const struct rb_constraint *row = &solver->dense.row[island->first_row + k];
 
-		sum += rb_vec3_dot(rb_constraint_impulse(row),
-		                   rb_constraint_velocity(&solver->dense.bodies, row));
+		const double work = rb_vec3_dot(rb_constraint_impulse(row),
+		                                rb_constraint_velocity(&solver->dense.bodies, row));
+
+		sum += rb_constraint_side(row) != 0 ? fmax(0, work) : work;
 	}
 	return sum;
 }

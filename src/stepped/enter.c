@@ -154,7 +154,7 @@ static rb_vec3 even_place(const struct entering *n, int i)
 	const rb_vec3 begin = rb_world_row3(n->before->position, i);
 
 	if (body->kind != RB_TALLY_FREE)
-		return begin;
+		return body->halves ? mean(begin, body->place) : begin;
 	return n->world->stepped->varied
 	               ? rb_vec3_add(begin, body->carry)
 	               : rb_vec3_add_scaled(begin, 0.5 * n->pass.h_s,

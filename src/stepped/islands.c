@@ -36,8 +36,7 @@ static rb_mat3 turned_tensor(const rb_mat3 *inverse, rb_quat orientation)
 	return rb_mat3_multiply(&half, &t);
 }
 
-/* State of a body for the solver; `free` keeps the velocity without contacts. */
-static void fill_body(struct rb_solver *solver, const struct rb_world *world, int i)
+void rb_islands_fill_body(struct rb_solver *solver, const struct rb_world *world, int i)
 {
 	const struct rb_model *model = world->model;
 	const struct rb_state *state = &world->state;
@@ -57,11 +56,16 @@ static void fill_body(struct rb_solver *solver, const struct rb_world *world, in
 	solver->free[i] = *body;
 }
 
-static void store_body(const struct rb_solver *solver, struct rb_world *world, int i)
+void rb_islands_store_body(const struct rb_solver *solver, struct rb_world *world, int i)
 {
 	rb_vec3_to(world->state.velocity + 3 * (size_t)i, solver->dense.bodies.body[i].linear);
 	if (world->state.spin)
 		rb_vec3_to(world->state.spin + 3 * (size_t)i, solver->dense.bodies.body[i].angular);
+}
+
+static rb_vec3 mean(rb_vec3 x, rb_vec3 y)
+{
+	return rb_vec3_scale(0.5, rb_vec3_add(x, y));
 }
 
 /* A parallel pass over bodies, points or rows; each writes only its own. */
@@ -88,7 +92,7 @@ static void fill_bodies_block(void *user, int block, int worker)
 
 	(void)worker;
 	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++)
-		fill_body(pass->solver, pass->world, pass->solver->active[k]);
+		rb_islands_fill_body(pass->solver, pass->world, pass->solver->active[k]);
 }
 
 static void store_bodies_block(void *user, int block, int worker)
@@ -97,7 +101,7 @@ static void store_bodies_block(void *user, int block, int worker)
 
 	(void)worker;
 	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++)
-		store_body(pass->solver, pass->world, pass->solver->active[k]);
+		rb_islands_store_body(pass->solver, pass->world, pass->solver->active[k]);
 }
 
 static void run_pass(struct pass *pass, size_t count, rb_team_work *work)
@@ -165,6 +169,7 @@ struct rb_joint_query rb_islands_joints(const struct rb_solver *solver,
 	                               .bodies = &solver->dense.bodies,
 	                               .fixed = solver->body_count,
 	                               .h_s = solver->h_s,
+	                               .lasts_s = solver->h_s,
 	                               .share = 1};
 }
 
@@ -252,66 +257,9 @@ static void place_joints(struct rb_solver *solver, const struct rb_world *world)
 	}
 }
 
-/* Adds `scale` times what a unit of mass at r has of inertia: r.r - r r^T. */
-static void add_about(rb_mat3 *sum, double scale, rb_vec3 r)
-{
-	const double x[3] = {r.x, r.y, r.z}, square = rb_vec3_dot(r, r);
-
-	for (int k = 0; k < 9; k++)
-		sum->m[k / 3][k % 3] += scale * ((k % 4 == 0) * square - x[k / 3] * x[k % 3]);
-}
-
 static double trace(const rb_mat3 *x)
 {
 	return x->m[0][0] + x->m[1][1] + x->m[2][2];
-}
-
-/* 1/kg: a bound of how a body yields at a point `arm` m from its centre of mass; -1: the world. */
-static double inverse_mass_at(const struct rb_model *model, int i, double arm)
-{
-	if (i < 0 || i >= model->body_count)
-		return 0;
-	const double scalar = model->inverse_inertia_scalar[i];
-
-	return model->inverse_mass[i] +
-	       arm * arm * (isnan(scalar) ? trace(&model->inverse_inertia[i]) : scalar);
-}
-
-/*
- * What the pull of a body's joints does to its turning in the step: a point at r that is pulled by
- * F goes on being pulled by it where turning by t has brought it, with a torque of -(F.r) t across
- * r. At the end of the step that is h^2 F.r of inertia, where the step does not resolve it: light
- * links that carry heavy bodies (Tournier, Nesme, Gilles, Faure, ACM TOG 34(4):132 (2015)). Turning
- * also moves what is joined at r, or the body about it: `joined`, kg m^2, the mass of both there.
- */
-static rb_mat3 geometric_stiffness(const struct rb_solver *solver, const struct rb_world *world,
-                                   int i, rb_mat3 *joined)
-{
-	const struct rb_joints *joints = world->model->joints;
-	const rb_quat q = rb_world_orientation_at(world, &world->state, i);
-	rb_mat3 sum = {{{0}}};
-
-	for (int e = joints->first[i]; e < joints->first[i + 1]; e++) {
-		const struct rb_joint *joint = &joints->joint[joints->of[e]];
-		const double *force = solver->joint[joints->of[e]].last.force;
-		const bool is_a = joint->a == i;
-		const rb_vec3 arm = is_a ? joint->link.at_a : joint->link.at_b;
-		const rb_vec3 other = is_a ? joint->link.at_b : joint->link.at_a;
-		const double inverse_mass = inverse_mass_at(
-			world->model, is_a ? joint->b : joint->a, rb_vec3_length(other));
-		const rb_vec3 r = rb_quat_rotate(q, arm);
-		const rb_vec3 f = {force[0], force[1], force[2]};
-		const double along = (is_a ? -1 : 1) * rb_vec3_dot(f, r);
-		const double square = rb_vec3_dot(r, r);
-
-		if (!rb_linkage_has_point(&joint->link) || !(square > 0))
-			continue;
-		add_about(joined, 1 / (solver->dense.bodies.body[i].inverse_mass + inverse_mass),
-		          r);
-		if (along > 0)
-			add_about(&sum, solver->h_s * solver->h_s * along / square, r);
-	}
-	return sum;
 }
 
 /* Adds that to the inertia of bodies of which it is a larger share than steps resolve. */
@@ -319,12 +267,14 @@ static void stiffen(struct rb_solver *solver, const struct rb_world *world, int 
 {
 	struct rb_solver_body *const body = &solver->dense.bodies.body[i];
 
+	solver->given[i] = *body;
 	solver->stiff[i] = 0;
 	if (!solver->before || !(body->inverse_mass > 0) || body->inverse_inertia == 0 ||
 	    world->model->joints->first[i] == world->model->joints->first[i + 1])
 		return;
 	rb_mat3 whole = {{{0}}}, inertia, stiffened, inverse_whole;
-	const rb_mat3 stiffness = geometric_stiffness(solver, world, i, &whole);
+	const rb_mat3 stiffness = rb_step_joint_rows_stiffness(world, solver->joint, i, solver->h_s,
+	                                                       &whole);
 	const double scalar = body->inverse_inertia;
 	const rb_mat3 inverse = isnan(scalar) ? solver->tensor[i]
 	                                      : rb_mat3_diagonal(scalar, scalar, scalar);
@@ -346,7 +296,6 @@ static void stiffen(struct rb_solver *solver, const struct rb_world *world, int 
 	if (!rb_mat3_inverse(&inertia, &stiffened))
 		return;
 	solver->stiff[i] = 1;
-	solver->given_spin[i] = body->angular;
 	solver->tensor[i] = stiffened;
 	body->inverse_inertia = (double)NAN;
 	body->angular = rb_mat3_apply(&stiffened, momentum);
@@ -357,12 +306,14 @@ static void fill_joints_block(void *user, int block, int worker)
 {
 	const struct pass *pass = user;
 	struct rb_solver *solver = pass->solver;
-	const struct rb_joint_query query = rb_islands_joints(solver, pass->world);
+	struct rb_joint_query query = rb_islands_joints(solver, pass->world);
 
 	(void)worker;
 	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
 		struct rb_step_joint *of = &solver->joint[solver->joined[k]];
 
+		query.lasts_s = rb_islands_lasts(
+			solver, group_of_joint(solver, pass->world, solver->joined[k]));
 		if (of->first_row >= 0)
 			rb_step_joint_rows_fill(&query, solver->joined[k], of,
 			                        solver->dense.row + of->first_row);
@@ -516,6 +467,44 @@ static void lay_out(struct rb_solver *solver, const struct rb_world *world,
 	RB_ASSERT(row >= 0);
 	place_joints(solver, world);
 	solver->dense.row_count = row;
+}
+
+/*
+ * Groups that take impulses in halves, since joints and constant forces alone act on them within
+ * what the step resolves; of forces their bodies get one half now.
+ */
+static void find_halves(struct rb_solver *solver, const struct rb_world *world)
+{
+	const struct rb_joint_query query = rb_islands_joints(solver, world);
+	const bool varies = world->model->features & RB_FEATURES_VARIED;
+
+	for (size_t g = 0; g < solver->island_count; g++) {
+		struct rb_island *const island = &solver->island[g];
+
+		island->halves = solver->before && !varies && !island->rests &&
+		                 island->contact_count == 0;
+		for (int k = 0; k < island->member_count; k++)
+			island->halves = island->halves &&
+			                 !solver->stiff[solver->member[island->first_member + k]];
+	}
+	for (int k = 0; k < solver->joined_count; k++) {
+		const int number = solver->joined[k];
+		struct rb_island *const island = group_of_joint(solver, world, number);
+
+		island->halves = island->halves && rb_step_joint_rows_are_smooth(
+							   &query, number, &solver->joint[number]);
+	}
+	for (int k = 0; k < solver->active_count; k++) {
+		const int i = solver->active[k], g = solver->island_of[i];
+		struct rb_solver_body *const body = &solver->dense.bodies.body[i];
+
+		if (g < 0 || !solver->island[g].halves)
+			continue;
+		body->linear = mean(body->linear, rb_world_row3(solver->before->velocity, i));
+		if (solver->before->spin)
+			body->angular = mean(body->angular, rb_world_row3(solver->before->spin, i));
+		solver->free[i] = *body;
+	}
 }
 
 /* Points of one face of a pair have bit for bit the same normal and are adjacent. */
@@ -683,6 +672,8 @@ static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struc
 	if (status != RB_OK)
 		return status;
 	lay_out(solver, world, points, place);
+	if (solver->joined_count > 0)
+		find_halves(solver, world);
 	pass->place = place;
 	run_pass(pass, points->count, fill_rows_block);
 	if (solver->joined_count > 0)

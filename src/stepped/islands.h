@@ -24,6 +24,8 @@ struct rb_island {
 	bool carried; /* what does not yield moves under or against it */
 	bool rests;   /* still: it has no rows */
 	bool kept;    /* as an earlier look at the step has solved it */
+	/* joints and constant forces alone act: in halves, at both ends (joint_constraints) */
+	bool halves;
 	/* J, twice: what its contacts have taken in the step; more than it no rebound gives back */
 	double energy_budget;
 	double share;        /* of the rebound, that keeps to it */
@@ -72,9 +74,12 @@ struct rb_solver {
 	double *rest_external;
 	int *point; /* owned, [rows]: its place among the points of the step; -1: of a joint */
 	struct rb_step_joint *joint; /* owned, by joint; NULL: the scene has none */
-	/* owned, [bodies]: 1: turning is stiffened by joints; then rad/s, its spin without that */
-	unsigned char *stiff;
-	rb_vec3 *given_spin;
+	unsigned char *stiff;        /* owned, [bodies]: 1: turning is stiffened by joints */
+	/*
+	 * owned, [bodies]: as the step's forces have left it, not stiffened, not halved; once a
+	 * step of halves is solved, what it has moved with; NULL: the scene has no joints
+	 */
+	struct rb_solver_body *given;
 	int *joined; /* owned: joints of the bodies of the step, in order of their owners */
 	int joined_count;
 	struct rb_island *island; /* owned */
@@ -131,6 +136,17 @@ rb_vec3 rb_islands_between(const struct rb_solver *solver, const double *positio
 /* How joints of the step under way are asked for their rows. */
 struct rb_joint_query rb_islands_joints(const struct rb_solver *solver,
                                         const struct rb_world *world);
+
+/* State of a body for the solver; `free` keeps the velocity without contacts. And back. */
+void rb_islands_fill_body(struct rb_solver *solver, const struct rb_world *world, int body);
+void rb_islands_store_body(const struct rb_solver *solver, struct rb_world *world, int body);
+
+/* s: what impulses of a group last for. */
+static inline double rb_islands_lasts(const struct rb_solver *solver,
+                                      const struct rb_island *island)
+{
+	return island->halves ? 0.5 * solver->h_s : solver->h_s;
+}
 
 /* Impulses go to points and joints, velocities to the world. */
 void rb_islands_end(struct rb_solver *solver, struct rb_world *world,

@@ -92,14 +92,21 @@ struct filling {
 	double way; /* of the free coordinate, turns counted */
 };
 
+/* N s, N m s: what a part's impulse begins from. */
+static double given_by(const struct filling *f, int part)
+{
+	return f->query->at_end ? f->of->impulse[part]
+	                        : f->query->lasts_s * f->of->last.force[part];
+}
+
 /* Three rows of a point: at the middle of both, so that no torque is left over. */
 static struct rb_constraint point_row(const struct filling *f)
 {
 	const double h = f->query->h_s;
 	const rb_vec3 d = {f->link[0].error, f->link[1].error, f->link[2].error};
 	const rb_vec3 bend = {f->of->bend[0], f->of->bend[1], f->of->bend[2]};
-	const rb_vec3 target = rb_vec3_scale(-1 / h, f->query->before ? rb_vec3_add(d, bend) : d);
-	const double *const force = f->of->last.force;
+	const rb_vec3 target = rb_vec3_scale(f->query->at_end ? 0 : -1 / h,
+	                                     f->query->before ? rb_vec3_add(d, bend) : d);
 	struct rb_constraint row = {.set = RB_CONSTRAINT_FREE, .normal = {0, 0, 1}};
 
 	row.arm_a = rb_vec3_add_scaled(rb_quat_rotate(f->a.orientation, f->joint->link.at_a), 0.5,
@@ -109,7 +116,7 @@ static struct rb_constraint point_row(const struct filling *f)
 	row.target = rb_constraint_split(&row, target);
 	if (f->query->before)
 		row.impulse = rb_constraint_split(
-			&row, (rb_vec3){h * force[0], h * force[1], h * force[2]});
+			&row, (rb_vec3){given_by(f, 0), given_by(f, 1), given_by(f, 2)});
 	return row;
 }
 
@@ -138,52 +145,89 @@ static struct rb_constraint line_row(const struct filling *f, const struct rb_li
 	return row;
 }
 
-/* N s of a row's impulse for a multiplier: force or torque about its unit axis. */
-static double impulse_of(const struct rb_constraint *row, double force, double h)
+/* N s of a row's impulse for a multiplier: impulse along or about its unit axis. */
+static double impulse_of(const struct rb_constraint *row, double given)
 {
-	return h * force / (row->couple ? row->arm_a.x : 1);
+	return given / (row->couple ? row->arm_a.x : 1);
+}
+
+/* In a second half: what pushes one way holds on where it has done so in the first. */
+static void keep_open(const struct filling *f, struct rb_constraint *row, int part)
+{
+	if (f->query->at_end && f->of->impulse[part] == 0)
+		row->low = row->high = 0;
 }
 
 static struct rb_constraint linkage_row(const struct filling *f, int k)
 {
 	const double bend = f->query->before ? f->of->bend[k] : 0;
+	const double rate = -(f->link[k].error + bend) / f->query->h_s;
 	double scale;
-	struct rb_constraint row = line_row(f, &f->link[k],
-	                                    -(f->link[k].error + bend) / f->query->h_s, &scale);
+	struct rb_constraint row = line_row(f, &f->link[k], f->query->at_end ? 0 : rate, &scale);
 
 	row.low = -(double)INFINITY;
 	row.high = f->joint->link.type->one_sided ? 0 : (double)INFINITY;
+	if (f->joint->link.type->one_sided)
+		keep_open(f, &row, k);
 	return row;
 }
 
-/* Springs are at the end of the step: of its stretch there, and of its rate. */
-static void make_spring(const struct filling *f, struct rb_constraint *row, double scale)
+/*
+ * Springs are at the end of `ahead`, s, which is also what they act for: of their stretch there,
+ * and of their rate.
+ */
+static void soften(const struct filling *f, struct rb_constraint *row, double ahead)
 {
-	const double h = f->query->h_s, k = f->joint->stiffness, c = f->joint->damping;
-	const double softness = 1 / (h * (h * k + c));
-	const double stretch = f->way - f->joint->rest;
+	const double k = f->joint->stiffness, c = f->joint->damping;
+	const double softness = 1 / (ahead * (ahead * k + c));
+	const double scale = row->couple ? row->arm_a.x / rb_vec3_length(f->free.row.angular_b) : 1;
 
-	row->low = -(double)INFINITY;
-	row->high = (double)INFINITY;
 	/* an impulse p of the row is scale p of torque, its velocity scale times the rate */
 	row->softness = scale * scale * softness;
-	row->target.n = -scale * softness * h * k * stretch;
+	row->target.n = -scale * softness * ahead * k * (f->way - f->joint->rest);
+}
+
+/*
+ * At the end of the step, or at its middle where impulses are halved and the step resolves it; a
+ * second half repeats that.
+ */
+static void make_spring(const struct filling *f, struct rb_constraint *row)
+{
+	const struct rb_joint_query *query = f->query;
+
+	if (query->at_end) {
+		row->low = row->high = f->of->spring_is_late
+		                               ? 0
+		                               : impulse_of(row, f->of->impulse[RB_JOINT_SPRING]);
+		row->target.n = row->softness = 0;
+		return;
+	}
+	row->low = -(double)INFINITY;
+	row->high = (double)INFINITY;
+	soften(f, row, query->h_s);
+	/* written so that NaN is late */
+	f->of->spring_is_late = !(query->lasts_s < query->h_s &&
+	                          row->inverse_mass_n <= row->softness);
+	if (!f->of->spring_is_late)
+		soften(f, row, query->lasts_s);
 }
 
 static double motor_rate(const struct filling *f)
 {
 	const double speed = f->query->world->joint[f->joint->def].motor_speed;
 
-	if (isnan(speed))
-		return isnan(f->of->wanted) ? 0 : (f->of->wanted - f->way) / f->query->h_s;
-	return speed;
+	if (!isnan(speed))
+		return speed;
+	if (isnan(f->of->wanted))
+		return 0;
+	return f->query->at_end ? f->of->wanted_rate : (f->of->wanted - f->way) / f->query->h_s;
 }
 
 static struct rb_constraint free_row(const struct filling *f, int part)
 {
-	const double h = f->query->h_s;
-	const double rate = part == RB_JOINT_LOW     ? (f->joint->low - f->way) / h
-	                    : part == RB_JOINT_HIGH  ? (f->joint->high - f->way) / h
+	const double each = f->query->at_end ? 0 : 1 / f->query->h_s;
+	const double rate = part == RB_JOINT_LOW     ? each * (f->joint->low - f->way)
+	                    : part == RB_JOINT_HIGH  ? each * (f->joint->high - f->way)
 	                    : part == RB_JOINT_MOTOR ? motor_rate(f)
 	                                             : 0;
 	double scale, max = 0;
@@ -192,17 +236,16 @@ static struct rb_constraint free_row(const struct filling *f, int part)
 	if (part == RB_JOINT_LOW || part == RB_JOINT_HIGH) {
 		row.low = part == RB_JOINT_LOW ? 0 : -(double)INFINITY;
 		row.high = part == RB_JOINT_LOW ? (double)INFINITY : 0;
+		keep_open(f, &row, part);
 		return row;
 	}
 	if (!f->query->before)
 		return row; /* positions are moved: 0 and 0 */
-	if (part == RB_JOINT_SPRING) {
-		make_spring(f, &row, scale);
-		return row;
-	}
+	if (part == RB_JOINT_SPRING)
+		return row; /* made when it is known how its bodies yield */
 	max = part == RB_JOINT_MOTOR ? f->query->world->joint[f->joint->def].motor_max
 	                             : f->joint->friction;
-	row.high = impulse_of(&row, max, h);
+	row.high = impulse_of(&row, f->query->lasts_s * max);
 	row.low = -row.high;
 	return row;
 }
@@ -260,7 +303,7 @@ void rb_step_joint_rows_fill(const struct rb_joint_query *query, int k, struct r
 	const int rows = list_parts(f.joint, part);
 
 	RB_ASSERT_COSTLY(query->h_s > 0);
-	if (query->before)
+	if (query->before && !query->at_end)
 		of->rate = f.joint->link.type->one_sided
 		                   ? rb_linkage_row_velocity(&f.link[0], &f.a, &f.b)
 		                   : f.free.rate;
@@ -271,12 +314,13 @@ void rb_step_joint_rows_fill(const struct rb_joint_query *query, int k, struct r
 			row[r] = part[r] < RB_JOINT_LOW ? linkage_row(&f, part[r])
 			                                : free_row(&f, part[r]);
 			if (query->before)
-				row[r].impulse.n = impulse_of(&row[r], of->last.force[part[r]],
-				                              query->h_s);
+				row[r].impulse.n = impulse_of(&row[r], given_by(&f, part[r]));
 		}
 		set_ends(&f, &row[r]);
-		row[r].impulse = rb_constraint_project(&row[r], row[r].impulse);
 		rb_effective_mass_fill(query->bodies, &row[r]);
+		if (part[r] == RB_JOINT_SPRING && query->before)
+			make_spring(&f, &row[r]);
+		row[r].impulse = rb_constraint_project(&row[r], row[r].impulse);
 	}
 }
 
@@ -381,13 +425,45 @@ void rb_step_joint_rows_store(const struct rb_joint_query *query, int k, struct 
 	const int rows = list_parts(f.joint, part);
 
 	RB_ASSERT(query->before && query->share >= 0);
-	if (!query->from) {
+	if (!query->from && !query->at_end) {
 		memset(of->impulse, 0, sizeof of->impulse);
 		of->reaction = of->twist = none;
 		of->work = (struct rb_joint_work){0};
 	}
 	for (int r = 0; r < rows; r++)
 		note_row(&f, part[r], &row[r]);
+}
+
+bool rb_step_joint_rows_are_smooth(const struct rb_joint_query *query, int k,
+                                   const struct rb_step_joint *of)
+{
+	const struct filling f = begin(query, k, (struct rb_step_joint *)of);
+	const double reach = 2 * query->h_s;
+
+	if (f.joint->link.type->one_sided)
+		return of->last.force[0] != 0 ||
+		       f.link[0].error + reach * fabs(rb_linkage_row_velocity(&f.link[0], &f.a,
+		                                                              &f.b)) <
+		               0;
+	for (int part = RB_JOINT_LOW; part <= RB_JOINT_HIGH; part++) {
+		const double way = part == RB_JOINT_LOW ? f.way - f.joint->low
+		                                        : f.joint->high - f.way;
+
+		if (has_part(f.joint, part) && of->last.force[part] == 0 &&
+		    !(way > reach * fabs(f.free.rate)))
+			return false;
+	}
+	return true;
+}
+
+void rb_step_joint_rows_double(struct rb_step_joint *of)
+{
+	for (int part = 0; part < RB_JOINT_PARTS; part++)
+		of->impulse[part] *= 2;
+	of->reaction = rb_vec3_scale(2, of->reaction);
+	of->twist = rb_vec3_scale(2, of->twist);
+	of->work.linear = rb_vec3_scale(2, of->work.linear);
+	of->work.angular = rb_vec3_scale(2, of->work.angular);
 }
 
 /* ---- rebounds ---- */
@@ -446,6 +522,62 @@ bool rb_step_joint_rows_rebound(const struct rb_joint_query *query, int k,
 		any = true;
 	}
 	return any;
+}
+
+/* ---- stiffness ---- */
+
+/* Adds `scale` times what a unit of mass at r has of inertia: r.r - r r^T. */
+static void add_about(rb_mat3 *sum, double scale, rb_vec3 r)
+{
+	const double x[3] = {r.x, r.y, r.z}, square = rb_vec3_dot(r, r);
+
+	for (int k = 0; k < 9; k++)
+		sum->m[k / 3][k % 3] += scale * ((k % 4 == 0) * square - x[k / 3] * x[k % 3]);
+}
+
+static double trace(const rb_mat3 *x)
+{
+	return x->m[0][0] + x->m[1][1] + x->m[2][2];
+}
+
+/* 1/kg: a bound of how a body yields at a point `arm` m from its centre of mass; -1: the world. */
+static double inverse_mass_at(const struct rb_model *model, int i, double arm)
+{
+	if (i < 0 || i >= model->body_count)
+		return 0;
+	const double scalar = model->inverse_inertia_scalar[i];
+
+	return model->inverse_mass[i] +
+	       arm * arm * (isnan(scalar) ? trace(&model->inverse_inertia[i]) : scalar);
+}
+
+rb_mat3 rb_step_joint_rows_stiffness(const struct rb_world *world, const struct rb_step_joint *all,
+                                     int i, double h, rb_mat3 *joined)
+{
+	const struct rb_joints *joints = world->model->joints;
+	const rb_quat q = rb_world_orientation_at(world, &world->state, i);
+	rb_mat3 sum = {{{0}}};
+
+	for (int e = joints->first[i]; e < joints->first[i + 1]; e++) {
+		const struct rb_joint *joint = &joints->joint[joints->of[e]];
+		const double *force = all[joints->of[e]].last.force;
+		const bool is_a = joint->a == i;
+		const rb_vec3 arm = is_a ? joint->link.at_a : joint->link.at_b;
+		const rb_vec3 other = is_a ? joint->link.at_b : joint->link.at_a;
+		const double inverse_mass = inverse_mass_at(
+			world->model, is_a ? joint->b : joint->a, rb_vec3_length(other));
+		const rb_vec3 r = rb_quat_rotate(q, arm);
+		const rb_vec3 f = {force[0], force[1], force[2]};
+		const double along = (is_a ? -1 : 1) * rb_vec3_dot(f, r);
+		const double square = rb_vec3_dot(r, r);
+
+		if (!rb_linkage_has_point(&joint->link) || !(square > 0))
+			continue;
+		add_about(joined, 1 / (world->model->inverse_mass[i] + inverse_mass), r);
+		if (along > 0)
+			add_about(&sum, h * h * along / square, r);
+	}
+	return sum;
 }
 
 /* ---- drift ---- */

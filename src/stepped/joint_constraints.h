@@ -18,6 +18,14 @@
  * damps nor drives what swings. A bend is foreseen to be that of the step before, and found by
  * looking at the step again (stepped/again).
  *
+ * SHAKE's velocities are half a step late. A group that nothing but joints and constant forces acts
+ * on takes its impulses in two halves, at both ends of the step: RATTLE (Andersen, J. Comput. Phys.
+ * 52 (1983) 24), which is of second order and reversible. The first half is the table above with
+ * h / 2 for the time of an impulse; the second one, at the poses that it has led to, gives the rows
+ * of the linkage the target 0, motors the speed at the end of the step, and repeats what springs
+ * and dampers, taken at the middle of the step, gave in the first. Springs that the step does not
+ * resolve act in the first half alone, at the end of the step as in other groups.
+ *
  * Rows that only turn are couples with the size of the joint as lever: their errors, in m, compare
  * with those of points. A body that is not dynamic is the second of a row, whatever it is of the
  * joint.
@@ -71,6 +79,8 @@ struct rb_step_joint {
 	int first_row; /* of the try; -1: its group rests, or is not asked about */
 	/* m, rad: where a motor that follows is to be at the end of the step; NAN: it does not */
 	double wanted;
+	double wanted_rate;  /* m/s, rad/s: how fast it is to be then */
+	bool spring_is_late; /* its spring is not resolved: taken at the end of the step */
 	double bend[RB_LINKAGE_ROWS_MAX]; /* m, rad */
 	double miss[RB_LINKAGE_ROWS_MAX]; /* m, rad: errors when they were last measured */
 	double drift; /* m: the largest of these; INFINITY: not measured in this try */
@@ -96,6 +106,9 @@ struct rb_joint_query {
 	const struct rb_solver_bodies *bodies;
 	int fixed; /* the body for all that stands still */
 	double h_s;
+	/* s: of forces, what an impulse lasts for: `h_s`, or half of it */
+	double lasts_s;
+	bool at_end; /* the second half: `before` is the state that the first one has led to */
 	/*
 	 * What has come of it: by body, velocities that impulses began from (NULL: those of
 	 * `before`); and of the impulses the share that has been given.
@@ -109,16 +122,33 @@ void rb_step_joint_rows_fill(const struct rb_joint_query *query, int k, struct r
                              struct rb_constraint *row);
 
 /*
- * Adds what the rows have come to to the try's sums; without `from` these begin with it. Bodies of
- * joints are never kicked within a step (stepped/impact_pass).
+ * Adds what the rows have come to to the try's sums; without `from`, but in a second half, these
+ * begin with it. Bodies of joints are never kicked within a step (stepped/impact_pass).
  */
 void rb_step_joint_rows_store(const struct rb_joint_query *query, int k, struct rb_step_joint *of,
                               const struct rb_constraint *row);
+
+/* Whether nothing of the joint but what holds on may push one way within the step of h_s. */
+bool rb_step_joint_rows_are_smooth(const struct rb_joint_query *query, int k,
+                                   const struct rb_step_joint *of);
+
+/* What it has done in the first half of a step it does in the second half too: it rests. */
+void rb_step_joint_rows_double(struct rb_step_joint *of);
 
 /* Velocities only, after bodies have moved: rows keep what they have, or rebound. */
 bool rb_step_joint_rows_rebound(const struct rb_joint_query *query, int k,
                                 const struct rb_step_joint *of, struct rb_constraint *row,
                                 double tolerance);
+
+/*
+ * What the pull of a body's joints does to its turning in the step: a point at r that is pulled by
+ * F goes on being pulled by it where turning by t has brought it, with a torque of -(F.r) t across
+ * r. At the end of the step that is h^2 F.r of inertia, where the step does not resolve it: light
+ * links that carry heavy bodies (Tournier, Nesme, Gilles, Faure, ACM TOG 34(4):132 (2015)). Turning
+ * also moves what is joined at r, or the body about it: `joined`, kg m^2, the mass of both there.
+ */
+rb_mat3 rb_step_joint_rows_stiffness(const struct rb_world *world, const struct rb_step_joint *all,
+                                     int body, double h_s, rb_mat3 *joined);
 
 /* m: the largest error of the joint as bodies stand, into `miss` too. */
 double rb_step_joint_rows_miss(const struct rb_world *world, int k, struct rb_step_joint *of);

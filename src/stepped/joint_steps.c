@@ -108,6 +108,25 @@ void rb_joints_go_back(struct rb_world *world, const struct rb_cohort *cohort)
 	}
 }
 
+/* Where a motor is to be at `time`, and how fast; a rate that is not stated is differenced. */
+static enum rb_status ask_way(struct rb_world *world, int k, double time, double h,
+                              struct rb_step_joint *of, struct rb_error *err)
+{
+	const struct rb_world_hooks *hooks = &world->hooks;
+	double at[2], before[2], after[2];
+	enum rb_status status = hooks->follow(hooks->user, k, time, at, err);
+
+	of->wanted = at[0];
+	of->wanted_rate = at[1];
+	if (status != RB_OK || !isnan(at[1]))
+		return status;
+	status = hooks->follow(hooks->user, k, time - 0.5 * h, before, err);
+	if (status == RB_OK)
+		status = hooks->follow(hooks->user, k, time + 0.5 * h, after, err);
+	of->wanted_rate = (after[0] - before[0]) / h;
+	return status;
+}
+
 enum rb_status rb_joints_try(struct rb_world *world, const struct rb_cohort *cohort, double start,
                              double h, struct rb_error *err)
 {
@@ -117,12 +136,10 @@ enum rb_status rb_joints_try(struct rb_world *world, const struct rb_cohort *coh
 		struct rb_step_joint *of = &world->stepped->solver.joint[k];
 
 		of->wanted = world->joint[k].motor_angle;
+		of->wanted_rate = 0;
 		if (rb_joint_state_follows(&world->joint[k]) && isnan(of->wanted)) {
-			double way[2];
-			const enum rb_status status = world->hooks.follow(world->hooks.user, k,
-			                                                  start + h, way, err);
+			const enum rb_status status = ask_way(world, k, start + h, h, of, err);
 
-			of->wanted = way[0];
 			if (status != RB_OK)
 				return status;
 		}

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "constraint/effective_mass.h"
 #include "stepped/energy.h"
+#include "stepped/second_half.h"
 #include "stepped/strategies.h"
 
 /* Rows of small groups that one block of work has at least. */
@@ -24,8 +25,8 @@ static enum rb_status create_joints(struct rb_solver *solver, const struct rb_mo
 	solver->joint = rb_memory_take(count, sizeof *solver->joint);
 	solver->joined = rb_memory_take(count, sizeof *solver->joined);
 	solver->stiff = rb_memory_take((size_t)model->body_count, 1);
-	solver->given_spin = rb_memory_take((size_t)model->body_count, sizeof *solver->given_spin);
-	if (!solver->joint || !solver->joined || !solver->stiff || !solver->given_spin) {
+	solver->given = rb_memory_take((size_t)model->body_count, sizeof *solver->given);
+	if (!solver->joint || !solver->joined || !solver->stiff || !solver->given) {
 		rb_solver_release(solver);
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu joints", count);
 	}
@@ -103,7 +104,7 @@ void rb_solver_release(struct rb_solver *solver)
 	rb_memory_free(solver->joint);
 	rb_memory_free(solver->joined);
 	rb_memory_free(solver->stiff);
-	rb_memory_free(solver->given_spin);
+	rb_memory_free(solver->given);
 	*solver = (struct rb_solver){0};
 }
 
@@ -118,11 +119,13 @@ struct work {
 	struct rb_solver *solver;
 	struct rb_world *world;
 	const int *first; /* [blocks + 1]: groups of each block */
-	bool rebound;
+	bool rebound, second;
 };
 
 static bool is_due(const struct work *work, const struct rb_island *island)
 {
+	if (work->second)
+		return rb_second_half_is_due(work->solver, island);
 	return work->rebound ? island->rebounds : !island->kept;
 }
 
@@ -265,6 +268,23 @@ enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_world *world,
 	if (!solve_all(&work))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
 	rb_islands_end(solver, world, points);
+	return RB_OK;
+}
+
+enum rb_status rb_solver_end(struct rb_solver *solver, struct rb_world *world, struct rb_error *err)
+{
+	struct work work = {.solver = solver, .world = world, .second = true};
+	const struct rb_state *const before = solver->before;
+
+	if (!rb_second_half_make(solver, world))
+		return RB_OK;
+	solver->before = NULL; /* velocities alone: nobody comes to rest, nothing pays for them */
+	const bool good = solve_all(&work);
+
+	solver->before = before;
+	if (!good)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
+	rb_second_half_end(solver, world);
 	return RB_OK;
 }
 

@@ -35,6 +35,10 @@ RB_CHECKED enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_wo
                                           struct rb_step_points *points, const unsigned char *again,
                                           struct rb_error *err);
 
+/* Positions have moved: groups that take impulses in halves get the second one (second_half). */
+RB_CHECKED enum rb_status rb_solver_end(struct rb_solver *solver, struct rb_world *world,
+                                        struct rb_error *err);
+
 /*
  * Impacts of that step rebound: velocities only, after positions have moved. `rebound` [points]
  * receives the impulses on b, where there are any.

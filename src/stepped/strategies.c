@@ -365,6 +365,7 @@ static void stop(const struct rb_solver *solver, const struct rb_island *island)
 static void find_rest(const struct rb_solver *solver, const struct rb_island *island)
 {
 	const double close = close_share * solver->tolerance, rest_speed = 16 * close;
+	const double each = 1 / rb_islands_lasts(solver, island);
 	bool rests = solver->before && island->residual <= close && !island->carried;
 
 	for (int k = 0; rests && k < island->member_count; k++) {
@@ -386,9 +387,9 @@ static void find_rest(const struct rb_solver *solver, const struct rb_island *is
 
 		solver->rests[i] = rests;
 		rb_vec3_to(solver->rest_external + 6 * (size_t)i,
-		           rb_vec3_scale(1 / solver->h_s, solver->free[i].linear));
+		           rb_vec3_scale(each, solver->free[i].linear));
 		rb_vec3_to(solver->rest_external + 6 * (size_t)i + 3,
-		           rb_vec3_scale(1 / solver->h_s, solver->free[i].angular));
+		           rb_vec3_scale(each, solver->free[i].angular));
 	}
 	if (rests)
 		stop(solver, island);
@@ -469,7 +470,8 @@ static void keep_energy(const struct rb_solver *solver, struct rb_island *island
                         const struct rb_row_system *dense, struct rb_arena *arena)
 {
 	island->energy_budget = 0;
-	if (!rb_energy_has_impulse(dense))
+	/* half a step's way says nothing; what pushes one way has held on, or is far off */
+	if (island->halves || !rb_energy_has_impulse(dense))
 		return;
 	const bool squeezed = solver->h_s < solver->whole_s &&
 	                      !(island->residual <= solver->tolerance);
@@ -574,7 +576,9 @@ static double solve_joints(const struct rb_solver *solver, struct rb_island *isl
 		.max = fmin(factor_share * (double)rows->row_count, factors_max),
 		.arena = arena};
 
-	forget_held(solver, island, rows);
+	/* a second half goes on from the first one, which has forgotten them */
+	if (solver->before || !island->halves)
+		forget_held(solver, island, rows);
 	const struct rb_dual_result result = rb_dual_solve(&dual);
 	island->factors += result.steps;
 	if (result.tried)

@@ -88,6 +88,14 @@ static void note_solved(const struct rb_world *world, int i, bool sleeps,
 	}
 	for (int m = 0; m < 2; m++)
 		body->mean[m] = rb_vec3_scale(0.5, rb_vec3_add(body->begin[m], body->end[m]));
+	body->halves = body->kind == RB_TALLY_JOINED && s->solver.island_of[i] >= 0 &&
+	               s->solver.island[s->solver.island_of[i]].halves;
+	if (body->halves) {
+		const struct rb_solver_body *moved = &s->solver.given[i];
+
+		body->mean[0] = rb_vec3_scale(0.5, rb_vec3_add(body->mean[0], moved->linear));
+		body->mean[1] = rb_vec3_scale(0.5, rb_vec3_add(body->mean[1], moved->angular));
+	}
 	body->place = rb_world_row3(world->state.position, i);
 }
 

@@ -25,8 +25,9 @@ struct rb_tally_body {
 	enum rb_tally_kind kind;
 	rb_vec3 begin[2]; /* m/s, rad/s: as the step began, with the impacts in it */
 	rb_vec3 end[2];   /* as solved, before what rebounds */
-	rb_vec3 mean[2];  /* of both */
+	rb_vec3 mean[2];  /* of both; of those that impulses in halves act at */
 	rb_vec3 acted;    /* m: where impulses of the step act on it */
+	bool halves;      /* of a group that takes impulses in halves: at both ends of its way */
 	rb_vec3 place;    /* m: where the step has moved it */
 	rb_vec3 carry; /* m: where forces vary, free: from where it was to where the others act */
 	/* N s, N m s: of forces that vary, without a potential and with one; of drag */

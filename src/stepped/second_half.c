@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/second_half.h"
+
+#include "base/error.h"
+#include "stepped/energy.h"
+
+static int first_member(const struct rb_solver *solver, const struct rb_island *island)
+{
+	return solver->member[island->first_member];
+}
+
+bool rb_second_half_is_due(const struct rb_solver *solver, const struct rb_island *island)
+{
+	return island->halves && !solver->rests[first_member(solver, island)];
+}
+
+static struct rb_island *group_of(const struct rb_solver *solver, const struct rb_world *world,
+                                  int joint)
+{
+	const int owner = rb_step_joint_rows_owner(world->model,
+	                                           &world->model->joints->joint[joint]);
+
+	return &solver->island[solver->island_of[owner]];
+}
+
+/* The joint, of those of the step, if its group has a second half; NULL: it has none. */
+static struct rb_step_joint *joint_due(const struct rb_solver *solver, const struct rb_world *world,
+                                       int joint)
+{
+	struct rb_step_joint *const of = &solver->joint[joint];
+
+	return of->first_row >= 0 && rb_second_half_is_due(solver, group_of(solver, world, joint))
+	               ? of
+	               : NULL;
+}
+
+/*
+ * The change of velocity by the first half of forces is repeated; of spin, it is the change of
+ * angular momentum, since the body has turned.
+ */
+static void begin_body(struct rb_solver *solver, const struct rb_world *world, int i)
+{
+	const struct rb_state *before = solver->before;
+	struct rb_solver_body *const body = &solver->dense.bodies.body[i];
+	const rb_vec3 solved_spin = body->angular;
+	struct rb_solver_body force = solver->free[i], momentum = {0};
+
+	force.linear = rb_vec3_sub(force.linear, rb_world_row3(before->velocity, i));
+	if (before->spin)
+		force.angular = rb_vec3_sub(force.angular, rb_world_row3(before->spin, i));
+	if (rb_vec3_max_abs(force.angular) > 0)
+		momentum = rb_energy_weigh(solver, i, &force);
+	rb_islands_fill_body(solver, world, i);
+	solver->given[i] = *body;
+	solver->given[i].angular = rb_vec3_scale(0.5, rb_vec3_add(solved_spin, body->angular));
+	body->linear = rb_vec3_add(body->linear, force.linear);
+	if (rb_vec3_max_abs(force.angular) > 0)
+		body->angular = rb_vec3_add(
+			body->angular, rb_world_turn(world, &world->state, i, momentum.angular));
+	solver->free[i] = *body;
+}
+
+static bool is_driven(const struct rb_solver *solver, int i)
+{
+	return solver->dense.bodies.body[i].inverse_mass == 0;
+}
+
+/* As rows of a second half are asked for. */
+static struct rb_joint_query query_of(const struct rb_solver *solver, const struct rb_world *world)
+{
+	struct rb_joint_query query = rb_islands_joints(solver, world);
+
+	query.before = &world->state;
+	query.at_end = true;
+	query.lasts_s = 0.5 * solver->h_s;
+	return query;
+}
+
+bool rb_second_half_make(struct rb_solver *solver, const struct rb_world *world)
+{
+	bool any = false;
+
+	for (size_t g = 0; solver->joint && g < solver->island_count; g++)
+		any = any || rb_second_half_is_due(solver, &solver->island[g]);
+	for (int k = 0; solver->joint && k < solver->joined_count; k++) {
+		const int joint = solver->joined[k];
+
+		if (solver->joint[joint].first_row >= 0 && group_of(solver, world, joint)->halves &&
+		    !joint_due(solver, world, joint))
+			rb_step_joint_rows_double(&solver->joint[joint]);
+	}
+	for (int k = 0; any && k < solver->active_count; k++) {
+		const int i = solver->active[k], g = solver->island_of[i];
+		struct rb_solver_body *const body = &solver->dense.bodies.body[i];
+
+		if (is_driven(solver, i)) {
+			body->linear = rb_world_row3(world->state.velocity, i);
+			if (world->state.spin)
+				body->angular = rb_world_row3(world->state.spin, i);
+		} else if (g >= 0 && rb_second_half_is_due(solver, &solver->island[g])) {
+			begin_body(solver, world, i);
+		}
+	}
+	const struct rb_joint_query query = query_of(solver, world);
+	for (int k = 0; any && k < solver->joined_count; k++) {
+		struct rb_step_joint *const of = joint_due(solver, world, solver->joined[k]);
+
+		if (of)
+			rb_step_joint_rows_fill(&query, solver->joined[k], of,
+			                        solver->dense.row + of->first_row);
+	}
+	return any;
+}
+
+void rb_second_half_end(struct rb_solver *solver, struct rb_world *world)
+{
+	const struct rb_joint_query query = query_of(solver, world);
+
+	/* others have met driven bodies as these moved through the step; so is their power */
+	for (int k = 0; k < solver->active_count; k++)
+		if (is_driven(solver, solver->active[k]))
+			solver->dense.bodies.body[solver->active[k]] =
+				solver->free[solver->active[k]];
+	for (int k = 0; k < solver->joined_count; k++) {
+		struct rb_step_joint *const of = joint_due(solver, world, solver->joined[k]);
+
+		if (of)
+			rb_step_joint_rows_store(&query, solver->joined[k], of,
+			                         solver->dense.row + of->first_row);
+	}
+	for (int k = 0; k < solver->active_count; k++) {
+		const int i = solver->active[k], g = solver->island_of[i];
+
+		if (g >= 0 && rb_second_half_is_due(solver, &solver->island[g]))
+			rb_islands_store_body(solver, world, i);
+	}
+}

@@ -1,0 +1,282 @@
+/* SPDX-License-Identifier: MIT */
+/* src/stepped/second_half: joints in steps are of second order; what a limit or a rope gives back. */
+#include "worlds.h"
+
+#include "method/numbers.h"
+#include "stepped/joint_steps.h"
+#include "world/world.h"
+
+static const double g = 9.81;
+static const rb_vec3 nothing = {0, 0, 0}, y_axis = {0, 1, 0}, z_axis = {0, 0, 1};
+static const rb_quat straight = {1, 0, 0, 0};
+
+/* A function of time for a driven body or a motor, and how fast it is. */
+static double wave(double t, double *rate)
+{
+	*rate = 0.8 * cos(4 * t);
+	return 0.2 * sin(4 * t);
+}
+
+static enum rb_status motion(void *user, int id, double t, struct rb_driven_pose *pose,
+                             struct rb_error *err)
+{
+	(void)user, (void)id, (void)err;
+	pose->has_velocity = true;
+	pose->velocity = nothing;
+	pose->position = nothing;
+	pose->position.x = wave(t, &pose->velocity.x);
+	return RB_OK;
+}
+
+static enum rb_status follow(void *user, int joint, double t, double value[2], struct rb_error *err)
+{
+	const bool *states_rate = user;
+
+	(void)joint, (void)err;
+	value[0] = wave(t, &value[1]);
+	if (!*states_rate)
+		value[1] = (double)NAN;
+	return RB_OK;
+}
+
+static void open_stepped(struct lab *lab, double duration, double frame_rate, double h)
+{
+	lab_open(lab, duration, frame_rate);
+	lab->scene.world.method = RB_METHOD_STEPPED;
+	lab->scene.world.time_step_s = h;
+	lab->scene.world.gravity = (rb_vec3){0, 0, -g};
+	lab->scene.record.ledger = lab->scene.record.ledger_given = true;
+}
+
+static struct rb_joint_def hinge(int a, int b, rb_vec3 at, rb_vec3 axis)
+{
+	struct rb_joint_def def = rb_joint_def_default();
+
+	def.kind = RB_JOINT_HINGE;
+	def.a = a;
+	def.b = b;
+	def.at = at;
+	def.axis = axis;
+	return def;
+}
+
+static void add(struct lab *lab, const struct rb_joint_def *def)
+{
+	int index = -1;
+
+	assert_int_equal(rb_scene_add_joint(&lab->scene, def, &index, &lab->error), RB_OK);
+}
+
+static void seal(struct lab *lab, bool *states_rate)
+{
+	const struct rb_world_hooks hooks = {
+		.user = states_rate, .motion = motion, .follow = follow};
+	const struct rb_world_options options = {.threads = 1};
+
+	lab_seal_with(lab, &options, &hooks);
+}
+
+/* To the end; energy and momentum that the ledger does not explain. */
+static void run(struct lab *lab, double left[3])
+{
+	struct rb_frame_numbers numbers;
+
+	while (rb_world_frame(lab->world) + 1 < rb_world_frame_count(lab->world))
+		lab_step(lab);
+	rb_numbers_measure(lab->world, &numbers);
+	const struct rb_ledger_values v = rb_ledger_values(&lab->world->ledger, &numbers);
+	left[0] = fabs(v.energy[RB_ENERGY_CAUSES]);
+	left[1] = rb_vec3_length(v.momentum[RB_MOMENTUM_CAUSES][0]);
+	left[2] = rb_vec3_length(v.momentum[RB_MOMENTUM_CAUSES][1]);
+}
+
+/* ---- scenes: each returns a place or a velocity that depends on all of it ---- */
+
+/* Three boards, turned against each other in space, and a constant torque on the last. */
+static rb_vec3 boards(double h, double left[3])
+{
+	struct lab lab;
+	int last = -1;
+
+	open_stepped(&lab, 1, 10, h);
+	for (int k = 0; k < 3; k++) {
+		const int x = lab_box(&lab, (rb_vec3){0.5, 0.2, 0.1}, 1,
+		                      (rb_vec3){0.5 * k + 0.25, 0, 0}, straight);
+		const struct rb_joint_def def = hinge(x, last, (rb_vec3){0.5 * k, 0, 0},
+		                                      k == 1 ? z_axis : y_axis);
+
+		add(&lab, &def);
+		last = x;
+	}
+	lab.scene.bodies[1].angular_velocity.z = 2;
+	lab.scene.bodies[1].velocity.y = 0.5;
+	lab.scene.bodies[2].angular_velocity.z = 2;
+	lab.scene.bodies[2].velocity.y = 1.5;
+	seal(&lab, NULL);
+	run(&lab, left);
+	const rb_vec3 at = rb_vec3_add(rb_world_position(lab.world, last),
+	                               rb_world_velocity(lab.world, last));
+	lab_close(&lab);
+	return at;
+}
+
+/* A pendulum whose pivot is driven. */
+static rb_vec3 led(double h, double left[3])
+{
+	struct rb_body_def def = lab_box_def((rb_vec3){0.1, 0.1, 0.1}, 1, nothing);
+	struct lab lab;
+
+	open_stepped(&lab, 1, 10, h);
+	def.mass = (double)NAN;
+	def.motion = 0;
+	const int pivot = lab_add(&lab, &def);
+	const int x = lab_box(&lab, (rb_vec3){0.6, 0.1, 0.05}, 1, (rb_vec3){0.3, 0, 0}, straight);
+	const struct rb_joint_def joint = hinge(x, pivot, nothing, y_axis);
+
+	add(&lab, &joint);
+	lab.scene.bodies[x].velocity.x = 0.8;
+	seal(&lab, NULL);
+	run(&lab, left);
+	const rb_vec3 at = rb_vec3_add(rb_world_position(lab.world, x),
+	                               rb_world_velocity(lab.world, x));
+	lab_close(&lab);
+	return at;
+}
+
+/* An arm that a motor leads, with a rate stated or not, and a pendulum at its end. */
+static rb_vec3 arm(double h, bool states_rate, double left[3])
+{
+	struct lab lab;
+
+	open_stepped(&lab, 1, 10, h);
+	const int x = lab_box(&lab, (rb_vec3){0.6, 0.1, 0.05}, 1, (rb_vec3){0.3, 0, 0}, straight);
+	const int y = lab_box(&lab, (rb_vec3){0.6, 0.1, 0.05}, 1, (rb_vec3){0.9, 0, 0}, straight);
+	struct rb_joint_def def = hinge(x, -1, nothing, y_axis);
+
+	def.motor_function = 0;
+	def.motor_max = 1e4;
+	add(&lab, &def);
+	def = hinge(y, x, (rb_vec3){0.6, 0, 0}, y_axis);
+	def.friction = 0.2;
+	add(&lab, &def);
+	/* as the motor leads it; the other one turns all the time, its friction has one direction */
+	lab.scene.bodies[x].angular_velocity.y = -0.8;
+	lab.scene.bodies[x].velocity.z = 0.8 * 0.3;
+	lab.scene.bodies[y].angular_velocity.y = -20;
+	lab.scene.bodies[y].velocity.z = 0.8 * 0.6 + 20 * 0.3;
+	seal(&lab, &states_rate);
+	run(&lab, left);
+	const rb_vec3 at = rb_vec3_add(rb_world_position(lab.world, y),
+	                               rb_world_velocity(lab.world, y));
+	lab_close(&lab);
+	return at;
+}
+
+static rb_vec3 arm_of_stated_rate(double h, double left[3])
+{
+	return arm(h, true, left);
+}
+
+static rb_vec3 arm_of_unknown_rate(double h, double left[3])
+{
+	return arm(h, false, left);
+}
+
+/* Damped, w = 2 pi, zeta = 0.1, about a limit far off. */
+static rb_vec3 spring(double h, double left[3])
+{
+	const double w = 6.283185307179586;
+	struct lab lab;
+
+	open_stepped(&lab, 1, 10, h);
+	struct rb_joint_def def = hinge(lab_box(&lab, (rb_vec3){1, 1, 1}, 6, nothing, straight), -1,
+	                                nothing, z_axis);
+
+	def.stiffness = w * w;
+	def.damping = 0.2 * w;
+	def.rest = 0.1;
+	def.limits[1] = 1;
+	add(&lab, &def);
+	seal(&lab, NULL);
+	run(&lab, left);
+	const rb_vec3 at = {lab.world->stepped->solver.joint[0].last.way, 0, 0};
+	lab_close(&lab);
+	return at;
+}
+
+/* ---- tests ---- */
+
+static void joints_without_contacts_are_of_second_order(void **state)
+{
+	rb_vec3 (*const scene[])(double, double[3]) = {boards, led, arm_of_stated_rate,
+	                                               arm_of_unknown_rate, spring};
+
+	(void)state;
+	for (size_t k = 0; k < sizeof scene / sizeof *scene; k++) {
+		double left[4][3], change[3];
+		rb_vec3 at[4];
+
+		for (int n = 0; n < 4; n++)
+			at[n] = scene[k](1.0 / (480 << n), left[n]);
+		for (int n = 0; n < 3; n++)
+			change[n] = rb_vec3_length(rb_vec3_sub(at[n + 1], at[n]));
+		print_message("scene %zu: %g %g %g; left %g J %g N s %g N m s\n", k, change[0],
+		              change[1], change[2], left[2][0], left[2][1], left[2][2]);
+		assert_near(change[0] / change[1], 4, 0.3);
+		assert_near(change[1] / change[2], 4, 0.3);
+		/* energy too; momentum to the rounding of its sums */
+		assert_true(left[3][0] <= 0.3 * left[2][0] + 1e-12);
+		for (int m = 1; m < 3; m++)
+			assert_near(left[3][m], 0, 1e-11);
+	}
+}
+
+static void a_spring_swings_as_its_closed_form(void **state)
+{
+	const double w = 6.283185307179586, zeta = 0.1, wd = w * sqrt(1 - zeta * zeta);
+	double left[3];
+
+	(void)state;
+	assert_near(spring(1.0 / 960, left).x,
+	            0.1 * (1 - exp(-zeta * w) * (cos(wd) + zeta * w / wd * sin(wd))), 1e-6);
+}
+
+static void a_rope_gives_back_what_it_is_to_wherever_the_step_ends(void **state)
+{
+	const double h = 1.0 / 960;
+
+	(void)state;
+	/* taut at sqrt(2 high / g), with sqrt(2 g high): a step is at four places of it then */
+	for (int k = 0; k < 4; k++) {
+		const double high = 0.5 - 0.25 * k * h * sqrt(g);
+		struct rb_joint_def def = rb_joint_def_default();
+		struct lab lab;
+		double fastest = 0;
+
+		open_stepped(&lab, 0.35, 960, h);
+		def.kind = RB_JOINT_ROPE;
+		def.a = lab_sphere(&lab, 0.1, 1, (rb_vec3){0, 0, high - 1}, nothing);
+		def.at_b = nothing;
+		def.length_m = 1;
+		def.restitution = 1;
+		add(&lab, &def);
+		seal(&lab, NULL);
+		while (rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world)) {
+			lab_step(&lab);
+			fastest = fmax(fastest, rb_world_velocity(lab.world, 0).z);
+		}
+		assert_near(fastest, sqrt(2 * g * high), 2 * g * h);
+		lab_close(&lab);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(joints_without_contacts_are_of_second_order),
+		cmocka_unit_test(a_spring_swings_as_its_closed_form),
+		cmocka_unit_test(a_rope_gives_back_what_it_is_to_wherever_the_step_ends),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
