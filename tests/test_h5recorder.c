@@ -4,6 +4,8 @@
 
 #include "h5support.h"
 
+#include "sink/h5estimate.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <glob.h>
@@ -397,7 +399,7 @@ static void the_estimate_is_within_a_tenth(void **slot)
 		in_folder(path, "estimate.h5");
 		unlink(path);
 		fake_init(&fake, cases[i].bodies, cases[i].frames, i % 2 == 0);
-		const double estimate = (double)rb_recorder_estimate(&fake.info);
+		const double estimate = (double)rb_h5_estimate(&fake.info);
 		assert_ok(fake_record(&fake, path, &err));
 		assert_near(estimate, (double)size_of(path), 0.1 * (double)size_of(path));
 		fake_release(&fake);

@@ -47,10 +47,26 @@ static void put_columns(struct rb_h5 *h5, unsigned fields)
 	          (const int64_t[COUNT]){4, 5, 6});
 }
 
+/* Of the fake's bodies, with no surfaces. */
+static struct rb_vtk view_of(const struct fake *fake, unsigned fields, uint64_t frames)
+{
+	return (struct rb_vtk){.model = &fake->model,
+	                       .time = "/particles/bodies/position/time",
+	                       .fields = fields,
+	                       .frames = frames};
+}
+
+static void write_view(struct file *file, const struct fake *fake, unsigned fields, uint64_t frames)
+{
+	struct rb_vtk vtk = view_of(fake, fields, frames);
+
+	rb_vtk_write(&file->h5, &vtk);
+}
+
 static void write_all(struct file *file, struct fake *fake, unsigned fields, uint64_t frames)
 {
 	put_columns(&file->h5, fields);
-	rb_vtk_write(&file->h5, &fake->model, fields, frames, "/particles/bodies/position/time");
+	write_view(file, fake, fields, frames);
 }
 
 /* How many numbers there are at `path`, and the numbers as `kind`. */
@@ -234,14 +250,14 @@ static void there_is_none_without_positions_bodies_or_frames(void **state)
 	open_file(&file);
 	fake_init(&fake, COUNT, STEPS, true);
 	write_all(&file, &fake, RB_FIELD_VELOCITY, STEPS);
-	rb_vtk_write(&file.h5, &fake.model, RB_FIELD_POSITION, 0, "/none");
+	write_view(&file, &fake, RB_FIELD_POSITION, 0);
 	fake.model.body_count = 0;
-	rb_vtk_write(&file.h5, &fake.model, RB_FIELD_POSITION, STEPS, "/none");
+	write_view(&file, &fake, RB_FIELD_POSITION, STEPS);
 	assert_int_equal(file.h5.status, RB_OK);
 	assert_int_equal(H5Lexists(file.h5.file, "/VTKHDF", H5P_DEFAULT), 0);
 	fake.model.body_count = COUNT;
 	/* no column to look at: it is told */
-	rb_vtk_write(&file.h5, &fake.model, RB_FIELD_POSITION, STEPS, "/none");
+	write_view(&file, &fake, RB_FIELD_POSITION, STEPS);
 	assert_int_equal(file.h5.status, RB_ERR_IO);
 	file.h5.status = RB_OK;
 	fake_release(&fake);
@@ -264,16 +280,96 @@ static void it_takes_no_more_room_than_was_said(void **state)
 		put_columns(&file.h5, all_fields);
 		H5Fflush(file.h5.file, H5F_SCOPE_LOCAL);
 		assert_true(H5Fget_filesize(file.h5.file, &before) >= 0);
-		rb_vtk_write(&file.h5, &fake.model, all_fields, frames[k],
-		             "/particles/bodies/position/time");
+		write_view(&file, &fake, all_fields, frames[k]);
 		H5Fflush(file.h5.file, H5F_SCOPE_LOCAL);
 		assert_true(H5Fget_filesize(file.h5.file, &after) >= 0);
 		assert_int_equal(file.h5.status, RB_OK);
-		assert_true(after - before <= rb_vtk_need(&fake.model, frames[k]));
-		assert_true(rb_vtk_need(&fake.model, frames[k]) < 8 * frames[k] + 100000);
+		const struct rb_vtk vtk = view_of(&fake, all_fields, frames[k]);
+		assert_true(after - before <= rb_vtk_need(&vtk));
+		assert_true(rb_vtk_need(&vtk) < 8 * frames[k] + 100000);
 		fake_release(&fake);
 		close_file(&file);
 	}
+}
+
+/* Of balls: every point of step k is a radius away from where its ball is then. */
+static void surfaces_move_with_their_bodies(void **state)
+{
+	static float points[STEPS * COUNT * 400 * 3];
+	static int64_t corners[COUNT * 2000];
+	struct file file;
+	struct fake fake;
+
+	(void)state;
+	open_file(&file);
+	fake_init(&fake, COUNT, STEPS, true);
+	put_columns(&file.h5, RB_FIELD_POSITION);
+	struct rb_vtk vtk = view_of(&fake, RB_FIELD_POSITION | RB_FIELD_SURFACES, STEPS);
+	assert_int_equal(rb_vtk_begin(&vtk, NULL), RB_OK);
+	rb_vtk_write(&file.h5, &vtk);
+	rb_vtk_release(&vtk);
+	turn_file(&file, H5F_ACC_RDONLY);
+
+	const int64_t all = number_at(&file, "/VTKHDF/surfaces/NumberOfPoints", 0, 1);
+	const int each = (int)all / COUNT;
+	/* 24 sides, 11 circles between poles; a corner that faces share is one point */
+	assert_int_equal(each, 24 * 11 + 2);
+	assert_int_equal(read_all(&file, "/VTKHDF/surfaces/Points", RB_H5_F32, points,
+	                          (int)(sizeof points / sizeof *points)),
+	                 STEPS * all * 3);
+	for (int k = 0; k < STEPS; k++)
+		for (int i = 0; i < all; i++) {
+			double square = 0;
+			for (int axis = 0; axis < 3; axis++) {
+				const double at = fake_value((uint64_t)k, (size_t)(i / each), 0,
+				                             axis);
+				const double d = (double)points[3 * (k * all + i) + axis] - at;
+				square += d * d;
+			}
+			/* 2^13 m in 24 bits: half a millimetre at most, on each axis */
+			assert_near(square, 0.25, 2 * 0.5 * 3 * 4.9e-4);
+		}
+	const int count = read_all(&file, "/VTKHDF/surfaces/Polygons/Connectivity", RB_H5_I64,
+	                           corners, (int)(sizeof corners / sizeof *corners));
+	assert_int_equal(
+		number_at(&file, "/VTKHDF/surfaces/Polygons/NumberOfConnectivityIds", 0, 1), count);
+	for (int i = 0; i < count; i++)
+		assert_true(corners[i] / each == corners[i / 3 * 3] / each); /* of one ball */
+	/* the plane stands there once */
+	const int64_t still = number_at(&file, "/VTKHDF/statics/NumberOfPoints", 0, 1);
+	assert_int_equal(
+		read_all(&file, "/VTKHDF/statics/Points", RB_H5_F32, points, 3 * (int)still),
+		3 * still);
+	fake_release(&fake);
+	close_file(&file);
+}
+
+static void memory_that_is_out_is_told(void **state)
+{
+	struct file file;
+	struct fake fake;
+	bool whole = false;
+
+	(void)state;
+	fake_init(&fake, COUNT, STEPS, true);
+	for (uint64_t k = 1; !whole; k++) {
+		struct rb_error error;
+		assert_true(k < 200);
+		open_file(&file);
+		put_columns(&file.h5, RB_FIELD_DEFAULT);
+		struct rb_vtk vtk = view_of(&fake, RB_FIELD_DEFAULT | RB_FIELD_SURFACES, STEPS);
+		rb_memory_fail_at(k);
+		const enum rb_status status = rb_vtk_begin(&vtk, &error);
+		if (!status)
+			rb_vtk_write(&file.h5, &vtk);
+		rb_memory_fail_at(0);
+		rb_vtk_release(&vtk);
+		whole = status == RB_OK && file.h5.status == RB_OK;
+		assert_true(whole || status == RB_ERR_MEMORY || file.h5.status == RB_ERR_MEMORY);
+		file.h5.status = RB_OK;
+		close_file(&file);
+	}
+	fake_release(&fake);
 }
 
 int main(void)
@@ -285,6 +381,8 @@ int main(void)
 		cmocka_unit_test(attributes_name_the_format),
 		cmocka_unit_test(there_is_none_without_positions_bodies_or_frames),
 		cmocka_unit_test(it_takes_no_more_room_than_was_said),
+		cmocka_unit_test(surfaces_move_with_their_bodies),
+		cmocka_unit_test(memory_that_is_out_is_told),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -69,9 +69,9 @@ static enum rb_status write_dump(struct rb_exported *exported, const char *name,
 {
 	const struct rb_model *const model = exported->loaded.model;
 	const int total = model->body_count + model->static_count;
-	const double box[3][2] = {{exported->low.x, exported->high.x},
-	                          {exported->low.y, exported->high.y},
-	                          {exported->low.z, exported->high.z}};
+	const double box[3][2] = {{exported->box.low.x, exported->box.high.x},
+	                          {exported->box.low.y, exported->box.high.y},
+	                          {exported->box.low.z, exported->box.high.z}};
 	struct rb_outfile out;
 	struct rb_frame frame;
 	int listed = 0;

@@ -10,50 +10,23 @@
 #include "math/quat.h"
 #include "math/vec3.h"
 
-/* Extends the box round the bodies by a ball. */
-static void include_ball(struct rb_exported *exported, rb_vec3 at, double radius)
-{
-	exported->low = (rb_vec3){fmin(exported->low.x, at.x - radius),
-	                          fmin(exported->low.y, at.y - radius),
-	                          fmin(exported->low.z, at.z - radius)};
-	exported->high = (rb_vec3){fmax(exported->high.x, at.x + radius),
-	                           fmax(exported->high.y, at.y + radius),
-	                           fmax(exported->high.z, at.z + radius)};
-}
-
-/* m: no point of a body is farther from its origin. */
-static double reach_of(const struct rb_model *model, int index)
-{
-	const struct rb_shape *const shape = &model->shape[index];
-
-	return shape->kind == RB_SHAPE_RECTANGLE ? hypot(shape->size[0], shape->size[1]) / 2
-	                                         : rb_model_reach(model, index);
-}
-
 /* Finds the box round all bodies but planes, over all frames. */
 static enum rb_status find_box(struct rb_exported *exported, struct rb_error *err)
 {
 	const struct rb_model *const model = exported->loaded.model;
 	struct rb_frame frame = {0};
 
-	exported->low = (rb_vec3){(double)INFINITY, (double)INFINITY, (double)INFINITY};
-	exported->high = (rb_vec3){-(double)INFINITY, -(double)INFINITY, -(double)INFINITY};
+	exported->box = rb_trimesh_box_empty();
 	for (uint64_t row = 0; row < exported->reading->frame_count; row++) {
 		const enum rb_status status = exported->module->reader_frame(exported->reader, row,
 		                                                             &frame, err);
 		if (status)
 			return status;
 		for (int i = 0; i < model->body_count; i++)
-			include_ball(exported, rb_exported_position(exported, &frame, i),
-			             reach_of(model, i));
+			rb_trimesh_box_add(&exported->box, model, i,
+			                   rb_exported_position(exported, &frame, i));
 	}
-	for (int i = model->body_count; i < model->body_count + model->static_count; i++)
-		if (model->shape[i].kind != RB_SHAPE_PLANE)
-			include_ball(exported, model->position[i], reach_of(model, i));
-	if (!(exported->low.x <= exported->high.x)) {
-		exported->low = (rb_vec3){-1, -1, -1};
-		exported->high = (rb_vec3){1, 1, 1};
-	}
+	rb_trimesh_box_finish(&exported->box, model);
 	return RB_OK;
 }
 
@@ -131,13 +104,7 @@ rb_quat rb_exported_orientation(const struct rb_exported *exported, const struct
 
 struct rb_trimesh_patch rb_exported_patch(const struct rb_exported *exported, int index)
 {
-	const struct rb_model *const model = exported->loaded.model;
-	const rb_vec3 middle = rb_vec3_scale(0.5, rb_vec3_add(exported->low, exported->high));
-	const rb_vec3 local = rb_quat_rotate_back(model->orientation[index],
-	                                          rb_vec3_sub(middle, model->position[index]));
-
-	return (struct rb_trimesh_patch){
-		local.x, local.y, rb_vec3_length(rb_vec3_sub(exported->high, exported->low))};
+	return rb_trimesh_box_patch(&exported->box, exported->loaded.model, index);
 }
 
 void rb_exported_number(FILE *file, double value)

@@ -7,7 +7,7 @@
 #define RB_APP_EXPORTED_H
 
 #include "app/common.h"
-#include "app/trimesh.h"
+#include "flow/trimesh.h"
 #include "base/outfile.h"
 #include "sink/module.h"
 
@@ -19,8 +19,8 @@ struct rb_exported {
 	const struct rb_hdf5_module *module;
 	struct rb_reader *reader;
 	const struct rb_reading *reading;
-	struct rb_loaded loaded; /* its scene and model; zeroed where the form needs none */
-	rb_vec3 low, high; /* m: corners of a box round all bodies but planes, in all frames */
+	struct rb_loaded loaded;   /* its scene and model; zeroed where the form needs none */
+	struct rb_trimesh_box box; /* round all bodies but planes, in all frames */
 
 	/* made so far, for the report */
 	char outputs[RB_EXPORTS_MAX][RB_EXPORT_NAME_SIZE];

@@ -109,6 +109,8 @@ static int l_record(lua_State *L)
 		lua_pop(L, 2);
 	}
 	rb_call_read(&call, &record);
+	if (record.fields & RB_FIELD_SURFACES)
+		record.fields |= RB_FIELD_SURFACES_NEED;
 	if (!only_call(&call, &call.script->record_line))
 		return 0;
 	record.file = keep_text(&call, record.file);

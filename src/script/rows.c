@@ -312,7 +312,7 @@ static const struct rb_row record_rows[] = {
          "frames", "record every n-th frame"},
 	{"fields", RB_ROW_FLAGS, 0, 0, AT(rb_record_def, fields),
          "position, orientation, velocity, angular_velocity, contacts, events, acceleration, "
-         "angular_acceleration, force, torque, joints",
+         "angular_acceleration, force, torque, joints, surfaces",
          NULL, "the first four, and events if there is a camera", "",
          "what is recorded of each frame: one or a list, which replaces the default, or adds to it "
          "if its first entry is \"+\""},

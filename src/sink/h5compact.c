@@ -5,8 +5,8 @@
  * stay the same to the bit. Hard links are recognised by the address of their object: it is copied
  * at the first link, and linked at the others.
  *
- * The result is made in memory by the core driver; only files of at most COMPACT_MOST (recorder.c)
- * are compacted.
+ * The result is made in memory by the core driver; only files of at most RB_COMPACT_MOST are
+ * compacted.
  */
 #include "sink/h5compact.h"
 

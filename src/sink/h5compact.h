@@ -12,6 +12,9 @@
 
 #include <rbsim/error.h>
 
+/* Only files of at most so many bytes are compacted: in larger ones it is a small part. */
+enum { RB_COMPACT_MOST = 1 << 21 };
+
 /*
  * The image of a file with all that is in the open `file`: groups and links in their order,
  * attributes, data to the bit. To be freed by rb_memory_free. RB_ERR_MEMORY, RB_ERR_IO: it could

@@ -16,6 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { ALIGNED_FROM = 16 }; /* bytes: smaller objects may stand anywhere */
+
 hid_t rb_h5_type(enum rb_h5_kind kind)
 {
 	switch (kind) {
@@ -81,6 +83,30 @@ hid_t rb_h5_access(unsigned attempts)
 	H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
 	H5Pset_metadata_read_attempts(access, attempts);
 	return access;
+}
+
+hid_t rb_h5_access_aligned(unsigned alignment)
+{
+	const hid_t access = rb_h5_access(1);
+
+	RB_ASSERT(alignment >= 1);
+	H5Pset_alignment(access, ALIGNED_FROM, alignment);
+	if (alignment > 1)
+		H5Pset_meta_block_size(access, 0);
+	H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+	return access;
+}
+
+hid_t rb_h5_create(const char *path, hid_t access)
+{
+	const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
+
+	/* room in the root's header for all its links: /VTKHDF is added without moving anything */
+	H5Pset_est_link_info(creation, 8, 12);
+	H5Pset_obj_track_times(creation, 0);
+	const hid_t file = H5Fcreate(path, H5F_ACC_EXCL, creation, access);
+	rb_h5_done(creation);
+	return file;
 }
 
 void rb_h5_done(hid_t id)

@@ -59,6 +59,11 @@ void rb_h5_quiet(void);
  */
 hid_t rb_h5_access(unsigned attempts);
 
+/* The same with objects at multiples of `alignment`, as recordings are made; 1: none. */
+hid_t rb_h5_access_aligned(unsigned alignment);
+/* Makes a file; negative: failed. The root has room for links that are added when it is closed. */
+hid_t rb_h5_create(const char *path, hid_t access);
+
 /* Closes any kind of id; nothing for a negative one. */
 void rb_h5_done(hid_t id);
 

@@ -4,6 +4,7 @@
 
 #include "sink/h5collect.h"
 #include "sink/reader.h"
+#include "sink/h5estimate.h"
 #include "sink/recorder.h"
 
 #include <stdio.h>
@@ -24,7 +25,7 @@ const struct rb_hdf5_module rb_hdf5_module = {
 	.recorder_destroy = rb_recorder_destroy,
 	.recorder_ask = rb_recorder_ask,
 	.recorder_wait = rb_recorder_wait,
-	.recorder_estimate = rb_recorder_estimate,
+	.recorder_estimate = rb_h5_estimate,
 	.reader_open = rb_reader_open,
 	.reader_close = rb_reader_close,
 	.reader_reading = rb_reader_reading,

@@ -43,11 +43,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum {
-	SUPERBLOCK_SIZE = 48,   /* of version 2 and 3 with 8-byte addresses */
-	ALIGNED_FROM = 16,      /* bytes: smaller objects may stand anywhere */
-	COMPACT_MOST = 1 << 21, /* bytes: in larger files it is a small part */
-};
+enum { SUPERBLOCK_SIZE = 48 }; /* of version 2 and 3 with 8-byte addresses */
 
 struct rb_recorder {
 	/* set before the thread starts, then only read */
@@ -74,43 +70,6 @@ struct rb_recorder {
 	uint64_t held;  /* ... and holds all below */
 	bool ended;
 };
-
-/* Access properties with objects at multiples of `alignment`; 1: none. */
-static hid_t file_access(unsigned alignment)
-{
-	const hid_t access = rb_h5_access(1);
-
-	RB_ASSERT(alignment >= 1);
-	H5Pset_alignment(access, ALIGNED_FROM, alignment);
-	if (alignment > 1)
-		H5Pset_meta_block_size(access, 0);
-	H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-	return access;
-}
-
-/* Creation properties; to be closed. */
-static hid_t file_creation(void)
-{
-	const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
-
-	/*
-	 * Room in the root's header for all its links: /VTKHDF is added without moving anything
-	 * (add_vtk).
-	 */
-	H5Pset_est_link_info(creation, 8, 12);
-	H5Pset_obj_track_times(creation, 0);
-	return creation;
-}
-
-/* Makes the file; negative: failed. */
-static hid_t create_file(const char *path, hid_t access)
-{
-	const hid_t creation = file_creation();
-	const hid_t file = H5Fcreate(path, H5F_ACC_EXCL, creation, access);
-
-	rb_h5_done(creation);
-	return file;
-}
 
 /* Advice for a failure by locks, which are refused on some file systems. */
 static const char *lock_advice(int number)
@@ -254,9 +213,9 @@ static void fail_create(struct rb_h5 *h5)
 static void make_about(struct rb_recorder *recorder)
 {
 	struct rb_h5 *const h5 = &recorder->h5;
-	const hid_t access = file_access(1);
+	const hid_t access = rb_h5_access_aligned(1);
 
-	*h5 = (struct rb_h5){.file = create_file(recorder->output.library, access),
+	*h5 = (struct rb_h5){.file = rb_h5_create(recorder->output.library, access),
 	                     .name = recorder->path};
 	rb_h5_done(access);
 	if (h5->file < 0) {
@@ -281,7 +240,7 @@ static void make_growing(struct rb_recorder *recorder)
 
 	if (h5->status)
 		return;
-	const hid_t access = file_access(rb_frames_alignment(recorder->info));
+	const hid_t access = rb_h5_access_aligned(rb_frames_alignment(recorder->info));
 	h5->file = H5Fopen(recorder->output.library, H5F_ACC_RDWR, access);
 	rb_h5_done(access);
 	if (h5->file < 0) {
@@ -335,7 +294,7 @@ static bool open_again(struct rb_recorder *recorder)
 		rb_h5_fail(h5, "read", "/");
 		return false;
 	}
-	const hid_t access = file_access(1);
+	const hid_t access = rb_h5_access_aligned(1);
 	h5->file = H5Fopen(recorder->output.library, H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, access);
 	rb_h5_done(access);
 	if (h5->file < 0) {
@@ -379,7 +338,7 @@ static enum rb_status reopen_file(struct rb_recorder *recorder, struct rb_error 
 		return status;
 	drop_vtk(recorder);
 	if (!h5->status) {
-		const hid_t access = file_access(rb_frames_alignment(recorder->info));
+		const hid_t access = rb_h5_access_aligned(rb_frames_alignment(recorder->info));
 		*h5 = (struct rb_h5){.name = recorder->path, .there = true};
 		h5->file = H5Fopen(recorder->output.library, H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE,
 		                   access);
@@ -537,9 +496,10 @@ static void trim(struct rb_h5 *h5, const struct rb_frames *frames, hsize_t rows)
 
 /*
  * Adds /VTKHDF. It goes behind the old end; the only old bytes that change are the root's header,
- * in one small write.
+ * in one small write. Where the run is to go on it is without surfaces, since all that is added now
+ * is thrown away then (drop_vtk).
  */
-static void add_vtk(struct rb_recorder *recorder)
+static void add_vtk(struct rb_recorder *recorder, bool goes_on)
 {
 	struct rb_h5 *const h5 = &recorder->h5;
 	const struct rb_frames *const frames = &recorder->frames;
@@ -551,24 +511,25 @@ static void add_vtk(struct rb_recorder *recorder)
 	if (rows == 0 || recorder->info->model->body_count == 0 ||
 	    !(frames->fields & RB_FIELD_POSITION))
 		return;
+	struct rb_vtk vtk = rb_vtk_of(recorder->info, frames, rows);
+	if (!goes_on)
+		vtk.fields |= recorder->info->scene->record.fields & RB_FIELD_SURFACES;
+	h5->status = rb_vtk_begin(&vtk, &h5->error);
 	const off_t end = lseek(recorder->output.fd, 0, SEEK_END);
-	const uint64_t need = rb_vtk_need(recorder->info->model, rows);
 	const int number = end < 0 ? errno
-	                           : rb_output_reserve(&recorder->output, (uint64_t)end, need);
-	if (number != 0) {
-		rb_log(RB_LOG_WARNING, "'%s' is complete but for '/VTKHDF': %s", recorder->path,
-		       strerror(number));
-		return;
-	}
-
-	if (open_again(recorder)) {
+	                           : rb_output_reserve(&recorder->output, (uint64_t)end,
+	                                               rb_vtk_need(&vtk));
+	if (!h5->status && number != 0)
+		h5->status = RB_FAIL(&h5->error, RB_ERR_IO, "%s", strerror(number));
+	if (!h5->status && open_again(recorder)) {
 		trim(h5, frames, rows);
-		rb_vtk_write(h5, recorder->info->model, frames->fields, rows, frames->time->path);
+		rb_vtk_write(h5, &vtk);
 		if (h5->status == RB_OK || h5->status == RB_ERR_MEMORY) {
 			if (H5Fclose(h5->file) < 0)
 				rb_h5_fail(h5, "close", "/");
 		}
 	}
+	rb_vtk_release(&vtk);
 	if (h5->status)
 		rb_log(RB_LOG_WARNING, "'%s' is complete but for '/VTKHDF': %s", recorder->path,
 		       h5->error.text);
@@ -585,7 +546,7 @@ static void compact(struct rb_recorder *recorder)
 	unsigned char *image;
 	size_t size;
 
-	if (fstat(recorder->output.fd, &found) != 0 || found.st_size > COMPACT_MOST)
+	if (fstat(recorder->output.fd, &found) != 0 || found.st_size > RB_COMPACT_MOST)
 		return;
 	const hid_t access = rb_h5_access(1);
 	const hid_t file = H5Fopen(recorder->output.library, H5F_ACC_RDONLY, access);
@@ -652,7 +613,7 @@ static enum rb_status close_file(void *self, const struct rb_outcome *outcome, s
 			if (!recorder->failed)
 				(void)note_failure(recorder, h5->status, &h5->error);
 		} else if (recorder->output.published && ours) {
-			add_vtk(recorder);
+			add_vtk(recorder, outcome->status == RB_ERR_AGAIN);
 			if (!recorder->failed && !recorder->options.repair &&
 			    (outcome->status == RB_OK || outcome->status == RB_ERR_EXPECT))
 				compact(recorder);
@@ -721,75 +682,4 @@ void rb_recorder_destroy(struct rb_recorder *recorder)
 	pthread_mutex_destroy(&recorder->lock);
 	rb_memory_free(recorder->path);
 	rb_memory_free(recorder);
-}
-
-/* A file in memory, for estimates. */
-static hid_t memory_file(unsigned alignment)
-{
-	const hid_t access = file_access(alignment);
-	char name[64];
-
-	H5Pset_fapl_core(access, 1 << 16, 0);
-	/* names that no file can have, so that none is looked at, and two, so that these are two */
-	snprintf(name, sizeof name, "/dev/null/estimate-%u", alignment);
-	const hid_t file = create_file(name, access);
-	rb_h5_done(access);
-	return file;
-}
-
-/* Its size, that of its image, for the file itself goes by whole blocks; 0: a failure. */
-static uint64_t memory_size(hid_t file)
-{
-	const ssize_t size = H5Fflush(file, H5F_SCOPE_LOCAL) < 0 ? -1
-	                                                         : H5Fget_file_image(file, NULL, 0);
-
-	return size < 0 ? 0 : (uint64_t)size;
-}
-
-/* Its size after compaction; 0: a failure. */
-static uint64_t compact_size(hid_t file)
-{
-	unsigned char *image;
-	size_t size;
-
-	if (rb_compact_image(file, "estimate", &image, &size, NULL))
-		return 0;
-	rb_memory_free(image);
-	return size;
-}
-
-/*
- * Both parts of the file are made in memory as they will be, but for the rows: these take what
- * their chunks take.
- */
-uint64_t rb_recorder_estimate(const struct rb_run_info *info)
-{
-	struct rb_h5 about = {.name = "estimate"}, growing = about;
-	struct rb_frames frames;
-	uint64_t size = 0;
-
-	rb_h5_quiet();
-	about.file = memory_file(1);
-	growing.file = memory_file(rb_frames_alignment(info));
-	if (about.file >= 0 && growing.file >= 0) {
-		rb_about_write(&about, info);
-		const uint64_t expected = rb_frames_expected(info);
-		rb_about_write_changing(&growing, info->scene);
-		rb_frames_create(&growing, &frames, info, false);
-		const uint64_t rows = rb_frames_pretend(&growing, &frames, expected);
-		const uint64_t plain = rb_frames_plain(&frames, expected);
-		if (frames.time)
-			rb_vtk_write(&growing, info->model, frames.fields, expected,
-			             frames.time->path);
-		rb_frames_release(&frames);
-		const uint64_t fixed = memory_size(about.file), moving = memory_size(growing.file);
-		size = about.status || growing.status || fixed == 0 || moving == 0
-		               ? 0
-		               : fixed + moving + rows;
-		if (size > 0 && size <= COMPACT_MOST)
-			size = compact_size(about.file) + compact_size(growing.file) + plain;
-	}
-	rb_h5_done(about.file);
-	rb_h5_done(growing.file);
-	return size;
 }

@@ -19,7 +19,5 @@ void rb_recorder_destroy(struct rb_recorder *recorder); /* NULL is fine */
 /* Any thread, as in sink/module.h. */
 void rb_recorder_ask(struct rb_recorder *recorder, uint64_t frame);
 bool rb_recorder_wait(struct rb_recorder *recorder, uint64_t frame);
-/* 0 when memory is out. With compression it is what the run would take without. */
-uint64_t rb_recorder_estimate(const struct rb_run_info *info);
 
 #endif

@@ -31,6 +31,23 @@ cat >worn.lua <<'END'
 world { duration = 0.1 }
 sphere { radius = 0.1, texture = "skins/globe.png" }
 END
+# a body of every shape, whose surfaces VTK is to see
+cat >seen.lua <<'END'
+world { title = "All shapes", duration = 0.4, frame_rate = 20, gravity = {0, 0, -9.81} }
+local m = material { name = "m", friction = 0.4, restitution = 0.2, density = 1000 }
+plane { normal = {0, 0, 1}, material = m }
+plane { name = "ramp", size = {2, 2}, point = {-2, 0, 0.6}, normal = {0.5, 0, 0.87}, material = m }
+terrain { size = {3, 3}, cells = {6, 6}, height = function(x, y) return 0.15 * math.sin(3 * x) end, position = {3, 3, 0.2}, material = m }
+sphere { radius = 0.3, position = {-2, 0, 0.95}, material = m, texture = "beachball" }
+sphere { radius = 0.1, position = {0, -1, 0.1}, material = m, visible = false }
+box { size = {0.6, 0.5, 0.4}, position = {0, 0, 0.2}, material = m }
+capsule { radius = 0.15, length = 0.5, position = {1, 0, 1}, material = m, angular_velocity = {1, 2, 3} }
+cylinder { radius = 0.2, length = 0.5, position = {2, 0, 0.25}, material = m }
+hull { points = {{0,0,0},{0.6,0,0},{0,0.6,0},{0,0,0.6}}, position = {0, 1.5, 1}, material = m, angular_velocity = {3, 0, 1} }
+body { position = {1.5, 1.5, 1}, material = m, shapes = { {shape = "sphere", radius = 0.2, position = {-0.3, 0, 0}},
+	{shape = "box", size = {0.6, 0.1, 0.1}} } }
+record { fields = {"+", "contacts", "surfaces"} }
+END
 cat >bare.lua <<'END'
 world { duration = 0.1 }
 plane { normal = {0, 0, 1} }
@@ -45,16 +62,32 @@ open("skins/globe.png", "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct
     + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 END
 "$RBSIM" bare.lua --quiet
-for scene in all packed still worn; do
+for scene in all packed still worn seen; do
 	"$RBSIM" "$scene.lua" -o "$scene.h5" --quiet
 	echo "== $scene"
 	"$python" "$top/tests/readers/check.py" "$scene.h5"
 done
 
+# VTK's own picture of them, where there is a VTK that can draw
+if "$python" -c 'import vtkmodules.vtkRenderingOpenGL2' 2>/dev/null; then
+	"$python" "$top/tests/readers/picture.py" seen.h5 seen.png
+fi
+
 # what a scene cannot change is not stored per frame, and what it says is stored as it is
 "$python" - <<'END'
 import h5py, hashlib
 assert "VTKHDF" not in h5py.File("bare.h5", "r")  # nothing moves
+v = h5py.File("seen.h5", "r")["VTKHDF"]
+assert list(v["Assembly"]) == ["bodies", "surfaces", "statics", "contacts"]
+shown = set(v["surfaces/CellData/id"][:]) | set(v["statics/CellData/id"][:])
+assert shown == set(range(10)) - {4}, shown  # all but the one that is not visible
+assert v["statics/Points"].shape[0] == v["statics/NumberOfPoints"][0], "what stays stands there once"
+assert v["surfaces/Polygons/NumberOfCells"][0] == len(v["surfaces/CellData/color"])
+# a face of the beach ball is white, the next one is not
+ball = v["surfaces/CellData/color"][:][v["surfaces/CellData/id"][:] == 3]
+assert len(set(map(bytes, ball))) >= 2
+for name in ("all", "packed", "still", "worn"):  # not asked for: not there
+    assert not {"surfaces", "statics"} & set(h5py.File(name + ".h5", "r")["VTKHDF"])
 f = h5py.File("still.h5", "r")
 assert f["particles/bodies/orientation"].shape == (1, 4)
 assert "angular_velocity" not in f["particles/bodies"]

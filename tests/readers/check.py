@@ -85,15 +85,38 @@ def check_h5py(path):
         moves = frames > 0 and count > 0 and isinstance(bodies.get("position"), h5py.Group)
         assert ("VTKHDF" in f) == moves, "a view for VTK is for what moves"
         if moves:
-            check_view(f["VTKHDF"], bodies, frames, count)
+            check_view(f["VTKHDF"], f)
         return f"{frames} frames, {count} bodies, {statics} statics"
 
 
-def check_view(view, bodies, frames, count):
-    """PolyData in time: one vertex a body, and columns that begin anew with each frame."""
+def check_view(view, f):
+    """PolyData in time, or a collection of it where contacts or surfaces are recorded."""
+    bodies = f["particles/bodies"]
+    frames, count = len(bodies["position/step"]), len(bodies["id"])
+    parts = {"bodies": view}
+    if text(view.attrs["Type"]) == "PartitionedDataSetCollection":
+        names = [n for n in view["Assembly"]]
+        parts = {n: view[n] for n in names}
+        assert sorted(parts) == sorted(set(view) - {"Assembly"}), "parts that are not assembled"
+        assert sorted(p.attrs["Index"] for p in parts.values()) == list(range(len(parts)))
+    else:
+        assert text(view.attrs["Type"]) == "PolyData"
+    assert ("contacts" in parts) == ("contacts" in f["rbsim"] and f["rbsim/frames/contact_end"][-1] > 0)
+    for part in parts.values():
+        assert text(part.attrs["Type"]) == "PolyData" and part["Steps"].attrs["NSteps"] == frames
+        same("times", part["Steps/Values"][:], bodies["position/time"][:])
+    check_bodies(parts["bodies"], bodies, frames, count)
+    if "contacts" in parts:
+        check_contacts(parts["contacts"], f)
+    if "surfaces" in parts:
+        check_surfaces(parts["surfaces"], bodies)
+    return parts
+
+
+def check_bodies(view, bodies, frames, count):
+    """One vertex a body, and columns that begin anew with each frame."""
     same("points", view["Points"][:], bodies["position/value"][:].reshape(frames * count, 3))
-    same("times", view["Steps/Values"][:], bodies["position/time"][:])
-    assert view["Steps"].attrs["NSteps"] == frames and view["NumberOfPoints"][0] == count
+    assert view["NumberOfPoints"][0] == count
     offsets = np.arange(frames) * count
     same("offsets of points", view["Steps/PointOffsets"][:], offsets)
     for name in ("velocity", "angular_velocity", "orientation"):
@@ -107,6 +130,39 @@ def check_view(view, bodies, frames, count):
     for kind in ("Vertices", "Lines", "Strips", "Polygons"):
         cells = count if kind == "Vertices" else 0
         assert view[kind]["NumberOfCells"][0] == view[kind]["NumberOfConnectivityIds"][0] == cells, kind
+
+
+def check_contacts(view, f):
+    """The table itself, from where each frame's rows begin."""
+    assert view["Points"] == f["rbsim/contacts/point"], "a copy"
+    ends = f["rbsim/frames/contact_end"][:].astype(np.int64)
+    rows = np.diff(ends, prepend=0)
+    same("contacts of frames", view["NumberOfPoints"][:], rows)
+    same("first contacts", view["Steps/PointOffsets"][:], ends - rows)
+    same("parts", view["Steps/PartOffsets"][:], np.arange(len(rows)))
+    for name in ("force", "normal", "gap", "a", "b"):
+        assert view["PointData"][name] == f["rbsim/contacts"][name], f"{name}: a copy"
+        same("first of " + name, view["Steps/PointDataOffsets"][name][:], ends - rows)
+
+
+def check_surfaces(view, bodies):
+    """Each body's points keep their place in it: turned back they are those of the first frame, to the 32 bits of points."""
+    points, frames = int(view["NumberOfPoints"][0]), len(bodies["position/step"])
+    x = view["Points"][:].astype(float).reshape(frames, points, 3)
+    corners = view["Polygons/Connectivity"][:].reshape(-1, 3)
+    owner = np.full(points, -1)
+    owner[corners] = view["CellData/id"][:][:, None]
+    assert owner.min() >= 0, "points of no triangle"
+    place = {i: k for k, i in enumerate(bodies["id"][:])}
+    k = np.array([place[i] for i in owner])
+    at = bodies["position/value"][:].astype(float)
+    local = x - at[:, k]
+    if isinstance(bodies.get("orientation"), h5py.Group):
+        q = bodies["orientation/value"][:].astype(float)[:, k] * [1, -1, -1, -1]
+        w, v = q[..., :1], q[..., 1:]
+        local = local + 2 * np.cross(v, np.cross(v, local) + w * local)
+    rounding = 4 * np.finfo(np.float32).eps * (np.abs(x).max() + np.abs(local).max())
+    assert np.abs(local - local[0]).max() < rounding, "surfaces that do not move with their bodies"
 
 
 def check_h5dump(path):
@@ -181,21 +237,43 @@ def check_vtk(path):
         moving = {n: bodies[n]["value"][:] for n in list(ELEMENTS)[1:]
                   if n in bodies and isinstance(bodies[n], h5py.Group)}
         fixed = {"mass": bodies["mass"][:], "id": bodies["id"][:]}
+        names = list(f["VTKHDF/Assembly"]) if "Assembly" in f["VTKHDF"] else []
+        surfaces = {n: (int(f["VTKHDF"][n]["NumberOfPoints"][0]), f["VTKHDF"][n]["Points"][:],
+                        len(f["VTKHDF"][n]["CellData/id"])) for n in ("surfaces", "statics") if n in names}
+        contacts = {n: c[:] for n, c in f["rbsim/contacts"].items()} if "contacts" in names else {}
+        ends = f["rbsim/frames/contact_end"][:].astype(int) if contacts else []
     reader = vtkHDFReader()
     reader.SetFileName(path)
     assert reader.CanReadFile(path), "VTK cannot read it"
     reader.UpdateInformation()
     assert reader.GetNumberOfSteps() == len(time), f"{reader.GetNumberOfSteps()} steps of {len(time)}"
+
+    def points(data):
+        return vtk_to_numpy(data.GetPoints().GetData()) if data.GetNumberOfPoints() else np.empty((0, 3))
+
     for k in range(len(time)):
         reader.SetStep(k)
         reader.Update()
-        data = reader.GetOutputDataObject(0)
-        same(f"points of step {k}", vtk_to_numpy(data.GetPoints().GetData()), position[k])
+        data = whole = reader.GetOutputDataObject(0)
+        if names:
+            assert whole.GetNumberOfPartitionedDataSets() == len(names)
+            data = whole.GetPartition(0, 0)
+        same(f"points of step {k}", points(data), position[k])
         assert data.GetNumberOfVerts() == position.shape[1], f"{data.GetNumberOfVerts()} vertices"
         for name, value in moving.items():
             same(f"{name} of step {k}", vtk_to_numpy(data.GetPointData().GetArray(name)), value[k])
         for name, value in fixed.items():
             same(f"{name} of step {k}", vtk_to_numpy(data.GetPointData().GetArray(name)), value)
+        for name, (count, all_points, cells) in surfaces.items():
+            data = whole.GetPartition(names.index(name), 0)
+            first = count * k if name == "surfaces" else 0
+            same(f"{name} of step {k}", points(data), all_points[first:first + count])
+            assert data.GetNumberOfPolys() == cells, f"{name}: {data.GetNumberOfPolys()} triangles"
+        if contacts:
+            data, rows = whole.GetPartition(names.index("contacts"), 0), slice(ends[k - 1] if k else 0, ends[k])
+            same(f"contacts of step {k}", points(data), contacts["point"][rows].reshape(-1, 3))
+            if data.GetNumberOfPoints():
+                same(f"forces of step {k}", vtk_to_numpy(data.GetPointData().GetArray("force")), contacts["force"][rows])
     return "VTK " + vtkVersion.GetVTKVersion()
 
 

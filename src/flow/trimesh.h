@@ -7,10 +7,10 @@
  *
  * The caller owns the surface. One thread.
  */
-#ifndef RB_APP_TRIMESH_H
-#define RB_APP_TRIMESH_H
+#ifndef RB_FLOW_TRIMESH_H
+#define RB_FLOW_TRIMESH_H
 
-#include <rbsim/scene.h>
+#include <rbsim/model.h>
 
 struct rb_trimesh_corner {
 	float position[3]; /* m */
@@ -35,5 +35,19 @@ RB_CHECKED enum rb_status rb_trimesh_add(struct rb_trimesh *surface, const struc
                                          const struct rb_trimesh_patch *patch,
                                          struct rb_error *err);
 void rb_trimesh_release(struct rb_trimesh *surface); /* safe on a zeroed one */
+
+/* A box round bodies: what infinite planes are shown below and around of. */
+struct rb_trimesh_box {
+	rb_vec3 low, high; /* m: corners; low > high: there is nothing in it yet */
+};
+struct rb_trimesh_box rb_trimesh_box_empty(void);
+/* Extends it by a body, by index, whose origin is at `at`; by nothing for an infinite plane. */
+void rb_trimesh_box_add(struct rb_trimesh_box *box, const struct rb_model *model, int index,
+                        rb_vec3 at);
+/* The same by all bodies that never move; with nothing in it it becomes a piece to be seen. */
+void rb_trimesh_box_finish(struct rb_trimesh_box *box, const struct rb_model *model);
+/* How much of an infinite plane is shown: what is below the box, and as much around it. */
+struct rb_trimesh_patch rb_trimesh_box_patch(const struct rb_trimesh_box *box,
+                                             const struct rb_model *model, int index);
 
 #endif

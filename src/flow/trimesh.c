@@ -3,7 +3,7 @@
  * Every face has corners of its own, so that it can have a normal and a colour of its own. Bodies
  * of revolution are bands between two circles about local z; those at a pole are triangles.
  */
-#include "app/trimesh.h"
+#include "flow/trimesh.h"
 
 #include <math.h>
 #include <string.h>
@@ -356,4 +356,53 @@ enum rb_status rb_trimesh_add(struct rb_trimesh *surface, const struct rb_scene 
 	return held ? RB_OK
 	            : RB_FAIL(err, RB_ERR_MEMORY,
 	                      "cannot make the surface of a body: out of memory");
+}
+
+/* ---- what planes are shown of ---- */
+
+/* m: no point of a body is farther from its origin. */
+static double reach_of(const struct rb_model *model, int index)
+{
+	const struct rb_shape *const shape = &model->shape[index];
+
+	return shape->kind == RB_SHAPE_RECTANGLE ? hypot(shape->size[0], shape->size[1]) / 2
+	                                         : rb_model_reach(model, index);
+}
+
+struct rb_trimesh_box rb_trimesh_box_empty(void)
+{
+	const double far = (double)INFINITY;
+
+	return (struct rb_trimesh_box){{far, far, far}, {-far, -far, -far}};
+}
+
+void rb_trimesh_box_add(struct rb_trimesh_box *box, const struct rb_model *model, int index,
+                        rb_vec3 at)
+{
+	if (model->shape[index].kind == RB_SHAPE_PLANE)
+		return;
+	const double radius = reach_of(model, index);
+	box->low = (rb_vec3){fmin(box->low.x, at.x - radius), fmin(box->low.y, at.y - radius),
+	                     fmin(box->low.z, at.z - radius)};
+	box->high = (rb_vec3){fmax(box->high.x, at.x + radius), fmax(box->high.y, at.y + radius),
+	                      fmax(box->high.z, at.z + radius)};
+}
+
+void rb_trimesh_box_finish(struct rb_trimesh_box *box, const struct rb_model *model)
+{
+	for (int i = model->body_count; i < model->body_count + model->static_count; i++)
+		rb_trimesh_box_add(box, model, i, model->position[i]);
+	if (!(box->low.x <= box->high.x))
+		*box = (struct rb_trimesh_box){{-1, -1, -1}, {1, 1, 1}};
+}
+
+struct rb_trimesh_patch rb_trimesh_box_patch(const struct rb_trimesh_box *box,
+                                             const struct rb_model *model, int index)
+{
+	const rb_vec3 middle = rb_vec3_scale(0.5, rb_vec3_add(box->low, box->high));
+	const rb_vec3 local = rb_quat_rotate_back(model->orientation[index],
+	                                          rb_vec3_sub(middle, model->position[index]));
+
+	return (struct rb_trimesh_patch){local.x, local.y,
+	                                 rb_vec3_length(rb_vec3_sub(box->high, box->low))};
 }
