@@ -127,6 +127,51 @@ static void points_of_bodies_in_any_place_are_where_their_features_say(void **sl
 		rb_polytope_destroy(kind[i].polytope);
 }
 
+/* Where a cylinder and a box of such sizes touch, over the scale; how many points. */
+static int meet_at_scale(double scale, uint64_t index, struct rb_feature_point out[RB_MANIFOLD_MAX])
+{
+	shape tin = shapes_cylinder(0.6 * scale, 0.5 * scale);
+	shape brick = shapes_box(0.5 * scale, 0.7 * scale, scale);
+	side a = still(&tin, shapes_vector(1, index, scale), shapes_turn(2, index));
+	side b = still(&brick, shapes_vector(3, index, 4 * scale), shapes_turn(4, index));
+	rb_manifold manifold;
+	int count = 0;
+
+	bring_together(&a, &b);
+	const rb_placed pa = rb_feature_placed(&a), pb = rb_feature_placed(&b);
+	rb_manifold_of(&manifold, &pa, &pb, 1e-12 * scale);
+	for (int k = 0; k < manifold.count; k++) {
+		const uint64_t key = rb_feature_name(&a, &b, &manifold, k, 1e-12 * scale);
+		struct rb_feature_point *const p = &out[count];
+
+		if (!meet(p, &a, &b, key, manifold.point[k].on_a))
+			continue;
+		p->point = rb_vec3_scale(1 / scale, p->point);
+		p->gap /= scale;
+		count++;
+	}
+	rb_polytope_destroy(brick.polytope);
+	return count;
+}
+
+/* Powers of two change no digit of what follows from lengths alone. */
+static void rims_and_edges_meet_alike_at_every_size(void **slot)
+{
+	struct rb_feature_point p[RB_MANIFOLD_MAX], q[RB_MANIFOLD_MAX];
+
+	(void)slot;
+	for (uint64_t index = 0; index < 300; index++)
+		for (int k = -24; k <= 24; k += 16) {
+			const int count = meet_at_scale(1, index, p);
+
+			assert_int_equal(meet_at_scale(ldexp(1, k), index, q), count);
+			for (int i = 0; i < count; i++) {
+				assert_true(apart(p[i].point, q[i].point) == 0);
+				assert_true(apart(p[i].normal, q[i].normal) == 0);
+			}
+		}
+}
+
 /* Upright on a face, turned about its normal. */
 static void bodies_on_faces_touch_at_all_their_points(void **slot)
 {
@@ -294,6 +339,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(points_of_bodies_in_any_place_are_where_their_features_say),
 		cmocka_unit_test(bodies_on_faces_touch_at_all_their_points),
+		cmocka_unit_test(rims_and_edges_meet_alike_at_every_size),
 		cmocka_unit_test(the_lowest_point_of_a_rim_is_exact_at_every_tilt),
 		cmocka_unit_test(crossing_of_nearly_parallel_edges_keeps_the_normal_of_the_face),
 		cmocka_unit_test(a_corner_that_passes_the_side_of_a_face_is_outside),

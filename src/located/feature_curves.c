@@ -146,6 +146,12 @@ static double crossing_of(const curve *circle, rb_part rim, const line *other)
 	return index_of(rim) >> 1 == SECOND_CROSSING ? along + half : along - half;
 }
 
+/* True if a step is below rounding of a parameter: of a line in m, where coordinates round. */
+static bool is_rounding(const curve *c, double step, double s, double size)
+{
+	return fabs(step) <= 4 * DBL_EPSILON * ((c->round ? 1 : size) + fabs(s));
+}
+
 /* Start of Newton's method: the crossing that the names say, else the place. */
 static void start_near(const curve c[2], const rb_part part[2], rb_vec3 near, double s[2])
 {
@@ -172,6 +178,7 @@ bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_sid
 	double s[2], step[2], rate[2];
 	curve c[2];
 	curve *const on_a = &c[0], *const on_b = &c[1];
+	const double size = a->core->reach + b->core->reach;
 	foot_point foot;
 	vec n;
 	num sine;
@@ -190,8 +197,8 @@ bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_sid
 		solve(&foot, foot.left, step);
 		s[0] -= step[0];
 		s[1] -= step[1];
-		if (fabs(step[0]) <= 4 * DBL_EPSILON * (1 + fabs(s[0])) &&
-		    fabs(step[1]) <= 4 * DBL_EPSILON * (1 + fabs(s[1])))
+		if (is_rounding(on_a, step[0], s[0], size) &&
+		    is_rounding(on_b, step[1], s[1], size))
 			break;
 		if (k + 1 == ROUNDS)
 			return false;
