@@ -160,7 +160,13 @@ def forces(rec, report, c, frame, stepped, where):
     scale = max(float(size.max()), 1e-300)
     least = 1e-12 * scale
     report.bounds("forces push", -push, np.full(len(push), least), where, "N")
-    report.bounds("cone of friction", np.linalg.norm(rub, axis=1) - friction * push, 1e-9 * size + least, where, "N")
+    # of a step that was halved it is a mean of forces about normals of which the last is told
+    between = np.diff(rec.time, prepend=0)
+    whole = between / np.maximum(np.ceil(between / rec.time_step * (1 - 1e-9)), 1)
+    halved = stepped & (rec.observed["smallest_step"] < 0.75 * whole)[frame]
+    turned = np.where(halved, np.minimum(way(rec, c, frame, stepped) / c.size(), 1), 0)
+    report.bounds("cone of friction", np.linalg.norm(rub, axis=1) - friction * push,
+                  1e-9 * size + least + (1 + friction) * size * turned, where, "N")
     slip = velocities(rec, frame, c.j, c.point) - velocities(rec, frame, c.i, c.point)
     slip -= dot(slip, c.normal)[:, None] * c.normal
     speed = np.linalg.norm(slip, axis=1)

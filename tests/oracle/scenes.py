@@ -8,6 +8,7 @@ Scenes are copied, with a call of record { } behind them. A run that does not en
 to stop, and what it has recorded counts. Names choose among those of a share by their beginning.
 """
 import argparse
+import json
 import os
 import re
 import shutil
@@ -96,10 +97,9 @@ def copy(scene, folder):
 
 def frame_rate(program, scene, given, env):
     """What one step for each frame is."""
-    said = subprocess.run([program, "check", scene] + given, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                          env=env, check=False).stdout
-    found = re.search(r"at ([0-9.e+-]+)/s", said)
-    return float(found.group(1)) if found else 60.0
+    said = subprocess.run([program, "check", "--json", scene] + given, stdout=subprocess.PIPE, text=True, env=env,
+                          check=True).stdout
+    return json.loads(said)["frame_rate"]
 
 
 def record(program, scene, given, folder, seconds, one_step):
