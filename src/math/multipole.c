@@ -20,13 +20,14 @@ RB_LANES_INLINE int at(int k, int j, int c)
 /* d^m/m! of all triples. */
 static void powers(rb_vec3 d, double power[TERMS])
 {
+	static const double inverse[] = {1, 1, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6};
 	double x[3][P + 1];
 	const double of[3] = {d.x, d.y, d.z};
 
 	for (int m = 0; m < 3; m++) {
 		x[m][0] = 1;
 		for (int k = 1; k <= P; k++)
-			x[m][k] = x[m][k - 1] * of[m] / k;
+			x[m][k] = x[m][k - 1] * of[m] * inverse[k];
 	}
 	for (int k = 0; k <= P; k++)
 		for (int j = 0; j <= k; j++)

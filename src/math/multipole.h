@@ -22,7 +22,7 @@
 #include "math/vec3.h"
 
 enum {
-	RB_MULTIPOLE_ORDER = 5,
+	RB_MULTIPOLE_ORDER = 6,
 	RB_MULTIPOLE_TERMS = (RB_MULTIPOLE_ORDER + 1) * (RB_MULTIPOLE_ORDER + 2) *
 	                     (RB_MULTIPOLE_ORDER + 3) / 6
 };

@@ -26,7 +26,7 @@ enum { BITS = 21, LEAF = 48, TERMS = RB_MULTIPOLE_TERMS, CELLS_PER_BLOCK = 64 };
 struct cell {
 	int first, count, child, children;
 	double radius; /* about its centre: all points are within it */
-	double spread; /* 3/2 of the root mean square of their distances to it */
+	double spread; /* 5/4 of the root mean square of their distances to it */
 };
 
 struct pair {
@@ -280,7 +280,7 @@ static void measure(struct rb_tree *tree, size_t k)
 		sum += square;
 	}
 	cell->radius = sqrt(largest);
-	cell->spread = 1.5 * sqrt(sum / cell->count);
+	cell->spread = 1.25 * sqrt(sum / cell->count);
 }
 
 /* Children come behind their parents. */
@@ -426,6 +426,7 @@ static void lower_fields(struct rb_tree *tree)
 enum { NEAR_MAX = 1024, EIGHT = 8 };
 struct near_points {
 	int count;
+	bool own; /* of the leaf that they act on: else none is where one of these is */
 	_Alignas(64) double x[NEAR_MAX];
 	double y[NEAR_MAX], z[NEAR_MAX], mu[NEAR_MAX];
 };
@@ -437,8 +438,8 @@ typedef float eight_floats __attribute__((vector_size(EIGHT * sizeof(float))));
 /*
  * 1/sqrt(x) to some roundings: that of floats, which takes a third of the time, and a step of third
  * order (A. Householder, The numerical treatment of a single nonlinear equation, 1970) from there.
- * `miss`: the fourth power of what the floats were off by, which is much or NaN where x is none
- * that a float can hold.
+ * `miss`: the square of what the floats were off by, which is much or NaN where x is none that a
+ * float can hold.
  */
 RB_LANES_INLINE void inverse_root(const eight *x, eight *y, eight *miss)
 {
@@ -458,13 +459,15 @@ RB_LANES_INLINE void inverse_root(const eight *x, eight *y, eight *miss)
 	const eight off = 1 - *x * (first * first);
 
 	*y = first + first * (off * (0.5 + 0.375 * off));
-	const eight square = off * off;
-	*miss = square * square;
+	*miss = off * off;
 }
 
-/* Adds what the near points do at `x`: acceleration and potential. False: some are too close. */
-RB_LANES_INLINE bool sum_near(const struct near_points *near, double soft2, const double x[3],
-                              double sum[4])
+/*
+ * Adds what the near points do at `x`: acceleration and potential. False: some are too close. `own`:
+ * the point itself may be among them, and others at its place: they do nothing.
+ */
+RB_LANES_INLINE bool sum_near(const struct near_points *near, const bool own, double soft2,
+                              const double x[3], double sum[4])
 {
 	eight ax = {0}, ay = {0}, az = {0}, psi = {0};
 	eight misses = {0};
@@ -475,21 +478,23 @@ RB_LANES_INLINE bool sum_near(const struct near_points *near, double soft2, cons
 		const eight dy = *(const eight *)(near->y + k) - x[1];
 		const eight dz = *(const eight *)(near->z + k) - x[2];
 		const eight square = dx * dx + dy * dy + dz * dz, soft = square + soft2;
-		/* the point itself, and what is at the same place: nothing */
-		const eight_mask distinct = (eight_mask)(square > 0);
-		eight inverse;
-		eight miss;
+		eight inverse, miss;
 
 		inverse_root(&soft, &inverse, &miss);
-		misses += (eight)((eight_mask)miss & distinct);
-		const eight all = *(const eight *)(near->mu + k) * inverse;
-		const eight own = (eight)((eight_mask)all & distinct);
-		const eight factor = (eight)((eight_mask)(all * (inverse * inverse)) & distinct);
+		eight all = *(const eight *)(near->mu + k) * inverse;
+		eight factor = all * (inverse * inverse);
+		if (own) {
+			const eight_mask distinct = (eight_mask)(square > 0);
 
+			miss = (eight)((eight_mask)miss & distinct);
+			all = (eight)((eight_mask)all & distinct);
+			factor = (eight)((eight_mask)factor & distinct);
+		}
+		misses += miss;
 		ax += factor * dx;
 		ay += factor * dy;
 		az += factor * dz;
-		psi += own;
+		psi += all;
 	}
 	for (int i = 0; i < EIGHT; i++) {
 		sum[0] += ax[i];
@@ -498,8 +503,8 @@ RB_LANES_INLINE bool sum_near(const struct near_points *near, double soft2, cons
 		sum[3] += psi[i];
 		all_misses += misses[i];
 	}
-	/* each time a few roundings of floats, of which the third power is left */
-	return all_misses <= 0x1p-60;
+	/* each time the square of a few roundings of floats, of which the third power is left */
+	return all_misses <= 0x1p-30;
 }
 
 /* The same of points that may be as close as doubles can be. */
@@ -520,19 +525,28 @@ static void sum_close(const struct near_points *near, double soft2, const double
 	}
 }
 
-RB_LANES_INLINE void sum_all_near(const struct near_points *near, double soft2,
-                                  double (*const x)[3], int count, double (*const sum)[4])
+RB_LANES_INLINE void sum_on(const struct near_points *near, const bool own, double soft2,
+                            double (*const x)[3], int count, double (*const sum)[4])
 {
 	for (int i = 0; i < count; i++) {
 		double added[4] = {0};
 
-		if (!sum_near(near, soft2, x[i], added)) {
+		if (!sum_near(near, own, soft2, x[i], added)) {
 			memset(added, 0, sizeof added);
 			sum_close(near, soft2, x[i], added);
 		}
 		for (int m = 0; m < 4; m++)
 			sum[i][m] += added[m];
 	}
+}
+
+RB_LANES_INLINE void sum_all_near(const struct near_points *near, double soft2,
+                                  double (*const x)[3], int count, double (*const sum)[4])
+{
+	if (near->own)
+		sum_on(near, true, soft2, x, count, sum);
+	else
+		sum_on(near, false, soft2, x, count, sum);
 }
 
 RB_LANES_AVX2 static void sum_all_near_avx2(const struct near_points *near, double soft2,
@@ -548,12 +562,15 @@ RB_LANES_AVX512 static void sum_all_near_avx512(const struct near_points *near, 
 	sum_all_near(near, soft2, x, count, sum);
 }
 
-/* What near points that have been gathered do on those of a leaf; then there are none. */
+/*
+ * What near points that have been gathered do on those of a leaf; then there are none. Eights are
+ * filled up outside of the cube, where no point is.
+ */
 static void apply_near(struct rb_tree *tree, struct near_points *near, const struct cell *leaf,
                        double (*const sum)[4])
 {
 	for (; near->count % EIGHT; near->count++) {
-		near->x[near->count] = near->y[near->count] = near->z[near->count] = 0;
+		near->x[near->count] = near->y[near->count] = near->z[near->count] = 2;
 		near->mu[near->count] = 0;
 	}
 	if (rb_lanes_avx512())
@@ -565,6 +582,22 @@ static void apply_near(struct rb_tree *tree, struct near_points *near, const str
 	near->count = 0;
 }
 
+/* Gathers the points of a leaf that act on `some`, and applies them where there is no more room. */
+static void gather_near(struct rb_tree *tree, struct near_points *near, const struct cell *leaf,
+                        const struct cell *some, double (*const sum)[4])
+{
+	for (int j = leaf->first; j < leaf->first + leaf->count; j++) {
+		if (!(tree->mu[j] > 0))
+			continue;
+		near->x[near->count] = tree->x[j][0];
+		near->y[near->count] = tree->x[j][1];
+		near->z[near->count] = tree->x[j][2];
+		near->mu[near->count++] = tree->mu[j];
+		if (near->count == NEAR_MAX)
+			apply_near(tree, near, some, sum);
+	}
+}
+
 /* Near points and the field of all others on the points `first` .. of a leaf. */
 static void finish_leaf(struct rb_tree *tree, size_t k, const struct cell *some)
 {
@@ -572,20 +605,13 @@ static void finish_leaf(struct rb_tree *tree, size_t k, const struct cell *some)
 	struct near_points near = {.count = 0};
 	double sum[LEAF][4] = {{0}};
 
-	for (int p = partners->begin[k]; p < partners->begin[k + 1]; p++) {
-		const struct cell *const other = &tree->cell[partners->list[p]];
-
-		for (int j = other->first; j < other->first + other->count; j++) {
-			if (!(tree->mu[j] > 0))
-				continue;
-			near.x[near.count] = tree->x[j][0];
-			near.y[near.count] = tree->x[j][1];
-			near.z[near.count] = tree->x[j][2];
-			near.mu[near.count++] = tree->mu[j];
-			if (near.count == NEAR_MAX)
-				apply_near(tree, &near, some, sum);
-		}
-	}
+	near.own = true;
+	gather_near(tree, &near, &tree->cell[k], some, sum);
+	apply_near(tree, &near, some, sum);
+	near.own = false;
+	for (int p = partners->begin[k]; p < partners->begin[k + 1]; p++)
+		if (partners->list[p] != (int)k)
+			gather_near(tree, &near, &tree->cell[partners->list[p]], some, sum);
 	apply_near(tree, &near, some, sum);
 	for (int n = 0; n < some->count; n++) {
 		const int i = (int)tree->item[some->first + n].value;
