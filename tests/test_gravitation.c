@@ -316,6 +316,35 @@ static void steps_keep_linear_and_angular_momentum(void **state)
 	lab_close(&lab);
 }
 
+/* So do sums by a tree, whose forces are as wrong as a part in 10,000, and not along one line. */
+static void steps_by_a_tree_keep_angular_momentum(void **state)
+{
+	enum { N = 1600, STEPS = 3 };
+	struct lab lab;
+
+	(void)state;
+	open_attracting(&lab, 0.05 * STEPS, 20);
+	lab.scene.world.method = RB_METHOD_STEPPED;
+	lab.scene.world.time_step_s = 0.05;
+	lab.scene.world.gravitation.opening_angle = 0.5;
+	for (int i = 0; i < N; i++) {
+		const uint64_t k = (uint64_t)i;
+
+		lab_sphere(&lab, 1e-9, 1.0 / N,
+		           (rb_vec3){rb_random_unit(5, 0, k), rb_random_unit(5, 1, k),
+		                     rb_random_unit(5, 2, k)},
+		           none);
+	}
+	lab_seal(&lab, 2);
+	step_all(&lab);
+	const struct rb_frame_numbers end = rb_world_totals(lab.world);
+
+	/* places of about 1, speeds of about 0.1: N sums of both roundings */
+	assert_true(rb_vec3_length(end.angular_momentum) <= STEPS * 0.1 * N * DBL_EPSILON);
+	assert_true(rb_vec3_length(end.momentum) <= STEPS * 0.1 * N * DBL_EPSILON);
+	lab_close(&lab);
+}
+
 static void add_grains(struct lab *lab, int count, double radius)
 {
 	const double apart = 3 * radius;
@@ -467,6 +496,7 @@ int main(void)
 		cmocka_unit_test(what_rests_on_a_fixed_centre_stands_and_the_ledger_holds),
 		cmocka_unit_test(two_balls_that_lie_on_each_other_neither_sink_nor_part),
 		cmocka_unit_test(steps_keep_linear_and_angular_momentum),
+		cmocka_unit_test(steps_by_a_tree_keep_angular_momentum),
 		cmocka_unit_test(the_centre_of_a_cloud_that_falls_in_stays),
 		cmocka_unit_test(contacts_by_steps_leave_the_angular_momentum),
 		cmocka_unit_test(many_attract_each_other_alike_by_one_thread_and_by_three),

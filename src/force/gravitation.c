@@ -126,6 +126,61 @@ enum rb_status rb_gravitation_plant(struct rb_gravitation *gravitation, struct r
 	return rb_tree_create(&gravitation->tree, err);
 }
 
+/*
+ * Of the largest moment of inertia: what is added to all, so that points on a line have an inverse.
+ * Twelve digits of a correction are right.
+ */
+static const double least_inertia = 1e-12;
+
+static rb_vec3 row_of(double *const column[3], int i)
+{
+	return (rb_vec3){column[0][i], column[1][i], column[2][i]};
+}
+
+/*
+ * Takes the torque off that cells leave: what they give each other is opposite, but not along one
+ * line, by as much as their forces are wrong. The accelerations of a turn of all about their centre
+ * of mass, which are less than those errors, keep the angular momentum, and have no sum.
+ */
+static void take_torque(const struct rb_gravitation *gravitation, const struct rb_attract *all,
+                        double *const acceleration[3])
+{
+	const struct rb_model *const model = gravitation->model;
+	rb_vec3 moment = {0, 0, 0}, torque = {0, 0, 0};
+	rb_mat3 inertia = {{{0}}}, inverse;
+	double mass = 0;
+
+	for (int i = 0; i < model->body_count; i++) {
+		moment = rb_vec3_add_scaled(moment, model->mass[i], row_of(all->x, i));
+		mass += model->mass[i];
+	}
+	const rb_vec3 center = rb_vec3_scale(1 / mass, moment);
+	for (int i = 0; i < model->body_count; i++) {
+		const rb_vec3 r = rb_vec3_sub(row_of(all->x, i), center);
+		const double m = model->mass[i], square = m * rb_vec3_dot(r, r);
+		const double x[3] = {r.x, r.y, r.z};
+
+		torque = rb_vec3_add_scaled(torque, m, rb_vec3_cross(r, row_of(acceleration, i)));
+		for (int j = 0; j < 3; j++)
+			for (int k = 0; k < 3; k++)
+				inertia.m[j][k] += (j == k ? square : 0) - m * x[j] * x[k];
+	}
+	const double some = least_inertia * (inertia.m[0][0] + inertia.m[1][1] + inertia.m[2][2]);
+	for (int k = 0; k < 3; k++)
+		inertia.m[k][k] += some;
+	if (!rb_mat3_inverse(&inertia, &inverse))
+		return;
+	const rb_vec3 turn = rb_mat3_apply(&inverse, torque);
+	for (int i = 0; i < model->body_count; i++) {
+		const rb_vec3 r = rb_vec3_sub(row_of(all->x, i), center);
+		const rb_vec3 more = rb_vec3_cross(turn, r);
+
+		acceleration[0][i] -= more.x;
+		acceleration[1][i] -= more.y;
+		acceleration[2][i] -= more.z;
+	}
+}
+
 /* Accelerations and potentials of all by the tree. */
 static enum rb_status ask_tree(const struct rb_gravitation *gravitation,
                                const struct rb_attract *all, struct rb_team *team,
@@ -134,9 +189,16 @@ static enum rb_status ask_tree(const struct rb_gravitation *gravitation,
 	double *const result[4] = {acceleration[0], acceleration[1], acceleration[2],
 	                           gravitation->potential};
 
-	return rb_tree_attract(gravitation->tree, all,
-	                       gravitation->model->scene->world.gravitation.opening_angle, team,
-	                       result, err);
+	const struct rb_model *const model = gravitation->model;
+	const enum rb_status status = rb_tree_attract(gravitation->tree, all,
+	                                              model->scene->world.gravitation.opening_angle,
+	                                              team, result, err);
+
+	/* all yield */
+	if (status == RB_OK && all == &gravitation->all && model->attracts_by_mass &&
+	    model->static_count == 0 && !model->driven)
+		take_torque(gravitation, all, acceleration);
+	return status;
 }
 
 enum rb_status rb_gravitation_sum(struct rb_gravitation *gravitation, struct rb_team *team,

@@ -463,8 +463,8 @@ RB_LANES_INLINE void inverse_root(const eight *x, eight *y, eight *miss)
 }
 
 /*
- * Adds what the near points do at `x`: acceleration and potential. False: some are too close. `own`:
- * the point itself may be among them, and others at its place: they do nothing.
+ * Adds what the near points do at `x`: acceleration and potential. False: some are too close.
+ * `own`: the point itself may be among them, and others at its place: they do nothing.
  */
 RB_LANES_INLINE bool sum_near(const struct near_points *near, const bool own, double soft2,
                               const double x[3], double sum[4])
