@@ -154,7 +154,7 @@ static void all_that_is_in_a_file_is_in_its_image(void **state)
 	open_file(&file);
 	fill(&file);
 	turn_file(&file, H5F_ACC_RDONLY);
-	assert_ok(rb_compact_image(file.h5.file, "f.h5", &image, &size, &err));
+	assert_ok(rb_compact_image(file.h5.file, "f.h5", NULL, &image, &size, &err));
 	/* nothing is left open */
 	assert_int_equal(H5Fget_obj_count(H5F_OBJ_ALL, H5F_OBJ_ALL), 1);
 	const hid_t copy = open_image(&file, image, size, path);
@@ -193,7 +193,7 @@ static void links_stay_links(void **state)
 	open_file(&file);
 	fill(&file);
 	turn_file(&file, H5F_ACC_RDONLY);
-	assert_ok(rb_compact_image(file.h5.file, "f.h5", &image, &size, &err));
+	assert_ok(rb_compact_image(file.h5.file, "f.h5", NULL, &image, &size, &err));
 	const hid_t copy = open_image(&file, image, size, path);
 	rb_memory_free(image);
 	/* two names of one dataset, which is there once */
@@ -230,7 +230,7 @@ static void the_image_is_smaller_and_its_columns_grow_no_more(void **state)
 	append(&file.h5, "/x", &layout, 65);
 	turn_file(&file, H5F_ACC_RDONLY);
 	assert_true(H5Fget_filesize(file.h5.file, &before) >= 0);
-	assert_ok(rb_compact_image(file.h5.file, "f.h5", &image, &size, &err));
+	assert_ok(rb_compact_image(file.h5.file, "f.h5", NULL, &image, &size, &err));
 	/* 65 rows instead of 128, of 48 bytes, and headers of less than 1 KiB */
 	assert_in_range(size, 65 * 48, 65 * 48 + 1024);
 	assert_true(size < before);
@@ -262,9 +262,9 @@ static void a_second_time_changes_nothing(void **state)
 	open_file(&file);
 	fill(&file);
 	turn_file(&file, H5F_ACC_RDONLY);
-	assert_ok(rb_compact_image(file.h5.file, "f.h5", &image, &size, &err));
+	assert_ok(rb_compact_image(file.h5.file, "f.h5", NULL, &image, &size, &err));
 	const hid_t copy = open_image(&file, image, size, path);
-	assert_ok(rb_compact_image(copy, "image.h5", &again, &size_again, &err));
+	assert_ok(rb_compact_image(copy, "image.h5", NULL, &again, &size_again, &err));
 	assert_int_equal(size, size_again);
 	assert_memory_equal(image, again, size);
 	rb_memory_free(image);
@@ -289,7 +289,7 @@ static void what_cannot_be_copied_is_told_and_leaves_nothing(void **state)
 	turn_file(&file, H5F_ACC_RDWR);
 	for (uint64_t k = 1; status != RB_OK; k += 1 + k / 8) {
 		rb_memory_fail_at(k);
-		status = rb_compact_image(file.h5.file, "f.h5", &image, &size, &err);
+		status = rb_compact_image(file.h5.file, "f.h5", NULL, &image, &size, &err);
 		rb_memory_fail_at(0);
 		assert_int_equal(H5Fget_obj_count(H5F_OBJ_ALL, H5F_OBJ_ALL), 1);
 		if (status != RB_OK) {
@@ -302,7 +302,8 @@ static void what_cannot_be_copied_is_told_and_leaves_nothing(void **state)
 	rb_memory_free(image);
 	/* a link that leads out of the file */
 	H5Lcreate_external("other.h5", "/x", file.h5.file, "/outside", H5P_DEFAULT, H5P_DEFAULT);
-	assert_int_equal(rb_compact_image(file.h5.file, "f.h5", &image, &size, &err), RB_ERR_IO);
+	assert_int_equal(rb_compact_image(file.h5.file, "f.h5", NULL, &image, &size, &err),
+	                 RB_ERR_IO);
 	assert_non_null(strstr(err.text, "cannot copy '/outside' in 'f.h5'"));
 	assert_null(image);
 	close_file(&file);

@@ -17,6 +17,7 @@
 #include "base/memory.h"
 #include "sink/h5file.h"
 #include "sink/h5mark.h"
+#include "sink/h5scales.h"
 
 enum {
 	DEPTH_MAX = 32,      /* of groups in each other */
@@ -93,15 +94,18 @@ static void copy_attribute(struct compaction *to, hid_t from, hid_t object, hsiz
 	const hid_t type = old < 0 ? -1 : H5Aget_type(old);
 	const hid_t space = old < 0 ? -1 : H5Aget_space(old);
 	const hid_t properties = old < 0 ? -1 : H5Aget_create_plist(old);
-	char name[PATH_MOST];
+	char name[PATH_MOST] = "";
 	hssize_t count = 0;
 	hid_t made = -1;
 
-	if (properties >= 0 && H5Aget_name(old, sizeof name, name) >= 0)
+	/* those of scales point to places in the old file: they are made anew at the end */
+	const bool named = properties >= 0 && H5Aget_name(old, sizeof name, name) >= 0;
+	if (named && !rb_scales_makes_attribute(name))
 		made = H5Acreate2(object, name, type, space, properties, H5P_DEFAULT);
 	void *const value = made < 0 ? NULL : room_for(to, space, type, &count);
-	if (made < 0 || (value && count > 0 &&
-	                 (H5Aread(old, type, value) < 0 || H5Awrite(made, type, value) < 0)))
+	if ((made < 0 && !(named && rb_scales_makes_attribute(name))) ||
+	    (value && count > 0 &&
+	     (H5Aread(old, type, value) < 0 || H5Awrite(made, type, value) < 0)))
 		fail(to, path);
 	rb_memory_free(value);
 	rb_h5_done(made);
@@ -133,11 +137,13 @@ static void copy_attributes(struct compaction *to, hid_t from, hid_t object, con
  * Properties for the copy of a dataset; to be closed. One that grew becomes contiguous, or one
  * chunk where it is compressed.
  */
-static hid_t layout_of(hid_t old, hid_t space)
+static hid_t layout_of(hid_t old, hid_t space, bool zero)
 {
 	const hid_t was = H5Dget_create_plist(old);
 	hid_t properties = was;
 
+	if (was >= 0 && zero)
+		H5Pset_fill_time(was, H5D_FILL_TIME_IFSET);
 	if (was < 0 || H5Pget_layout(was) != H5D_CHUNKED)
 		return was;
 	if (H5Pget_nfilters(was) > 0) {
@@ -150,9 +156,28 @@ static hid_t layout_of(hid_t old, hid_t space)
 		return properties;
 	}
 	properties = rb_h5_dataset_properties();
-	H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER);
+	H5Pset_fill_time(properties, zero ? H5D_FILL_TIME_IFSET : H5D_FILL_TIME_NEVER);
 	rb_h5_done(was);
 	return properties;
+}
+
+/* Whether what is not written of a dataset reads as zeros. */
+static bool fills_zero(hid_t dataset)
+{
+	const hid_t properties = H5Dget_create_plist(dataset);
+	H5D_fill_value_t fill = H5D_FILL_VALUE_ERROR;
+	const bool known = properties >= 0 && H5Pfill_value_defined(properties, &fill) >= 0;
+
+	rb_h5_done(properties);
+	return known && fill == H5D_FILL_VALUE_DEFAULT;
+}
+
+static bool is_zero(const unsigned char *bytes, size_t size)
+{
+	for (size_t k = 0; k < size; k++)
+		if (bytes[k] != 0)
+			return false;
+	return true;
 }
 
 /* Copies a dataset without its attributes; its id, negative: failed. */
@@ -165,18 +190,23 @@ static hid_t make_dataset(struct compaction *to, hid_t group, const char *name, 
 
 	if (rank > 0)
 		H5Sset_extent_simple(space, rank, size, NULL);
-	const hid_t properties = layout_of(old, space), links = rb_h5_link_properties();
-	const bool is_stored = H5Dget_storage_size(old) > 0;
+	hssize_t count = 0;
+	unsigned char *const value = H5Dget_storage_size(old) > 0 ? room_for(to, was, type, &count)
+	                                                          : NULL;
+	const bool read = value && count > 0;
+	if (read && H5Dread(old, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value) < 0)
+		fail(to, path);
+	/* what is never written reads as zeros: causes that the scene lacks, moments at rest */
+	const bool zero = read && fills_zero(old) &&
+	                  is_zero(value, (size_t)count * H5Tget_size(type));
+	const hid_t properties = layout_of(old, space, zero), links = rb_h5_link_properties();
 #if H5_VERSION_GE(1, 10, 5)
 	H5Pset_dset_no_attrs_hint(properties, true);
 #endif
 	const hid_t made = H5Dcreate2(group, name, type, space, links, properties, H5P_DEFAULT);
-	hssize_t count = 0;
-	void *const value = made < 0 || !is_stored ? NULL : room_for(to, was, type, &count);
 
-	if (made < 0 || (value && count > 0 &&
-	                 (H5Dread(old, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value) < 0 ||
-	                  H5Dwrite(made, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value) < 0)))
+	if (made < 0 ||
+	    (read && !zero && H5Dwrite(made, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value) < 0))
 		fail(to, path);
 	rb_memory_free(value);
 	rb_h5_done(links);
@@ -317,6 +347,8 @@ static void copy_link(struct compaction *to, hid_t from, hid_t group, const char
 		fail(to, path);
 		return;
 	}
+	if (rb_scales_makes(path))
+		return;
 	if (link.type == H5L_TYPE_SOFT) {
 		copy_soft(to, from, group, name, path);
 		return;
@@ -393,8 +425,8 @@ static void take_image(struct compaction *to, unsigned char **image, size_t *siz
 		rb_mark_image(*image, *size);
 }
 
-enum rb_status rb_compact_image(hid_t file, const char *name, unsigned char **image, size_t *size,
-                                struct rb_error *err)
+enum rb_status rb_compact_image(hid_t file, const char *name, const char *time,
+                                unsigned char **image, size_t *size, struct rb_error *err)
 {
 	struct compaction to = {.h5 = {.name = name, .file = create_in_memory()}};
 	const hid_t from = H5Gopen2(file, "/", H5P_DEFAULT);
@@ -407,6 +439,8 @@ enum rb_status rb_compact_image(hid_t file, const char *name, unsigned char **im
 		copy_attributes(&to, from, root, "/");
 	if (!to.h5.status)
 		copy_members(&to, from, root, "", 0);
+	if (time)
+		rb_scales_write(&to.h5, time);
 	rb_h5_done(root);
 	rb_h5_done(from);
 	if (!to.h5.status)

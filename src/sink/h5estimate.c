@@ -38,7 +38,7 @@ static uint64_t compact_size(hid_t file)
 	unsigned char *image;
 	size_t size;
 
-	if (rb_compact_image(file, "estimate", &image, &size, NULL))
+	if (rb_compact_image(file, "estimate", NULL, &image, &size, NULL))
 		return 0;
 	rb_memory_free(image);
 	return size;

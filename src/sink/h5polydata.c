@@ -77,31 +77,56 @@ void rb_polydata_ramp(struct rb_h5 *h5, const struct rb_polydata *data, const ch
 	rb_memory_free(ramp);
 }
 
+/* Another name for a dataset below `base`. */
+static void share(struct rb_h5 *h5, const struct rb_polydata *data, const char *name,
+                  const char *new_name)
+{
+	char from[RB_POLYDATA_PATH_SIZE], to[RB_POLYDATA_PATH_SIZE];
+
+	rb_h5_link(h5, rb_polydata_path(data, name, from), rb_polydata_path(data, new_name, to));
+}
+
+/* The kinds of cells of which there are none: all have the same two or three datasets. */
+static void put_no_cells(struct rb_h5 *h5, const struct rb_polydata *data, bool varies)
+{
+	static const char *const members[] = {"Connectivity", "Offsets", "NumberOfCells",
+	                                      "NumberOfConnectivityIds"};
+	char first[4][48] = {""}, name[48];
+
+	for (int k = 0; k < KIND_COUNT; k++)
+		for (int m = 0; m < 4 && strcmp(kinds[k], data->cells) != 0; m++) {
+			const bool counts = m >= 2 && varies;
+			const int as = m == 0 ? 0 : counts ? 2 : 1;
+
+			snprintf(name, sizeof name, "%s/%s", kinds[k], members[m]);
+			if (*first[as]) {
+				share(h5, data, first[as], name);
+				continue;
+			}
+			snprintf(first[as], sizeof first[as], "%s", name);
+			rb_polydata_constant(h5, data, name,
+			                     (rb_h5_shape){1,
+			                                   {m == 0   ? 0
+			                                    : counts ? data->steps
+			                                             : 1}},
+			                     0);
+		}
+}
+
 void rb_polydata_begin(struct rb_h5 *h5, const struct rb_polydata *data, int index, bool varies)
 {
-	char path[RB_POLYDATA_PATH_SIZE], name[48];
+	char path[RB_POLYDATA_PATH_SIZE];
 
 	rb_h5_group(h5, data->base);
 	rb_h5_attribute(h5, data->base, "Version", RB_H5_I64, 2, (const int64_t[]){2, 0});
 	rb_h5_attribute_text(h5, data->base, "Type", "PolyData");
 	if (index >= 0)
 		rb_h5_attribute(h5, data->base, "Index", RB_H5_I64, 0, &(int64_t){index});
-	for (int k = 0; k < KIND_COUNT; k++) {
-		if (strcmp(kinds[k], data->cells) == 0)
-			continue;
-		const rb_h5_shape counts = {1, {varies ? data->steps : 1}};
-		snprintf(name, sizeof name, "%s/Connectivity", kinds[k]);
-		rb_polydata_constant(h5, data, name, (rb_h5_shape){1, {0}}, 0);
-		snprintf(name, sizeof name, "%s/Offsets", kinds[k]);
-		rb_polydata_constant(h5, data, name, (rb_h5_shape){1, {1}}, 0);
-		snprintf(name, sizeof name, "%s/NumberOfCells", kinds[k]);
-		rb_polydata_constant(h5, data, name, counts, 0);
-		snprintf(name, sizeof name, "%s/NumberOfConnectivityIds", kinds[k]);
-		rb_polydata_constant(h5, data, name, counts, 0);
-	}
+	put_no_cells(h5, data, varies);
 	rb_h5_group(h5, rb_polydata_path(data, "Steps", path));
 	rb_h5_attribute(h5, path, "NSteps", RB_H5_I64, 0, &(int64_t){(int64_t)data->steps});
-	rb_h5_link(h5, data->time, rb_polydata_path(data, "Steps/Values", path));
+	/* soft: programs that ask what the times are called are told their first hard link */
+	rb_polydata_link(h5, data, "Steps/Values", data->time);
 	if (varies)
 		rb_polydata_ramp(h5, data, "Steps/PartOffsets", data->steps, 1);
 	else
@@ -110,8 +135,7 @@ void rb_polydata_begin(struct rb_h5 *h5, const struct rb_polydata *data, int ind
 	rb_polydata_constant(h5, data, "Steps/NumberOfParts", (rb_h5_shape){1, {data->steps}}, 1);
 	rb_polydata_constant(h5, data, "Steps/CellOffsets",
 	                     (rb_h5_shape){2, {data->steps, KIND_COUNT}}, 0);
-	rb_polydata_constant(h5, data, "Steps/ConnectivityIdOffsets",
-	                     (rb_h5_shape){2, {data->steps, KIND_COUNT}}, 0);
+	share(h5, data, "Steps/CellOffsets", "Steps/ConnectivityIdOffsets");
 }
 
 void rb_polydata_count(struct rb_h5 *h5, const struct rb_polydata *data, hsize_t points,
@@ -132,7 +156,7 @@ void rb_polydata_fixed(struct rb_h5 *h5, const struct rb_polydata *data, const c
 	char offsets[64];
 
 	snprintf(offsets, sizeof offsets, "Steps/%sOffsets/%s", of, name);
-	rb_polydata_constant(h5, data, offsets, (rb_h5_shape){1, {data->steps}}, 0);
+	share(h5, data, "Steps/PartOffsets", offsets); /* zeros too: all parts are one */
 }
 
 void rb_polydata_moving(struct rb_h5 *h5, const struct rb_polydata *data, const char *name)

@@ -173,6 +173,8 @@ static void write_contacts(struct rb_h5 *h5, const struct rb_vtk *vtk, int index
 	}
 	rb_polydata_begin(h5, &data, index, true);
 	rb_polydata_link(h5, &data, "Points", "/rbsim/contacts/point");
+	/* what the rows of these columns are called, to be found above them (h5scales.h) */
+	rb_polydata_link(h5, &data, "step", "/rbsim/contacts/step");
 	rb_polydata_put(h5, &data, "NumberOfPoints", RB_H5_I64, per_frame, rows);
 	rb_polydata_put(h5, &data, "Vertices/NumberOfCells", RB_H5_I64, per_frame, rows);
 	rb_polydata_put(h5, &data, "Vertices/NumberOfConnectivityIds", RB_H5_I64, per_frame, rows);

@@ -34,6 +34,7 @@
 #include "sink/h5frames.h"
 #include "sink/h5mark.h"
 #include "sink/h5output.h"
+#include "sink/h5scales.h"
 #include "sink/h5vtk.h"
 
 #include <errno.h>
@@ -250,6 +251,8 @@ static void make_growing(struct rb_recorder *recorder)
 	recorder->file_open = true;
 	rb_about_write_changing(h5, recorder->info->scene);
 	rb_frames_create(h5, &recorder->frames, recorder->info, true);
+	if (recorder->frames.time)
+		rb_scales_write(h5, recorder->frames.time->path);
 	rb_frames_detach(&recorder->frames);
 	if (!h5->status && H5Fstart_swmr_write(h5->file) < 0)
 		rb_h5_fail(h5, "share", "/");
@@ -553,7 +556,8 @@ static void compact(struct rb_recorder *recorder)
 	rb_h5_done(access);
 	if (file < 0)
 		return;
-	const enum rb_status status = rb_compact_image(file, recorder->path, &image, &size, &error);
+	const enum rb_status status = rb_compact_image(
+		file, recorder->path, recorder->frames.time->path, &image, &size, &error);
 	H5Fclose(file);
 	if (status) {
 		rb_log(RB_LOG_DEBUG, "%s", error.text);

@@ -86,7 +86,7 @@ def check_h5py(path):
         assert ("VTKHDF" in f) == moves, "a view for VTK is for what moves"
         if moves:
             check_view(f["VTKHDF"], f)
-        return f"{frames} frames, {count} bodies, {statics} statics"
+        return f"h5py {h5py.__version__}, HDF5 {h5py.version.hdf5_version}: {frames} frames, {count} bodies, {statics} statics"
 
 
 def check_view(view, f):
@@ -188,6 +188,66 @@ def check_depth(path):
     return "depth of observables"
 
 
+def check_dims(path):
+    """Every axis of what changes with frames, bodies or joints names a scale, by HDF5's own functions (H5DS)."""
+    named = 0
+    with h5py.File(path, "r") as f:
+        def look(name, dataset):
+            nonlocal named
+            group = name.split("/")[0]
+            if group not in ("particles", "observables", "joints") or "ledger" in name or not isinstance(dataset, h5py.Dataset):
+                return
+            if dataset.is_scale or dataset.ndim == 0:
+                return
+            for axis, dim in enumerate(dataset.dims):
+                assert len(dim) == 1, f"{name}: axis {axis} of {dataset.shape} names nothing"
+                assert dim[0].shape == dataset.shape[axis:axis + 1], f"{name}: axis {axis}"
+                named += 1
+        f.visititems(look)
+        position = f["particles/bodies/position/value"]
+        if position.ndim == 3:
+            assert [d[0].name.split("/")[-1] for d in position.dims] == ["time", "id", "axis"], "position"
+            assert position.dims[0][0] == f["particles/bodies/position/time"]
+        for table, rows in (("rbsim/events", "time"), ("rbsim/contacts", "step")):
+            for column in f[table].values() if table in f else []:
+                assert column.is_scale or column.dims[0][0] == f[table][rows], f"{column.name}: no rows"
+    return f"{named} axes named"
+
+
+def check_xarray(path):
+    """Times, ids and axes are coordinates, without a word from us."""
+    try:
+        import h5netcdf
+        import xarray
+    except ImportError:
+        return None
+    with h5py.File(path, "r") as f:
+        value, time, ids = (f["particles/bodies/" + n][:] for n in ("position/value", "position/time", "id"))
+    with xarray.open_datatree(path, engine="h5netcdf", phony_dims="sort") as tree:
+        position = tree["particles/bodies/position"]["value"]
+        assert position.dims == ("time", "id", "axis"), position.dims
+        same("times", position["time"].values, time)
+        same("ids", position["id"].values, ids)
+        same("heights", position.sel(axis="z").values, value[:, :, 2])
+        assert position.attrs["units"] == "m"
+        assert tree["observables/momentum"]["value"].dims == ("time", "axis")
+        assert tree["particles/bodies"]["inertia"].dims == ("id", "axis", "axis_2") if "inertia" in tree["particles/bodies"] else True
+    return f"xarray {xarray.__version__}, h5netcdf {h5netcdf.__version__}"
+
+
+def check_pandas(path):
+    """A column as a table, times down, bodies across."""
+    try:
+        import pandas
+    except ImportError:
+        return None
+    with h5py.File(path, "r") as f:
+        position = f["particles/bodies/position"]
+        frame = pandas.DataFrame(position["value"][:, :, 2], index=position["time"][:], columns=f["particles/bodies/id"][:])
+        same("heights", frame.to_numpy(), position["value"][:, :, 2])
+    return f"pandas {pandas.__version__}"
+
+
 def check_mdanalysis(path):
     try:
         import MDAnalysis
@@ -280,7 +340,8 @@ def check_vtk(path):
 def main():
     path = sys.argv[1]
     failed = False
-    for name, check in [("h5py", check_h5py), ("depth", check_depth), ("h5dump", check_h5dump), ("MDAnalysis", check_mdanalysis),
+    for name, check in [("h5py", check_h5py), ("depth", check_depth), ("h5dump", check_h5dump), ("dims", check_dims),
+                        ("xarray", check_xarray), ("pandas", check_pandas), ("MDAnalysis", check_mdanalysis),
                         ("pyh5md", check_pyh5md), ("VTK", check_vtk)]:
         try:
             said = check(path)
