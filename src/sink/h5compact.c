@@ -20,9 +20,10 @@
 #include "sink/h5scales.h"
 
 enum {
-	DEPTH_MAX = 32,      /* of groups in each other */
-	PATH_MOST = 1024,    /* bytes of an object's path */
-	LINKS_IN_HEADER = 64 /* of a group, before they get an index of their own */
+	DEPTH_MAX = 32,       /* of groups in each other */
+	PATH_MOST = 1024,     /* bytes of an object's path */
+	LINKS_IN_HEADER = 64, /* of a group, before they get an index of their own */
+	ZEROS_MOST = 1024     /* bytes of a dataset of zeros that is not written */
 };
 
 /* An object that has been copied, by where it stands in the old file. */
@@ -196,9 +197,12 @@ static hid_t make_dataset(struct compaction *to, hid_t group, const char *name, 
 	const bool read = value && count > 0;
 	if (read && H5Dread(old, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value) < 0)
 		fail(to, path);
-	/* what is never written reads as zeros: causes that the scene lacks, moments at rest */
-	const bool zero = read && fills_zero(old) &&
-	                  is_zero(value, (size_t)count * H5Tget_size(type));
+	/*
+	 * What is never written reads as zeros: causes that the scene lacks, moments at rest. Of
+	 * long columns, which are not what is small about a recording, estimates could not know.
+	 */
+	const size_t bytes = (size_t)count * H5Tget_size(type);
+	const bool zero = read && bytes <= ZEROS_MOST && fills_zero(old) && is_zero(value, bytes);
 	const hid_t properties = layout_of(old, space, zero), links = rb_h5_link_properties();
 #if H5_VERSION_GE(1, 10, 5)
 	H5Pset_dset_no_attrs_hint(properties, true);

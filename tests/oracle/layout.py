@@ -63,7 +63,8 @@ UNITS = {
 }
 LEDGER, BOOKS = "/observables/ledger/", "/observables/ledger/momentum/"
 # what is the scene's own, or a camera's, or says itself what it is
-LEFT_OUT = ("/rbsim/parameters/", "/rbsim/files/", "/rbsim/cameras/", "/results/", "/observables/probes/", "/VTKHDF/")
+LEFT_OUT = ("/rbsim/parameters/", "/rbsim/files/", "/rbsim/cameras/", "/results/", "/observables/probes/", "/VTKHDF/",
+            "/axis", "/quaternion", "/limit", "/joints/row")
 KINDS = ["sphere", "plane", "rectangle", "box", "capsule", "cylinder", "hull", "union", "terrain"]
 EVENTS = ["collision", "rest", "slide", "roll", "lift", "edge", "merge", "impulse",
           "angular_impulse", "displacement"]
@@ -147,6 +148,9 @@ def views(f, report):
         report.skip("views", "there are none")
         return
     v, bodies = f["VTKHDF"], f["particles/bodies"]
+    if "Assembly" in v:  # a collection: of bodies, and of what else there is
+        report.true("views", text(v.attrs["Type"]) == "PartitionedDataSetCollection", "type of the collection")
+        v = v["bodies"]
     count, n = len(bodies["id"]), len(f["observables/kinetic_energy/step"])
     report.true("views", text(v.attrs["Type"]) == "PolyData" and v["Steps"].attrs["NSteps"] == n, "type and steps")
 

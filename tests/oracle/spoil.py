@@ -137,10 +137,11 @@ def turned(v, n):
 
 
 def view_of_its_own(f):
-    points = f["VTKHDF/Points"][:]
-    del f["VTKHDF/Points"]
+    view = f["VTKHDF/bodies"] if "bodies" in f["VTKHDF"] else f["VTKHDF"]
+    points = view["Points"][:]
+    del view["Points"]
     points[-1, 0] += 1e-3
-    f["VTKHDF"].create_dataset("Points", data=points)
+    view.create_dataset("Points", data=points)
 
 
 CHECKS = {
