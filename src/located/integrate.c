@@ -16,6 +16,7 @@
 #include "located/painleve.h"
 #include "located/rates.h"
 #include "located/set.h"
+#include "located/singular.h"
 #include "located/sizes.h"
 #include "located/work.h"
 #include "located/mechanics.h"
@@ -605,9 +606,8 @@ static void run(struct rb_modes *w, const struct columns *columns)
 		double try_s = fmin(c->try_s, left_s);
 		const double tried = try_s;
 		const bool cut = tried < c->try_s;
-		const enum rb_status status = rb_gauss_step(&problem, w->origin_s, &try_s,
-		                                            2 * DBL_EPSILON * w->origin_s,
-		                                            &c->piece, l->err);
+		const enum rb_status status = rb_singular_step(
+			w, &problem, 2 * DBL_EPSILON * w->origin_s, &try_s);
 
 		if (status == RB_ERR_PHYSICS && l->status == RB_OK && c->held_count > 0 &&
 		    is_painleve(w))
@@ -629,6 +629,7 @@ static void run(struct rb_modes *w, const struct columns *columns)
 		c->try_s = cut && c->piece.length_s >= tried ? fmax(c->try_s, try_s) : try_s;
 		length = c->held_count > 0 ? rb_check_change_within(w, columns->value)
 		                           : c->piece.length_s;
+		length = rb_singular_keep(w, length, columns->value);
 		if (w->joints.joint_count > 0)
 			length = check_joints_within(w, length, columns->value);
 		c->is_cut = length < c->piece.length_s;

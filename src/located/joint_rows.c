@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "base/forest.h"
 #include "located/arc.h"
 #include "located/external_force.h"
 #include "located/follow.h"
@@ -570,25 +571,92 @@ static void enter(const struct rb_joint_rows *rows, const double *impulse, doubl
 	rb_ledger_enter(&rows->l->world->ledger, &e);
 }
 
+/* What a projection is to do. */
+struct projection {
+	struct rb_joint_rows *rows;
+	double t;
+	struct rb_pose *pose;
+	rb_vec3 *linear, *angular; /* scratch, by place */
+	bool enters;               /* the ledger is told */
+};
+
 /* One round; the motion is in the arrays. */
-static bool correct_once(struct rb_joint_rows *rows, bool places, rb_vec3 *linear, rb_vec3 *angular,
-                         double t)
+static bool correct_once(const struct projection *p, bool places)
 {
+	struct rb_joint_rows *const rows = p->rows;
 	struct rb_coupled system;
 	struct rb_dense dense;
 
 	if (!assemble(rows, &system, &dense))
 		return fail_memory(rows);
-	memset(linear, 0, (size_t)rows->body_count * sizeof *linear);
-	memset(angular, 0, (size_t)rows->body_count * sizeof *angular);
+	memset(p->linear, 0, (size_t)rows->body_count * sizeof *p->linear);
+	memset(p->angular, 0, (size_t)rows->body_count * sizeof *p->angular);
 	for (int k = 0; k < rows->count; k++)
 		dense.right[k] = places ? -rows->row[k].error : -rows->row[k].velocity;
 	rb_coupled_solve(&system, &dense);
 	for (int k = 0; k < rows->count; k++)
-		rb_coupled_add(&system.row[k], dense.right[k], linear, angular);
-	if (!places)
-		enter(rows, dense.right, t);
+		rb_coupled_add(&system.row[k], dense.right[k], p->linear, p->angular);
+	if (!places && p->enters)
+		enter(rows, dense.right, p->t);
 	return true;
+}
+
+/* Positions, then velocities; rows are filled. */
+static void project(const struct projection *p)
+{
+	bool good = true;
+
+	for (int round = 0; round < POSITION_ROUNDS && good; round++) {
+		good = correct_once(p, true);
+		if (good)
+			move(p->rows, p->pose, p->linear, p->angular);
+		rb_joint_rows_fill(p->rows, p->t);
+	}
+	good = good && correct_once(p, false);
+	for (int k = 0; k < p->rows->body_count && good; k++) {
+		p->pose[k].velocity = rb_vec3_add(p->pose[k].velocity, p->linear[k]);
+		p->pose[k].spin = rb_vec3_add(p->pose[k].spin, p->angular[k]);
+	}
+}
+
+bool rb_joint_rows_project(struct rb_joint_rows *rows, double t, struct rb_pose *pose)
+{
+	const rb_arena_mark here = rb_arena_here(rows->l->arena);
+	const size_t bodies = (size_t)rows->body_count;
+	rb_vec3 *const motion = rb_arena_take(rows->l->arena, 2 * bodies, sizeof *motion);
+
+	RB_ASSERT(rows->pose == pose);
+	if (!motion)
+		return fail_memory(rows);
+	rb_joint_rows_fill(rows, t);
+	project(&(struct projection){
+		.rows = rows, .t = t, .pose = pose, .linear = motion, .angular = motion + bodies});
+	rb_arena_back(rows->l->arena, here);
+	return rows->l->status == RB_OK;
+}
+
+bool rb_joint_rows_is_closed(const struct rb_joint_rows *rows)
+{
+	const rb_arena_mark here = rb_arena_here(rows->l->arena);
+	const int world = rows->body_count; /* what does not yield is one */
+	int *const parent = rb_arena_take(rows->l->arena, (size_t)world + 1, sizeof *parent);
+	bool closed = false;
+
+	for (int p = 0; p <= world && parent; p++)
+		parent[p] = p;
+	for (int k = 0; k < rows->joint_count && parent && !closed; k++) {
+		const struct rb_joint *joint = &rows->l->model->joints->joint[rows->joint[k]];
+		const int a = place_of(rows->l, joint->a), b = place_of(rows->l, joint->b);
+
+		if (joint->link.type->one_sided)
+			continue;
+		const int x = rb_forest_root(parent, a < 0 ? world : a);
+		const int y = rb_forest_root(parent, b < 0 ? world : b);
+		closed = x == y;
+		parent[x] = y;
+	}
+	rb_arena_back(rows->l->arena, here);
+	return closed;
 }
 
 /* The first joint that has drifted too far, as a failure. */
@@ -629,19 +697,13 @@ void rb_joint_rows_correct(struct rb_joint_rows *rows, double t, struct rb_pose 
 		return;
 	}
 	rb_joint_rows_fill(rows, t);
-	bool good = moved || !has_drifted(rows, t);
-
-	for (int round = 0; round < POSITION_ROUNDS && good; round++) {
-		good = correct_once(rows, true, linear, linear + bodies, t);
-		if (good)
-			move(rows, pose, linear, linear + bodies);
-		rb_joint_rows_fill(rows, t);
-	}
-	good = good && correct_once(rows, false, linear, linear + bodies, t);
-	for (size_t p = 0; p < bodies && good; p++) {
-		pose[p].velocity = rb_vec3_add(pose[p].velocity, linear[p]);
-		pose[p].spin = rb_vec3_add(pose[p].spin, linear[bodies + p]);
-	}
+	if (moved || !has_drifted(rows, t))
+		project(&(struct projection){.rows = rows,
+		                             .t = t,
+		                             .pose = pose,
+		                             .linear = linear,
+		                             .angular = linear + bodies,
+		                             .enters = true});
 	rb_joint_rows_fill(rows, t);
 	for (int k = 0; k < rows->joint_count; k++) {
 		const int which = rows->joint[k];

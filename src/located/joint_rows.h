@@ -171,6 +171,15 @@ void rb_joint_hold_apply(struct rb_joint_hold *hold, rb_vec3 *linear, rb_vec3 *a
 void rb_joint_rows_correct(struct rb_joint_rows *rows, double t, struct rb_pose *pose, bool moved);
 
 /*
+ * The same of poses at which rates are asked for, which may be off by more and of which the ledger
+ * is not told. False: l->status.
+ */
+bool rb_joint_rows_project(struct rb_joint_rows *rows, double t, struct rb_pose *pose);
+
+/* Is there a ring of joints, what does not yield being one of its links? Ropes are none. */
+bool rb_joint_rows_is_closed(const struct rb_joint_rows *rows);
+
+/*
  * What joints exert on their b by multipliers, at the joint's point there, [joints]: those of the
  * rows are set, others stay.
  */

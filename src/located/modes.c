@@ -201,7 +201,8 @@ static bool fill_coupled(struct rb_modes *w, double t)
 	int row = joints;
 
 	system->count = w->dense.n;
-	system->is_symmetric = w->c->held_count == 0;
+	/* pivots tell how near rows are to each other */
+	system->is_symmetric = w->c->held_count == 0 && !w->singular.projects;
 	for (int k = 0; k < joints; k++)
 		system->row[k] = rb_joint_rows_coupled(&w->joints.row[k]);
 	if (rb_coupled_find(system, t, w->multiplier))

@@ -15,6 +15,15 @@
 /* More unknowns are not eliminated. */
 enum { RB_MODES_DENSE = 1536 };
 
+/* What of a piece past a singular position (located/singular). */
+struct rb_singular_piece {
+	bool closed;   /* its joints are a closed mechanism, without contacts */
+	bool projects; /* rates are those at the nearest poses that joints allow */
+	double *share; /* [RB_GAUSS_NODES][joints.count]: what others left of rows at the last nodes */
+	int seen;      /* how many so far */
+	double granted; /* of scale: what rounding may make of a step */
+};
+
 /* One piece of a cluster under way. All arrays are in the arena; l->place is that of members. */
 struct rb_modes {
 	struct rb_located *l;
@@ -39,10 +48,11 @@ struct rb_modes {
 	bool slip_ends, hits;              /* why `broken` said so */
 	double force_max;                  /* N: largest force at the beginning */
 	double doubt;                      /* N: what the modes at the beginning leave open */
-	double max;               /* m/s^2: largest acceleration that forces are to balance */
-	bool goes_on;             /* from a piece that nothing has cut */
-	uint64_t *calls, counted; /* of its rates, so far and at the last one */
-	double time_s;            /* of the last evaluation */
+	double max; /* m/s^2: largest acceleration that forces are to balance */
+	struct rb_singular_piece singular;
+	bool goes_on;                    /* from a piece that nothing has cut */
+	uint64_t *calls, counted;        /* of its rates, so far and at the last one */
+	double time_s;                   /* of the last evaluation */
 	struct rb_external_parts *parts; /* [member_count]: for the ledger; NULL: it is not kept */
 	double *seen;                    /* [RB_GAUSS_NODES][RB_ENTRIES]: what acted there */
 };

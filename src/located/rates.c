@@ -164,6 +164,8 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 
 	w->time_s = t;
 	rb_rates_poses(w, value);
+	if (w->singular.projects && !rb_joint_rows_project(&w->joints, t, w->pose))
+		return false;
 	if (!rb_rates_external(w, t, flies ? NULL : &external))
 		return false;
 	if (flies)

@@ -283,6 +283,13 @@ void rb_dense_again(struct rb_dense *d)
 	substitute_back(d);
 }
 
+void rb_dense_shares(const struct rb_dense *d, double *share)
+{
+	for (int k = 0; k < d->n; k++)
+		share[k] = d->pivot[k] < 0 ? 0
+		                           : fabs(d->matrix[d->pivot[k] * d->n + k]) / d->size[k];
+}
+
 bool rb_dense_is_open(const struct rb_dense *d, int k)
 {
 	RB_ASSERT(k >= 0 && k < d->n);

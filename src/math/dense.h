@@ -38,6 +38,12 @@ void rb_dense_solve(struct rb_dense *dense);
  */
 void rb_dense_again(struct rb_dense *dense);
 
+/*
+ * After rb_dense_solve: what was left of each column when its turn came, as a share of its first
+ * size, [n]; 0: it is open.
+ */
+void rb_dense_shares(const struct rb_dense *dense, double *share);
+
 /* After rb_dense_solve: is unknown k one that nothing determines? */
 bool rb_dense_is_open(const struct rb_dense *dense, int k);
 
