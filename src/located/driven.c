@@ -115,7 +115,7 @@ static bool ask(const struct drive *d, double part, struct rb_driven_pose *pose)
 		                     : rb_motion_ask(l->world, d->i, t, d->begin.orientation, pose,
 		                                     l->err);
 	if (d->motor && part > 0 && l->status == RB_OK && pose->has_velocity != d->given[0]) {
-		char label[128];
+		char label[RB_MOTION_LABEL];
 
 		l->status = RB_FAIL(l->err, RB_ERR_SCENE,
 		                    "%s at t = %.9g s: it returns a speed always or never",
@@ -433,7 +433,7 @@ static bool watch(struct drive *d, double part)
 static bool refuse(struct drive *d)
 {
 	struct rb_located *l = d->l;
-	char label[128];
+	char label[RB_MOTION_LABEL];
 
 	if (watch(d, d->first_s / d->length_s))
 		l->status = RB_FAIL(l->err, RB_ERR_SCENE,

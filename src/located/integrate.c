@@ -455,7 +455,7 @@ static bool fails_by_lock(const struct rb_modes *w)
 	const double share = 8 * sqrt(16 * rows->count * DBL_EPSILON);
 	double worst = 0;
 	int which = 0;
-	char label[96];
+	char label[96], source[96];
 
 	if (rows->count == 0 || !w->dense.open || w->c->held_count > 0 || rb_joint_rows_drive(rows))
 		return false;
@@ -469,12 +469,14 @@ static bool fails_by_lock(const struct rb_modes *w)
 	}
 	if (!(worst > share * fmax(w->max, rb_sizes_load(w))))
 		return false;
+	const int def = l->model->joints->joint[which].def;
+
 	l->status = RB_FAIL(
 		l->err, RB_ERR_PHYSICS,
-		"%s cannot be kept together with the other joints at t = %.17g s: they lock, and "
+		"%s%s cannot be kept together with the other joints at t = %.17g s: they lock, and "
 		"leave it %.3g m/s^2 (is a chain held taut, or a linkage stretched flat?)",
-		rb_joint_label(l->model->scene, l->model->joints->joint[which].def, label),
-		w->origin_s, worst);
+		rb_joint_source(l->model->scene, def, source),
+		rb_joint_label(l->model->scene, def, label), w->origin_s, worst);
 	return true;
 }
 
@@ -483,7 +485,7 @@ static bool fails_by_joints(const struct rb_modes *w, const char *why)
 {
 	struct rb_located *l = w->l;
 	double largest = 0;
-	char label[96], body[64];
+	char label[96], source[96], body[64];
 
 	if (w->joints.count == 0)
 		return false;
@@ -493,13 +495,15 @@ static bool fails_by_joints(const struct rb_modes *w, const char *why)
 			largest = fabs(w->multiplier[k]);
 			which = w->joints.row[k].joint;
 		}
+	const int def = l->model->joints->joint[which].def;
+
 	l->status = RB_FAIL(
 		l->err, RB_ERR_PHYSICS,
-		"the motion of '%s' and what is joined to it cannot be followed beyond "
+		"%sthe motion of '%s' and what is joined to it cannot be followed beyond "
 		"t = %.17g s: %s, and %s carries most",
+		rb_joint_source(l->model->scene, def, source),
 		rb_scene_body_label(l->model->scene, l->model->id_of[w->c->member[0]], body),
-		w->origin_s, why,
-		rb_joint_label(l->model->scene, l->model->joints->joint[which].def, label));
+		w->origin_s, why, rb_joint_label(l->model->scene, def, label));
 	return true;
 }
 

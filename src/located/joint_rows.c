@@ -663,7 +663,7 @@ bool rb_joint_rows_is_closed(const struct rb_joint_rows *rows)
 static bool has_drifted(const struct rb_joint_rows *rows, double t)
 {
 	struct rb_located *l = rows->l;
-	char label[96];
+	char label[96], source[96];
 
 	for (int k = 0; k < rows->count; k++) {
 		const struct rb_joint_row *row = &rows->row[k];
@@ -672,8 +672,9 @@ static bool has_drifted(const struct rb_joint_rows *rows, double t)
 		if (fabs(row->error) <= rb_joint_drift_max * joint->size)
 			continue;
 		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
-		                    "%s is open by %.3g m at t = %.17g s (at most 1e-9 of its "
+		                    "%s%s is open by %.3g m at t = %.17g s (at most 1e-9 of its "
 		                    "size, %.3g m)",
+		                    rb_joint_source(l->model->scene, joint->def, source),
 		                    rb_joint_label(l->model->scene, joint->def, label),
 		                    fabs(row->error), t, joint->size);
 		return true;

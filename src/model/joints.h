@@ -71,6 +71,12 @@ bool rb_joint_fault(const struct rb_scene *scene, const struct rb_joint_def *def
                     char text[RB_JOINT_FAULT_SIZE]);
 
 /* "hinge 'knee'", "rod #3" for messages; written to `out`, which is returned. */
+/*
+ * The file and line that made it, for the beginning of a message: "file:line: "; empty where they
+ * are not known.
+ */
+const char *rb_joint_source(const struct rb_scene *scene, int k, char out[96]);
+
 const char *rb_joint_label(const struct rb_scene *scene, int k, char out[96]);
 
 /* Whether it can turn one of its bodies: only rods and ropes at centres of mass cannot. */

@@ -77,17 +77,20 @@ double rb_motion_size(const struct rb_world *world, int i, bool motor)
 	               : world->model->size_min_m;
 }
 
-const char *rb_motion_label(const struct rb_world *world, int i, bool motor, char out[128])
+const char *rb_motion_label(const struct rb_world *world, int i, bool motor,
+                            char out[RB_MOTION_LABEL])
 {
 	const struct rb_model *model = world->model;
-	char label[96];
+	const int def = motor ? model->joints->joint[i].def : 0;
+	char label[96], source[96];
 
 	if (motor)
-		snprintf(out, 128, "'%s' of the motor of %s",
+		snprintf(out, RB_MOTION_LABEL, "%s'%s' of the motor of %s",
+		         rb_joint_source(model->scene, def, source),
 		         rb_linkage_turns(&model->joints->joint[i].link) ? "angle" : "way",
-		         rb_joint_label(model->scene, i, label));
+		         rb_joint_label(model->scene, def, label));
 	else
-		snprintf(out, 128, "'motion' of '%s'",
+		snprintf(out, RB_MOTION_LABEL, "'motion' of '%s'",
 		         rb_scene_body_label(model->scene, model->id_of[i], label));
 	return out;
 }
@@ -211,7 +214,7 @@ static void refuse_jump(struct watch *w, const struct moment *a, const struct mo
 	const bool turns = angle > way / w->size;
 	const bool hinge = motion->motor &&
 	                   rb_linkage_turns(&motion->world->model->joints->joint[motion->i].link);
-	char label[128];
+	char label[RB_MOTION_LABEL];
 
 	w->status = RB_FAIL(w->err, RB_ERR_SCENE,
 	                    "%s jumps by %.3g %s at t = %.9g s: %s moves without jumps",
@@ -225,7 +228,7 @@ static void refuse_velocities(struct watch *w, const struct part *p, bool turns)
 	const struct rb_motion *motion = w->motion;
 	const double off = roughness(w, &p->begin, &p->middle, &p->end, turns) /
 	                   (p->end.t - p->begin.t);
-	char label[128];
+	char label[RB_MOTION_LABEL];
 
 	w->status = RB_FAIL(w->err, RB_ERR_SCENE,
 	                    "%s at t = %.9g s: its %s is %.3g %s off what leads from "

@@ -23,8 +23,13 @@ RB_CHECKED enum rb_status rb_motion_ask_motor(const struct rb_world *world, int 
 /* Distances from which jumps are seen: m, the smallest body's; of a hinge's motor 1 rad. */
 double rb_motion_size(const struct rb_world *world, int i, bool motor);
 
-/* "'motion' of 'lid'", "'angle' of hinge 'knee'" for messages; written to `out`, returned. */
-const char *rb_motion_label(const struct rb_world *world, int i, bool motor, char out[128]);
+/*
+ * "'motion' of 'lid'", "scene.lua:3: 'angle' of the motor of hinge 'knee'" to begin messages with;
+ * written to `out`, returned.
+ */
+enum { RB_MOTION_LABEL = 224 };
+const char *rb_motion_label(const struct rb_world *world, int i, bool motor,
+                            char out[RB_MOTION_LABEL]);
 
 /* What a body is said to do from one moment to another. */
 struct rb_motion {

@@ -305,20 +305,22 @@ enum rb_status rb_local_rollback_give_up(const struct rb_world *world, double st
 {
 	const struct rb_scene *scene = world->model->scene;
 	const int *id_of = world->model->id_of;
-	char a[64], b[64], label[96];
+	char a[64], b[64], label[96], source[96];
 
 	if (outcome->body >= 0)
 		return RB_FAIL(err, RB_ERR_PHYSICS,
 		               "the state of '%s' is not finite after t = %.9g s",
 		               rb_scene_body_label(scene, id_of[outcome->body], a), start);
 	if (outcome->pair[0] < 0 && outcome->joint >= 0)
-		return RB_FAIL(err, RB_ERR_PHYSICS,
-		               "no step holds %s together after t = %.9g s (it drifts by %.3g m, "
-		               "the tolerance is %.3g m)",
-		               rb_joint_label(scene,
-		                              world->model->joints->joint[outcome->joint].def,
-		                              label),
-		               start, outcome->drift, world->model->stepped_tolerance_m);
+		return RB_FAIL(
+			err, RB_ERR_PHYSICS,
+			"%sno step holds %s together after t = %.9g s (it drifts by %.3g m, "
+			"the tolerance is %.3g m)",
+			rb_joint_source(scene, world->model->joints->joint[outcome->joint].def,
+		                        source),
+			rb_joint_label(scene, world->model->joints->joint[outcome->joint].def,
+		                       label),
+			start, outcome->drift, world->model->stepped_tolerance_m);
 	if (outcome->pair[0] < 0)
 		return RB_FAIL(err, RB_ERR_PHYSICS, "no step resolves the impacts after t = %.9g s",
 		               start);

@@ -105,10 +105,10 @@ sed 's/method = "stepped"/method = "located"/; s/1e-7/1e-14/; s/mass = 1 }/mass 
 exits 0 located.lua --no-record --quiet
 sed 's/3 \* t) end, f/3 * t), t < 0.5 and 0.3 * math.cos(3 * t) or nil end, f/; /^expect/d' located.lua >wrong.lua
 exits 65 wrong.lua --no-record --quiet
-says err "'way' of the motor of slider #0 at t = .*: it returns a speed always or never"
+says err "wrong.lua:3: 'way' of the motor of slider #0 at t = .*: it returns a speed always or never"
 sed 's/return 0.1 \* math.sin(3 \* t) end, f/return t < 0.5 and 0 or 0.01 end, f/; /^expect/d; s/velocity = {0, 0, 0.3}/velocity = {0, 0, 0}/' located.lua >wrong.lua
 exits 65 wrong.lua --no-record --quiet
-says err "'way' of the motor of slider #0 jumps by 0.01 m at t = 0.5 s: what a motor follows moves without jumps"
+says err "wrong.lua:3: 'way' of the motor of slider #0 jumps by 0.01 m at t = 0.5 s: what a motor follows moves without jumps"
 cat >told.lua <<'END'
 world { duration = 3, frame_rate = 20, gravity = {0, 0, -10}, method = "located" }
 local arm = box { name = "arm", size = {1, 0.1, 0.1}, mass = 1, position = {0.5, 0, 0} }
