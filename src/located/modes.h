@@ -17,10 +17,10 @@ enum { RB_MODES_DENSE = 1536 };
 
 /* What of a piece past a singular position (located/singular). */
 struct rb_singular_piece {
-	bool closed;   /* its joints are a closed mechanism, without contacts */
-	bool projects; /* rates are those at the nearest poses that joints allow */
-	double *share; /* [RB_GAUSS_NODES][joints.count]: what others left of rows at the last nodes */
-	int seen;      /* how many so far */
+	bool closed;    /* its joints are a closed mechanism, without contacts */
+	bool projects;  /* rates are those at the nearest poses that joints allow */
+	double *share;  /* [RB_GAUSS_NODES][joints.count]: what others left of rows at nodes */
+	int seen;       /* how many so far */
 	double granted; /* of scale: what rounding may make of a step */
 };
 
