@@ -120,7 +120,8 @@ enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world
 	l->arena = &world->arena[0];
 	l->end_s = world->model->duration_s;
 	l->decays = rb_external_drag_is_linear(l->model);
-	l->crowd_max = rb_located_can_be_stepped(l)
+	/* mechanisms on their own have no crowds: they are followed at any cost, if they can be */
+	l->crowd_max = rb_located_can_be_stepped(l) && (l->model->features & RB_FEATURE_CONTACT)
 	                       ? CROWD_MAX + CROWD_MAX_PER_BODY * (uint64_t)l->n
 	                       : UINT64_MAX;
 	l->weight = rb_vec3_length(world->model->scene->world.gravity) +

@@ -14,7 +14,8 @@ void rb_engine_destroy(struct rb_located *l); /* NULL is fine */
 /* True if the scene's method may change to steps. */
 static inline bool rb_located_can_be_stepped(const struct rb_located *l)
 {
-	return rb_model_may_change_method(l->model) && (l->model->features & RB_FEATURE_CONTACT);
+	return rb_model_may_change_method(l->model) &&
+	       (l->model->features & (RB_FEATURE_CONTACT | RB_FEATURE_JOINTS));
 }
 
 #endif

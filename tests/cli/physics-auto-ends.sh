@@ -93,3 +93,17 @@ done
 "$RBSIM" "$TOP/scenes/heap.lua" --param balls=60 --duration 3 --no-record --no-render --quiet --json --threads 1 >out 2>err </dev/null ||
 	[ $? -eq 1 ] || fail "a heap: $(tail -n 1 err)"
 awk -v moved="$(value body_steps)" 'BEGIN { exit !(moved < 15 * 60 * 3 * 240) }' || fail "a heap: $(value body_steps) body steps"
+
+# a chain of rods, taut between two points, that is pushed across: no motion keeps the rods, steps hold them within the tolerance
+cat >taut.lua <<'LUA'
+world { duration = 1, frame_rate = 10 }
+local balls = {}
+for k = 0, 3 do
+	balls[k] = sphere { radius = 0.05, mass = 1, position = {k, 0, 0}, collides_with = {}, velocity = {0, k == 1 and 1e-3 or 0, 0} }
+	joint { kind = "rod", a = balls[k], b = balls[k - 1], at_b = k == 0 and {-1, 0, 0} or nil }
+end
+joint { kind = "rod", a = balls[3], at_b = {4, 0, 0} }
+LUA
+exits 76 taut.lua --no-record --quiet --method located
+says err "^rbsim: taut.lua:7: rod #4 cannot be kept together"
+exits 0 taut.lua --no-record --quiet --method auto
