@@ -22,6 +22,7 @@
 #include "stepped/impact_pass.h"
 #include "stepped/joint_steps.h"
 #include "stepped/sleep.h"
+#include "stepped/strategies.h"
 #include "stepped/tally.h"
 
 /*
@@ -35,6 +36,13 @@ enum { INSPECTIONS_MAX = 1 };
  * the angle of a step, and a pendulum takes one or none.
  */
 enum { JOINT_INSPECTIONS_MAX = 6 };
+
+/*
+ * Of the way in a whole step, a gap that counts as closed; and of how many steps forces make speeds
+ * that an impact is to exceed.
+ */
+static const double whole_share = 1e-3;
+enum { IMPACT_STEPS = 4 };
 
 struct flow {
 	struct rb_world *world;
@@ -289,6 +297,68 @@ static enum rb_status find_points(struct rb_world *world, struct rb_cohort *coho
 	return status;
 }
 
+/* m/s: of b from a along the normal, as forces have left them. */
+static double leaving(const struct rb_solver *solver, const struct rb_step_point *point)
+{
+	const struct rb_solver_bodies bodies = {.body = solver->free, .tensor = solver->tensor};
+	const struct rb_constraint row = {
+		.a = point->a,
+		.b = point->b < solver->body_count ? point->b : solver->body_count,
+		.central = point->central,
+		.normal = point->normal,
+		.arm_a = point->arm_a,
+		.arm_b = point->arm_b,
+	};
+
+	return rb_vec3_dot(rb_constraint_velocity(&bodies, &row), point->normal);
+}
+
+/*
+ * Impacts of mechanisms. Solutions let a gap close by the end of a step: of an impact in the middle
+ * of it they give one part now, and the other one in the next step. For normals that is the same;
+ * friction of two parts, each in a cone of its own, is not that of the whole, by as much as it is
+ * itself, however short the step. (Bodies without joints meet within the step: impact_pass.) The
+ * step is to be cut where the gap has closed. What forces alone bring about in some steps is none.
+ */
+static void find_impacts(const struct rb_world *world, const struct rb_cohort *cohort, double h)
+{
+	const struct rb_solver *solver = &world->stepped->solver;
+	const struct rb_step_points *points = &cohort->points;
+
+	for (size_t g = 0; g < solver->island_count; g++) {
+		struct rb_island *const island = &solver->island[g];
+		const int *const member = solver->member + island->first_member;
+
+		island->impact_s = (double)INFINITY;
+		if (island->rests || island->contact_count == 0 ||
+		    island->row_count == island->contact_count)
+			continue;
+		const double least = IMPACT_STEPS *
+		                     sqrt(rb_strategies_external(solver, member,
+		                                                 island->member_count, HUGE_VAL));
+
+		for (int k = 0; k < island->contact_count; k++) {
+			const struct rb_step_point *const point =
+				&points->row[solver->point[island->first_row + k]];
+			const double approach = point->approach;
+			const double more = -leaving(solver, point) - approach;
+
+			if (!(point->normal_impulse > 0) || !(point->friction > 0) ||
+			    (point->from > 0 && points->last[point->from - 1].force > 0) ||
+			    !(approach > least) ||
+			    !(point->gap > whole_share * solver->whole_s * approach) ||
+			    !(h * approach > world->model->stepped_tolerance_m))
+				continue;
+			/* gap = t (approach + more t / h) */
+			const double root = sqrt(approach * approach +
+			                         4 * fmax(0, more) / h * point->gap);
+
+			island->impact_s = fmin(island->impact_s,
+			                        2 * point->gap / (approach + root));
+		}
+	}
+}
+
 enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, double start, double h,
                           struct rb_error *err)
 {
@@ -312,6 +382,8 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 	if (status != RB_OK)
 		return status;
 	status = move_and_inspect(world, cohort, h, err);
+	if (status == RB_OK && world->model->joints)
+		find_impacts(world, cohort, h);
 	if (status == RB_OK)
 		status = rb_solver_end(&s->solver, world, err);
 	if (status != RB_OK)

@@ -68,6 +68,8 @@ struct rb_attempt_outcome {
 	int joint;      /* that drifts most of those that do by too much, -1: none */
 	double drift;   /* m: by how much */
 	double overlap; /* m */
+	/* s: up to when nothing is met, where that is all that is wrong; INFINITY: it is not */
+	double clear_s;
 	/* m: the largest that a solution which is good has left of a gap's closing */
 	double residual;
 	double slip; /* m: the largest that such a one left by holding friction */

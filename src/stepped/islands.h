@@ -26,6 +26,8 @@ struct rb_island {
 	bool kept;    /* as an earlier look at the step has solved it */
 	/* joints and constant forces alone act: in halves, at both ends (joint_constraints) */
 	bool halves;
+	/* s: when the first impact of a mechanism is due within the step; INFINITY: none is */
+	double impact_s;
 	/* J, twice: what its contacts have taken in the step; more than it no rebound gives back */
 	double energy_budget;
 	double share;        /* of the rebound, that keeps to it */

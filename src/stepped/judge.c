@@ -19,6 +19,12 @@
 #include "stepped/projection.h"
 #include "stepped/sleep.h"
 
+/*
+ * Of the time until an impact, where a step ends before it; of a whole step, the shortest part that
+ * is cut for one.
+ */
+static const double before_share = 1 - 2e-4, shortest_share = 0x1p-20;
+
 /* Bodies with a state that is not finite; the first is kept for the message. */
 static void blame_wild(struct rb_world *world, const struct rb_cohort *cohort,
                        struct rb_attempt_outcome *outcome)
@@ -60,6 +66,31 @@ static void blame_residuals(struct rb_world *world, double h, struct rb_attempt_
 }
 
 /*
+ * Mechanisms that meet somebody within the step: it is to end just before that, if it is not too
+ * short for it.
+ */
+static void blame_impacts(struct rb_world *world, double h, struct rb_attempt_outcome *outcome)
+{
+	struct rb_stepped *s = world->stepped;
+	const struct rb_solver *solver = &s->solver;
+	const bool others = s->bad_count > 0;
+
+	if (!world->model->joints || world->model->rollback != RB_ROLLBACK_SELECTIVE)
+		return;
+	for (size_t g = 0; g < solver->island_count; g++) {
+		const struct rb_island *island = &solver->island[g];
+
+		if (!(island->impact_s < h) || !(h > shortest_share * s->solver.whole_s))
+			continue;
+		outcome->clear_s = fmin(outcome->clear_s, before_share * island->impact_s);
+		for (int k = 0; k < island->member_count; k++)
+			rb_stepped_blame(s, solver->member[island->first_member + k]);
+	}
+	if (others)
+		outcome->clear_s = (double)INFINITY;
+}
+
+/*
  * A body farther from its start than it would have flown without impacts, by more than half its
  * size, may have tunnelled through bodies that are not among its candidates.
  */
@@ -93,13 +124,15 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 	enum rb_status status = RB_OK;
 
 	RB_ASSERT(h > 0);
-	*outcome = (struct rb_attempt_outcome){.pair = {-1, -1}, .body = -1, .joint = -1};
+	*outcome = (struct rb_attempt_outcome){
+		.pair = {-1, -1}, .body = -1, .joint = -1, .clear_s = (double)INFINITY};
 	for (int k = 0; k < cohort->body_count; k++)
 		s->bad[cohort->body[k]] = 0;
 	s->bad_count = 0;
 	blame_wild(world, cohort, outcome);
 	blame_residuals(world, h, outcome);
 	rb_joints_blame(world, cohort, outcome);
+	blame_impacts(world, h, outcome);
 	if (!world->broadphase)
 		return RB_OK;
 	if (world->model->rollback != RB_ROLLBACK_NONE)

@@ -407,7 +407,7 @@ static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *g
 			if (rb_halvings_end(halvings++, h, dt))
 				return rb_local_rollback_give_up(world, start + done, &outcome,
 				                                 err);
-			h *= 0.5;
+			h = outcome.clear_s < h ? outcome.clear_s : 0.5 * h;
 			continue;
 		}
 		if (rb_swept_bounds_left(&s->local->swept, world, part, dt - done - h)) {
