@@ -14,10 +14,11 @@ static void turning_by_a_share_of_one_is_the_rotation(void **state)
 		const rb_vec3 v = {cos(3 * k), 2 * sin(k), cos(k)};
 		const double angle = 0.2 * (k - 30);
 
-		assert_vector(rb_pivot_turn(v, n, angle, 1),
+		assert_vector(rb_pivot_turn(v, n, rb_pivot_of(angle)),
 		              rb_quat_rotate(rb_quat_from_turn(rb_vec3_scale(angle, n)), v), 1e-14);
 		/* what is along the normal stays, what is across is scaled */
-		const rb_vec3 half = rb_pivot_turn(v, n, angle, 0.5);
+		const rb_vec3 half = rb_pivot_turn(v, n,
+		                                   (rb_pivot){0.5 * cos(angle), 0.5 * sin(angle)});
 		assert_near(rb_vec3_dot(half, n), rb_vec3_dot(v, n), 1e-15);
 		assert_near(rb_vec3_length(rb_vec3_reject(half, n)),
 		            0.5 * rb_vec3_length(rb_vec3_reject(v, n)), 1e-14);
@@ -34,8 +35,9 @@ static void the_mean_arm_moves_along_the_chord(void **state)
 		const double angle = (k % 2 ? 1 : -1) * exp2(1 - k);
 		const rb_vec3 turned = rb_quat_rotate(rb_quat_from_turn(rb_vec3_scale(angle, n)),
 		                                      arm);
+		const rb_vec3 mean = rb_pivot_turn(arm, n, rb_pivot_mean(angle));
 
-		assert_vector(rb_vec3_scale(angle, rb_vec3_cross(n, rb_pivot_mean(arm, n, angle))),
+		assert_vector(rb_vec3_scale(angle, rb_vec3_cross(n, mean)),
 		              rb_vec3_sub(turned, arm), 1e-15);
 	}
 }
@@ -54,10 +56,11 @@ static void the_mean_arm_is_the_mean_over_the_step(void **state)
 		for (int i = 0; i <= PARTS; i++) {
 			const double weight = i == 0 || i == PARTS ? 1 : i % 2 ? 4 : 2;
 
-			mean = rb_vec3_add_scaled(mean, weight / (3 * PARTS),
-			                          rb_pivot_turn(arm, up, angle * i / PARTS, 1));
+			mean = rb_vec3_add_scaled(
+				mean, weight / (3 * PARTS),
+				rb_pivot_turn(arm, up, rb_pivot_of(angle * i / PARTS)));
 		}
-		assert_vector(rb_pivot_mean(arm, up, angle), mean, 1e-9);
+		assert_vector(rb_pivot_turn(arm, up, rb_pivot_mean(angle)), mean, 1e-9);
 	}
 }
 

@@ -25,15 +25,41 @@ static rb_part edge_between(const struct rb_polytope *p, int v, int w)
 	return edge >= 0 ? rb_part_of(RB_PART_EDGE, edge) : rb_part_of(RB_PART_DIAGONAL, v);
 }
 
-/* Vertices no lower than `low` along n, at most RB_PATCH_MAX; `*all` counts all of them. */
-static int outermost(const struct rb_polytope *p, rb_vec3 n, double low, int vertex[RB_PATCH_MAX],
-                     int *all)
+/*
+ * Heights of a polytope's vertices along n, those of the first ones kept: they are asked for
+ * several times.
+ */
+enum { HEIGHTS_MAX = 32 };
+struct heights {
+	const struct rb_polytope *p;
+	rb_vec3 n;
+	double kept[HEIGHTS_MAX];
+};
+
+static void heights_of(struct heights *heights, const struct rb_polytope *p, rb_vec3 n)
+{
+	const int count = p->vertex_count < HEIGHTS_MAX ? p->vertex_count : HEIGHTS_MAX;
+
+	heights->p = p;
+	heights->n = n;
+	for (int i = 0; i < count; i++)
+		heights->kept[i] = rb_vec3_dot(n, p->vertices[i]);
+}
+
+static double height_of(const struct heights *heights, int i)
+{
+	return i < HEIGHTS_MAX ? heights->kept[i]
+	                       : rb_vec3_dot(heights->n, heights->p->vertices[i]);
+}
+
+/* Vertices no lower than `low`, at most RB_PATCH_MAX; `*all` counts all of them. */
+static int outermost(const struct heights *heights, double low, int vertex[RB_PATCH_MAX], int *all)
 {
 	int count = 0;
 
 	*all = 0;
-	for (int i = 0; i < p->vertex_count; i++) {
-		if (!(rb_vec3_dot(n, p->vertices[i]) >= low))
+	for (int i = 0; i < heights->p->vertex_count; i++) {
+		if (!(height_of(heights, i) >= low))
 			continue;
 		if (count < RB_PATCH_MAX)
 			vertex[count++] = i;
@@ -59,12 +85,13 @@ static int best_face(const struct rb_polytope *p, rb_vec3 n)
 }
 
 /*
- * Vertices of one face no lower than `low` along n, in its order, thinned to RB_PATCH_MAX by a
- * stride; `*met` counts all of them.
+ * Vertices of one face no lower than `low`, in its order, thinned to RB_PATCH_MAX by a stride;
+ * `*met` counts all of them.
  */
-static int from_face(const struct rb_polytope *p, int face, rb_vec3 n, double low,
-                     int vertex[RB_PATCH_MAX], int *met)
+static int from_face(const struct heights *heights, int face, double low, int vertex[RB_PATCH_MAX],
+                     int *met)
 {
+	const struct rb_polytope *const p = heights->p;
 	const rb_polytope_face *f = &p->faces[face];
 	const int stride = (f->count + RB_PATCH_MAX - 1) / RB_PATCH_MAX;
 	int count = 0;
@@ -72,7 +99,7 @@ static int from_face(const struct rb_polytope *p, int face, rb_vec3 n, double lo
 	*met = 0;
 	for (int i = 0; i < f->count; i++) {
 		const int v = p->loop[f->first + i];
-		if (!(rb_vec3_dot(n, p->vertices[v]) >= low))
+		if (!(height_of(heights, v) >= low))
 			continue;
 		if ((*met)++ % stride == 0)
 			vertex[count++] = v;
@@ -169,9 +196,12 @@ static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 	const struct rb_polytope *p = placed->core->polytope;
 	const rb_vec3 local = rb_mat3_apply_transposed(&placed->turn, n);
 	int vertex[RB_PATCH_MAX] = {0}, all;
-	const double top = rb_vec3_dot(local, p->vertices[rb_polytope_support(p, local)]);
+	struct heights heights;
+
+	heights_of(&heights, p, local);
+	const double top = height_of(&heights, rb_polytope_support(p, local));
 	double low = top - depth;
-	int count = outermost(p, local, low, vertex, &all);
+	int count = outermost(&heights, low, vertex, &all);
 
 	if (count == 0) /* NaN: no vertex compares; the first one keeps the patch well formed */
 		count = all = 1;
@@ -180,17 +210,17 @@ static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 	if ((all > 2 || tilt > depth) && p->face_count > 0) {
 		const int face = best_face(p, local);
 		int in_order[RB_PATCH_MAX], met;
-		int ordered = from_face(p, face, local, low, in_order, &met);
+		int ordered = from_face(&heights, face, low, in_order, &met);
 		/* not all from the best face: without steep ones they may be */
 		if (met < all) {
 			all = count = without_steep(p, local, vertex, count, &low);
-			ordered = from_face(p, face, local, low, in_order, &met);
+			ordered = from_face(&heights, face, low, in_order, &met);
 		}
 		const bool of_face = met == all;
 		/* nearly flush: the whole face if none of it is deeper than `tilt` */
 		if (of_face && tilt > depth) {
 			int whole[RB_PATCH_MAX], whole_met;
-			const int with_all = from_face(p, face, local, top - tilt, whole,
+			const int with_all = from_face(&heights, face, top - tilt, whole,
 			                               &whole_met);
 			if (whole_met == p->faces[face].count) {
 				ordered = with_all;
@@ -222,7 +252,9 @@ static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 	for (int i = 0; i < count; i++) {
 		patch->point[i] = rb_placed_point(placed, p->vertices[vertex[i]]);
 		patch->id[i] = rb_part_of(RB_PART_VERTEX, vertex[i]);
-		patch->side[i] = edge_between(p, vertex[i], vertex[i + 1 < count ? i + 1 : 0]);
+		if (count > 2)
+			patch->side[i] = edge_between(p, vertex[i],
+			                              vertex[i + 1 < count ? i + 1 : 0]);
 	}
 }
 

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/sort.h"
 #include "constraint/contact_row.h"
+#include "geom/boxes.h"
 #include "geom/distance.h"
 #include "geom/manifold.h"
 #include "model/parts.h"
@@ -150,19 +151,20 @@ static void fill_point(const struct inspection *inspection, struct rb_step_point
 	point->from = 0;
 	point->normal_impulse = 0;
 	point->friction_impulse = (rb_vec3){0, 0, 0};
-	/* friction goes round with what turns together */
-	const double pivot = central ? 0
-	                             : rb_pivot_angle(world, point->a, point->b, point->normal,
-	                                              inspection->h);
 	point->from = find_last(points, point);
 	if (point->from == 0)
 		return;
 	const struct rb_named_impulse *last = &points->last[point->from - 1];
 	point->normal_impulse = inspection->h * last->force;
-	if (point->friction > 0)
-		point->friction_impulse = rb_vec3_scale(
-			inspection->h,
-			rb_pivot_turn(last->friction_impulse, point->normal, pivot, 1));
+	if (point->friction == 0)
+		return;
+	/* friction goes round with what turns together */
+	const double angle = central ? 0
+	                             : rb_pivot_angle(world, point->a, point->b, point->normal,
+	                                              inspection->h);
+	const rb_pivot pivot = angle == 0 ? (rb_pivot){1, 0} : rb_pivot_of(angle);
+	point->friction_impulse = rb_vec3_scale(
+		inspection->h, rb_pivot_turn(last->friction_impulse, point->normal, pivot));
 }
 
 /* A way longer than this share of a radius is looked along for the normal of the touch. */
@@ -410,7 +412,9 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 			const struct rb_part_pair parts = rb_part_pair_of(pa, pb);
 			double clearance = rb_clearance_of_spheres(pa, pb, slack);
 
-			if (!(clearance > slack))
+			/* of boxes that were close the closed form costs no more than a look */
+			if (!(clearance > slack) &&
+			    !(clue->is_close && rb_box_is(pa) && rb_box_is(pb)))
 				clearance = rb_clearance_of_parts(&parts, slack, clue);
 			least_clearance = fmin(least_clearance, clearance);
 			if (clearance > slack) {

@@ -571,11 +571,13 @@ static void set_arms(const struct pass *pass, struct rb_constraint *row, int num
 	if (row->central)
 		return;
 	level_arms(nearest_of_face(pass->points, number), row);
-	const double pivot = rb_pivot_angle(pass->world, point->a, point->b, point->normal,
+	const double angle = rb_pivot_angle(pass->world, point->a, point->b, point->normal,
 	                                    pass->solver->h_s);
-	if (pivot != 0) {
-		row->arm_a = rb_pivot_mean(row->arm_a, row->normal, pivot);
-		row->arm_b = rb_pivot_mean(row->arm_b, row->normal, pivot);
+	if (angle != 0) {
+		const rb_pivot mean = rb_pivot_mean(angle);
+
+		row->arm_a = rb_pivot_turn(row->arm_a, row->normal, mean);
+		row->arm_b = rb_pivot_turn(row->arm_b, row->normal, mean);
 	}
 }
 

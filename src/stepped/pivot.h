@@ -28,22 +28,34 @@ static inline double rb_pivot_angle(const struct rb_world *world, int a, int b, 
 	return fabs(turn_a) < fabs(turn_b) ? turn_a : turn_b;
 }
 
-/* Turns by `angle` about the unit vector `normal`, what is across it scaled by `share`. */
-static inline rb_vec3 rb_pivot_turn(rb_vec3 v, rb_vec3 normal, double angle, double share)
+/* A turn about a normal: what is across it also scaled. */
+typedef struct {
+	double cosine, sine;
+} rb_pivot;
+
+static inline rb_pivot rb_pivot_of(double angle)
+{
+	return (rb_pivot){cos(angle), sin(angle)};
+}
+
+/*
+ * Means of arms that turn by `angle`, != 0: (R(angle) - 1) arm is angle normal x what this makes of
+ * the arm.
+ */
+static inline rb_pivot rb_pivot_mean(double angle)
+{
+	const double half = 0.5 * angle, sine = sin(half), share = sine / half;
+
+	return (rb_pivot){share * cos(half), share * sine};
+}
+
+static inline rb_vec3 rb_pivot_turn(rb_vec3 v, rb_vec3 normal, rb_pivot pivot)
 {
 	const rb_vec3 along = rb_vec3_scale(rb_vec3_dot(v, normal), normal);
 	const rb_vec3 across = rb_vec3_sub(v, along);
 
-	return rb_vec3_add(rb_vec3_add_scaled(along, share * cos(angle), across),
-	                   rb_vec3_scale(share * sin(angle), rb_vec3_cross(normal, across)));
-}
-
-/* The mean of an arm that turns by `angle`, != 0: (R(angle) - 1) arm is angle normal x this. */
-static inline rb_vec3 rb_pivot_mean(rb_vec3 arm, rb_vec3 normal, double angle)
-{
-	const double half = 0.5 * angle;
-
-	return rb_pivot_turn(arm, normal, half, sin(half) / half);
+	return rb_vec3_add(rb_vec3_add_scaled(along, pivot.cosine, across),
+	                   rb_vec3_scale(pivot.sine, rb_vec3_cross(normal, across)));
 }
 
 #endif
