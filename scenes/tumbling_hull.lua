@@ -9,7 +9,7 @@ local spin = param("spin", 8.0, "at the start, rad/s", {min = 0, max = 100})
 local seed = param("seed_points", 2, "which crystal", {min = 1, max = 1000})
 local g, radius = 9.81, 0.25
 
-world { title = "A tumbling crystal", duration = 4, frame_rate = 120, gravity = {0, 0, -g} }
+world { title = "A tumbling crystal", duration = 4, frame_rate = 120, gravity = {0, 0, -g}, method = "located" }
 local quartz = material { name = "quartz", density = 2650, friction = 0.4, restitution = e, color = {0.62, 0.52, 0.78}, shininess = 150 }
 plane { name = "floor", material = quartz, color = {0.80, 0.79, 0.75}, texture = "checker" }
 math.randomseed(seed)

@@ -518,6 +518,8 @@ static const struct exempt exempt[] = {
 	{rb_located_fields, "now_s", "later than every anchor: rb_world_validate compares them"},
 	{rb_located_fields, "stuck_count",
          "decides only when a world fails, by events at one moment"},
+	{rb_located_fields, "from_s",
+         "decides how many steps follow where they take over again: no recipe goes so far"},
 	{rb_located_fields, "crowd",
          "decides when steps take over, at a bound that no recipe meets closely"},
 	{rb_located_fields, "products", "the same"},

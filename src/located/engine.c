@@ -38,6 +38,9 @@ enum { EVENTS_PER_POLL = 64, TURNS_PER_POLL = 1 << 20 };
  * Events at one moment, plus 64 for each body, after which the run has failed: time stands still.
  */
 enum { STUCK_EVENTS = 10000 };
+/* Bodies of crowds that a body's way by its own size allows: each, and the fastest beside. */
+enum { PACE_BODY = 4, PACE_WORLD = 128, PACE_RUN = 128 };
+
 /* ---- events ---- */
 
 /* The set is on new arcs: invalidates events with its members and predicts theirs. */
@@ -446,13 +449,56 @@ static void take_left(struct rb_located *l)
 		l->status = RB_ERR_MEMORY;
 }
 
+/*
+ * 1/s: how often a body falls, or flies, by its own size, rounded down to eight bits: sums of these
+ * are the same in any order.
+ */
+static double own_pace(const struct rb_located *l, int i)
+{
+	const double size = rb_model_reach(l->model, i);
+	const double force = rb_vec3_length(l->model->scene->world.gravity_force);
+	const double fall = l->weight + l->model->inverse_mass[i] * force;
+	const double speed = rb_vec3_length(rb_world_row3(l->world->state.velocity, i));
+	int exponent;
+
+	if (!(size > 0 && size < HUGE_VAL))
+		return 0;
+	const double pace = fmax(sqrt(fall / (2 * size)), speed / size);
+
+	if (!(pace > 0))
+		return 0;
+	const double digits = frexp(pace, &exponent);
+	return ldexp(floor(digits * 0x1p8), exponent - 8);
+}
+
+/*
+ * Bodies of crowds that a second allows: about what steps would cost. A body that falls or flies by
+ * its own size allows PACE_BODY, and the fastest PACE_WORLD beside: few bodies are worth locating.
+ * Neither seconds nor time_step are in it, so that scenes of other units are located alike. Where
+ * nothing moves nor weighs, as of springs that are let go, a run allows PACE_RUN times as many.
+ */
+static double find_pace(const struct rb_located *l)
+{
+	double sum = 0, max = 0;
+
+	for (int i = 0; i < l->n; i++) {
+		const double pace = own_pace(l, i);
+
+		sum += pace;
+		max = fmax(max, pace);
+	}
+	return max > 0 ? PACE_BODY * sum + PACE_WORLD * max
+	               : PACE_RUN * (PACE_BODY * (double)l->n + PACE_WORLD) / l->end_s;
+}
+
 /* Arcs of the beginning; what touches or has no closed form is resolved. */
 static void start(struct rb_located *l, double t)
 {
 	const rb_vec3 none = {0, 0, 0};
 
 	l->started = l->starting = true;
-	l->now_s = t;
+	l->now_s = l->from_s = t;
+	l->pace = find_pace(l);
 	take_left(l);
 	rb_account_begin(l, t);
 	for (int i = 0; i < l->n && l->status == RB_OK; i++) {
@@ -498,16 +544,16 @@ static void start(struct rb_located *l, double t)
 }
 
 /* Bodies that so much time allows: whole ones. */
-static uint64_t allowance(double t)
+static uint64_t allowance(const struct rb_located *l, double t)
 {
 	RB_ASSERT_COSTLY(t >= 0);
-	return (uint64_t)fmin(RB_LOCATED_SECOND * t, 1e18);
+	return (uint64_t)fmin(fmax(l->pace * t, 0), 1e18);
 }
 
 /* Moves the clock to `t`. Time pays off the counts, in however many parts it passes. */
 static void advance_clock(struct rb_located *l, double t)
 {
-	const uint64_t paid = allowance(t) - allowance(l->now_s), crowd = rb_located_crowd(l);
+	const uint64_t paid = allowance(l, t) - allowance(l, l->now_s), crowd = rb_located_crowd(l);
 
 	l->crowd = crowd - (paid < crowd ? paid : crowd);
 	l->products %= RB_LOCATED_PRODUCTS;
@@ -543,6 +589,16 @@ static void one_event(struct rb_located *l, int which, double t)
 bool rb_engine_wants_steps(const struct rb_located *l)
 {
 	return (l->model->features & RB_FEATURE_PUSHES) || rb_located_can_be_stepped(l);
+}
+
+bool rb_engine_locates(const struct rb_located *l)
+{
+	return l->started;
+}
+
+double rb_engine_located(const struct rb_located *l)
+{
+	return l->now_s - l->from_s;
 }
 
 /* Discards arcs and clusters, some of which may be half done: a checkpoint would keep them. */
@@ -598,19 +654,18 @@ static bool follow_turns(struct rb_located *l, double t)
 }
 
 /*
- * Bodies that count already when locating begins: of what a beginning may take, attempts that have
- * failed before leave a smaller and smaller part, so that all of them together take about three
- * times as much as one. Bringing all bodies to their contacts is left to each.
+ * Bodies that count already when locating begins: after steps an attempt may take a quarter of what
+ * these have taken, but bringing all bodies to their contacts is left to each.
  */
 static uint64_t debt(const struct rb_located *l)
 {
-	const uint64_t failed = (uint64_t)(l->world->dense_steps / RB_DENSE_STEPS_FIRST);
-	const uint64_t least = 64 + 2 * (uint64_t)l->n;
+	const uint64_t n = (uint64_t)l->n, steps = (uint64_t)l->world->dense_steps;
 
-	if (failed == 0 || l->crowd_max == UINT64_MAX || l->crowd_max <= least)
+	if (steps == 0 || l->crowd_max == UINT64_MAX)
 		return 0;
-	const uint64_t left = l->crowd_max / (1 + failed);
-	return l->crowd_max - (left > least ? left : least);
+	const uint64_t paid = n * steps / (4 * RB_LOCATED_BODY_STEPS), least = 32 + n;
+	const uint64_t left = paid > least ? paid : least;
+	return l->crowd_max > left ? l->crowd_max - left : 0;
 }
 
 enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_error *err)

@@ -15,17 +15,23 @@
 
 struct rb_located;
 
-/* Steps after the first failure to locate; twice as many after each further one. */
-enum { RB_DENSE_STEPS_FIRST = 16 };
+/* Steps after the first failure to locate; RB_DENSE_STEPS_MORE times as many after each further. */
+enum { RB_DENSE_STEPS_FIRST = 16, RB_DENSE_STEPS_MORE = 4 };
 
 /*
  * All events up to `until_s`, callbacks called; the world's state is then as of that moment. Of a
- * scene that may also be stepped (method "auto"): ends earlier, with the state of that moment,
+ * scene that may also be stepped (method "auto"): gives way, with the state of a moment up to then,
  * where events of crowds come too densely; the next advance begins anew from the state as it then
  * is. RB_ERR_INTERRUPT when the world's `stop` said so.
  */
 RB_CHECKED enum rb_status rb_engine_advance(struct rb_located *l, double until_s,
                                             struct rb_error *err);
+
+/* False where the last advance has given way, or none has begun. */
+bool rb_engine_locates(const struct rb_located *l);
+
+/* s: simulated time that has been located without steps between, up to the last event. */
+double rb_engine_located(const struct rb_located *l);
 
 /* Whether callbacks or a change of method need the grid of time_step. */
 bool rb_engine_wants_steps(const struct rb_located *l);

@@ -15,7 +15,7 @@
 /* Bodies from which on cells pay. */
 enum { CELLS_FROM = 48 };
 /* Limit of the crowd count, in bodies: beyond it locating is too dense. */
-enum { CROWD_MAX = 1024, CROWD_MAX_PER_BODY = 8 };
+enum { CROWD_MAX = 512, CROWD_MAX_PER_BODY = 8 };
 
 /* A zeroed row, at least one element; sets *failed when memory is out. */
 static void *row(size_t count, size_t size, bool *failed)

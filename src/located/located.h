@@ -223,6 +223,8 @@ RB_FIELDS_DECLARE(rb_bounces_fields);
 /* Of the located method, beside what it knows of bodies, clusters and cells. */
 #define RB_LOCATED_FIELDS(X)                                                                   \
 	X(double, now_s, , "s", "the event under way", RB_FINITE)                              \
+	X(double, from_s, , "s", "when locating began", RB_FINITE)                             \
+	X(double, pace, , "1/s", "bodies of crowds that a second allows", RB_FINITE)           \
 	X(double, stuck_s, , "s", "events at one moment are counted", RB_TIME)                 \
 	X(uint64_t, stuck_count, , "", "of these", RB_ANY_BITS)                                \
 	X(uint64_t, events, , "", "all", RB_ANY_BITS)                                          \
@@ -328,8 +330,7 @@ static inline int rb_located_row(const struct rb_located *l)
  * boxes that move together are left to steps; and arithmetic, not a clock: the same on every
  * machine. A row of a contact's in a product of a vector with the matrix, a look at a contact on a
  * piece, and at what pulls a body in flight, a call of a field's function, a pair that attracts
- * each other, and a search for points where two convex bodies touch, count as so many. A simulated
- * second allows so many bodies, which take about one.
+ * each other, and a search for points where two convex bodies touch, count as so many.
  */
 enum {
 	RB_LOCATED_PRODUCTS = 100000,
@@ -341,7 +342,8 @@ enum {
 	RB_LOCATED_SEARCH = 3000,
 	RB_LOCATED_SERIES = 1000
 };
-enum { RB_LOCATED_SECOND = 10000 };
+/* Steps of a body that take about as long as a body that counts. */
+enum { RB_LOCATED_BODY_STEPS = 32 };
 
 /* What is counted, in bodies. */
 static inline uint64_t rb_located_crowd(const struct rb_located *l)

@@ -2,7 +2,7 @@
 /*
  * A frame is run by the scene's method. `auto` locates; where events come too densely or locating
  * fails, the world is taken back to the beginning of the frame (of the step, if there are
- * callbacks, which cannot be undone) and stepped for a number of steps that doubles with each
+ * callbacks, which cannot be undone) and stepped for a number of steps that grows with each
  * failure, before locating is tried again. Exponential back-off bounds the share of time lost to
  * failed attempts.
  */
@@ -199,16 +199,31 @@ void rb_world_destroy(struct rb_world *world)
 }
 
 /*
- * Steps taken before locating is tried again: RB_DENSE_STEPS_FIRST, and twice as many after each
- * failure, up to this.
+ * Steps taken before locating is tried again: RB_DENSE_STEPS_FIRST, and RB_DENSE_STEPS_MORE times
+ * as many after each failure, up to this.
  */
 enum { DENSE_STEPS_MAX = 4096 };
 
 static void more_dense_steps(struct rb_world *world)
 {
 	if (world->dense_steps < DENSE_STEPS_MAX)
-		world->dense_steps = world->dense_steps > 0 ? 2 * world->dense_steps
-		                                            : RB_DENSE_STEPS_FIRST;
+		world->dense_steps = world->dense_steps > 0
+		                             ? RB_DENSE_STEPS_MORE * world->dense_steps
+		                             : RB_DENSE_STEPS_FIRST;
+}
+
+/*
+ * Steps after locating has given way. What was located for RB_DENSE_STEPS_MORE times as long as was
+ * stepped before is another crowd: it begins anew.
+ */
+static void begin_dense_steps(struct rb_world *world)
+{
+	const double before_s = (double)world->dense_steps * world->model->time_step_s;
+
+	if (rb_engine_located(world->located) > RB_DENSE_STEPS_MORE * before_s)
+		world->dense_steps = 0;
+	more_dense_steps(world);
+	world->dense_left = world->dense_steps;
 }
 
 /*
@@ -391,7 +406,7 @@ static enum rb_status go_back(struct rb_world *world, const struct restart *begi
 		return RB_OK;
 	more_dense_steps(world);
 	while (world->dense_steps < steps && world->dense_steps < DENSE_STEPS_MAX)
-		world->dense_steps *= 2;
+		world->dense_steps *= RB_DENSE_STEPS_MORE;
 	world->dense_left = world->dense_steps > steps ? world->dense_steps : steps;
 	return change_to_steps(world, err);
 }
@@ -407,7 +422,7 @@ static enum rb_status try_located(struct rb_world *world, double start, double s
 		status = rb_engine_take_changes(world->located, start, err);
 	if (status == RB_OK)
 		status = rb_engine_advance(world->located, stop, err);
-	if (status != RB_OK || world->state.time_s < stop)
+	if (status != RB_OK || !rb_engine_locates(world->located))
 		return status;
 	if (pushes) {
 		rb_state_copy(&world->start, &world->state);
@@ -429,19 +444,22 @@ static enum rb_status located(struct rb_world *world, double start, double stop,
 
 	if (status == RB_OK)
 		status = try_located(world, start, stop, err);
-	if (status == RB_OK && before.is_known && !(world->state.time_s < stop))
+	if (status == RB_OK && before.is_known && rb_engine_locates(world->located))
 		status = rb_engine_check(world->located, err);
 	if (status == RB_ERR_PHYSICS && before.is_known && world->called == before.called) {
 		status = go_back(world, &before, 0, err);
 		return status == RB_OK ? by_step(world, start, stop, err) : status;
 	}
-	if (status != RB_OK || !(world->state.time_s < stop))
+	if (status != RB_OK || rb_engine_locates(world->located))
 		return status;
-	/* too dense to locate: the rest, and some more, is stepped */
-	more_dense_steps(world);
-	world->dense_left = world->dense_steps;
+	/* too dense to locate: the rest, of which there may be none, and some more, is stepped */
+	begin_dense_steps(world);
 	status = change_to_steps(world, err);
-	return status == RB_OK ? by_step(world, world->state.time_s, stop, err) : status;
+	if (status == RB_OK && world->state.time_s < stop)
+		return by_step(world, world->state.time_s, stop, err);
+	world->has_shown = false;
+	forget_pushes(world);
+	return status;
 }
 
 /* A step after on_step was called, by the method of the moment. */

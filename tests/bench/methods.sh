@@ -1,18 +1,31 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Does `auto` pick the cheaper way? Processor time of a scene by auto over the better of located and stepped, over scenes/ and
-# stacks that are let fall. LIMIT (60 s) bounds each run; one that does not end, or is refused, is not the better one.
+# Does `auto` pick the cheaper way? Instructions of a scene by auto (processor time where they cannot be counted, as on
+# most virtual machines) over the better of located and stepped: over scenes/, stacks that are let fall, and the stacks,
+# towers and pyramids of convex.sh. LIMIT (60 s) bounds each run; one that does not end, is refused or fails what the
+# scene expects is not the better one. `tests/bench/methods.sh NAME...` compares these only.
 . "$(dirname "$0")/functions"
+ONLY=" $* "
+UNIT=s
+perf stat -x , -e instructions:u true 2>&1 | grep -q '^[0-9]' && UNIT=instructions
 
-# cost METHOD SCENE ARGUMENT...: seconds of the processor, `inf` without an end
+# cost METHOD SCENE ARGUMENT...: what it takes, `inf` without an end or with another one than expected
 cost()
 {
 	method=$1
 	shift
-	# shellcheck disable=SC2046
-	set -- $(measure 1 timeout "${LIMIT:-60}" "$RBSIM" run "$@" --method "$method" --threads 1 --no-record --no-render --quiet)
-	case ${4:-1} in
-	0 | 1) echo "$2" ;;
+	set -- timeout -k 1 "${LIMIT:-60}" "$RBSIM" run "$@" --method "$method" --threads 1 --no-record --no-render --quiet
+	if [ $UNIT = s ]; then
+		# shellcheck disable=SC2046 # four numbers
+		set -- $(measure 1 "$@")
+		took=$2 status=${4:-1}
+	else
+		status=0
+		perf stat -x , -e instructions:u -o counted "$@" >/dev/null 2>&1 </dev/null || status=$?
+		took=$(awk -F , '/instructions/ { print $1 }' counted)
+	fi
+	case $method$status in
+	*0 | auto1) echo "$took" ;;
 	*) echo inf ;;
 	esac
 }
@@ -22,13 +35,15 @@ compare()
 {
 	name=$1
 	shift
+	[ "$ONLY" = "  " ] || case $ONLY in *" $name "*) ;; *) return 0 ;; esac
 	auto=$(cost auto "$@") located=$(cost located "$@") stepped=$(cost stepped "$@")
-	result "$name" "located" "$located" s
-	result "$name" "stepped" "$stepped" s
-	result "$name" "auto" "$auto" s
-	result "$name" "auto over the better" "$(awk -v a="$auto" -v l="$located" -v s="$stepped" 'BEGIN {
+	result "$name" "located" "$located" $UNIT
+	result "$name" "stepped" "$stepped" $UNIT
+	result "$name" "auto" "$auto" $UNIT
+	result "$name" "auto over the better" "$(awk -v a="$auto" -v l="$located" -v s="$stepped" -v unit=$UNIT 'BEGIN {
+		least = unit == "s" ? 0.01 : 3e7
 		best = l == "inf" || (s != "inf" && s + 0 < l + 0) ? s : l
-		if (a == "inf" || best == "inf") print "unknown"; else printf "%.3g", a / (best > 0.01 ? best : 0.01) }')" "" 1.5
+		if (a == "inf" || best == "inf") print "unknown"; else printf "%.3g", a / (best > least ? best : least) }')" "" 1.5
 }
 
 for scene in "$SCENES"/*.lua; do
@@ -46,5 +61,12 @@ for scene in "$SCENES"/*.lua; do
 	compare "$name" "$scene" "$@"
 done
 for count in 20 50; do
-	compare "stack of $count let fall" "$BENCH_SCENES/fall.lua" --param count=$count --param rate=240
+	compare "fall_$count" "$BENCH_SCENES/fall.lua" --param count=$count --param rate=240
 done
+for count in 2 5 10; do
+	for ratio in 1e3 1e4 1e6; do
+		compare "stack_${count}_$ratio" "$BENCH_SCENES/stand.lua" --param count=$count --param ratio=$ratio
+	done
+done
+compare tower_50 "$BENCH_SCENES/stand.lua" --param count=50 --param seconds=60
+compare pyramid_20 "$BENCH_SCENES/stand.lua" --param kind=pyramid --param count=20 --param seconds=60
