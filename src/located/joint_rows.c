@@ -15,6 +15,7 @@
 #include "located/external_force.h"
 #include "located/follow.h"
 #include "located/mechanics.h"
+#include "step/gap.h"
 
 /* Of corrections of positions: each squares what is left. */
 enum { POSITION_ROUNDS = 2 };
@@ -659,17 +660,28 @@ bool rb_joint_rows_is_closed(const struct rb_joint_rows *rows)
 	return closed;
 }
 
+/* m: the range of touching where the members are: by so much their places round. */
+static double rounding_of(const struct rb_joint_rows *rows)
+{
+	double largest = 0;
+
+	for (int k = 0; k < rows->body_count; k++)
+		largest = fmax(largest, rb_vec3_max_abs(rows->pose[k].position));
+	return RB_TOUCHING_ULP * DBL_EPSILON * largest;
+}
+
 /* The first joint that has drifted too far, as a failure. */
 static bool has_drifted(const struct rb_joint_rows *rows, double t)
 {
 	struct rb_located *l = rows->l;
+	const double rounding = rounding_of(rows);
 	char label[96], source[96];
 
 	for (int k = 0; k < rows->count; k++) {
 		const struct rb_joint_row *row = &rows->row[k];
 		const struct rb_joint *joint = &l->model->joints->joint[row->joint];
 
-		if (fabs(row->error) <= rb_joint_drift_max * joint->size)
+		if (fabs(row->error) <= rb_joint_drift_max * joint->size + rounding)
 			continue;
 		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
 		                    "%s%s is open by %.3g m at t = %.17g s (at most 1e-9 of its "

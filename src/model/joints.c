@@ -19,6 +19,8 @@
 
 /* Of the joint's size, or of a unit vector: the most by which a joint may be open at the start. */
 static const double closed_within = 1e-9;
+/* And by what coordinates round: the range of touching (step/gap). */
+enum { COORDINATE_ULP = 8 };
 
 const char *rb_joint_label(const struct rb_scene *scene, int k, char out[96])
 {
@@ -232,6 +234,9 @@ static bool gap_fault(const struct rb_scene *scene, const struct rb_joint_def *d
 
 	rb_joint_points(scene, def, &p_a, &p_b);
 	const double distance = rb_vec3_length(rb_vec3_sub(p_b, p_a));
+	const double allowed = closed_within * size +
+	                       COORDINATE_ULP * DBL_EPSILON *
+	                               fmax(rb_vec3_max_abs(p_a), rb_vec3_max_abs(p_b));
 	char a[64], b[64];
 
 	rb_scene_body_label(scene, def->a, a);
@@ -240,7 +245,7 @@ static bool gap_fault(const struct rb_scene *scene, const struct rb_joint_def *d
 	else
 		rb_scene_body_label(scene, def->b, b);
 	if (!rb_joint_is_line(def->kind)) {
-		if (distance <= closed_within * size)
+		if (distance <= allowed)
 			return false;
 		snprintf(text, RB_JOINT_FAULT_SIZE,
 		         "does not close at the start: the points of %s and %s are %.6g m apart "
@@ -265,7 +270,7 @@ static bool gap_fault(const struct rb_scene *scene, const struct rb_joint_def *d
 	const double over = rb_joint_type(def->kind)->linkage.one_sided ? distance - length
 	                                                                : fabs(distance - length);
 
-	if (over <= closed_within * size)
+	if (over <= allowed)
 		return false;
 	snprintf(text, RB_JOINT_FAULT_SIZE,
 	         "does not close at the start: 'length' is %.6g m, and the points of %s and %s are "
