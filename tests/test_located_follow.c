@@ -2,6 +2,7 @@
 /* Motors that follow, by the located method: src/located/follow.c, joint_rows.c, mode_checks.c. */
 #include "jointed.h"
 
+#include "located/follow.h"
 #include "method/numbers.h"
 #include "model/joints.h"
 
@@ -401,6 +402,24 @@ static void a_motor_led_beyond_a_limit_presses_and_comes_back(void **state)
 	}
 }
 
+/* However little it is off and moves: the product of both is not a number above 0. */
+static void a_way_back_may_be_as_short_as_numbers_are(void **state)
+{
+	struct path path = {.a = 0.3, .w = 2, .speeds = true};
+	struct lab lab;
+
+	(void)state;
+	lab_open_located(&lab, 1, 16);
+	add_ball(&lab, 1, 0.5, 0, 0);
+	add_motor(&lab, hinge(), 50);
+	seal(&lab, &path);
+	frame(&lab);
+	rb_follow_go_back(lab.world->located, 0, 0.0625, 1e-200, -1e-198);
+	assert_near(rb_follow_end(lab.world->located, 0, 0.0625), 0.0825, 1e-15);
+	lab_log_close(&path.log);
+	lab_close(&lab);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -410,6 +429,7 @@ int main(void)
 		cmocka_unit_test(a_motor_goes_to_where_it_is_told),
 		cmocka_unit_test(a_frame_within_a_piece_shows_the_torque_of_then),
 		cmocka_unit_test(a_motor_led_beyond_a_limit_presses_and_comes_back),
+		cmocka_unit_test(a_way_back_may_be_as_short_as_numbers_are),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

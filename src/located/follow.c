@@ -149,7 +149,7 @@ void rb_follow_go_back(struct rb_located *l, int joint, double t, double off, do
 {
 	struct rb_follow *const f = &l->follow[joint];
 
-	RB_ASSERT(off * rate < 0);
+	RB_ASSERT(rb_follow_comes_back(off, rate));
 	f->back_s = t;
 	f->back_off = off;
 	f->back_length_s = -2 * off / rate;

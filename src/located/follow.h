@@ -77,6 +77,12 @@ struct rb_follow_point rb_follow_at(const struct rb_located *l, int joint, doubl
 /* Until when what is known holds, if that is after `soon`; HUGE_VAL: for ever. */
 double rb_follow_end(const struct rb_located *l, int joint, double soon);
 
+/* Does what is off come back at that rate? By their signs: where both are tiny, a product is 0. */
+static inline bool rb_follow_comes_back(double off, double rate)
+{
+	return (off < 0 && rate > 0) || (off > 0 && rate < 0);
+}
+
 /* The way back begins at t, from `off` with the rate of it, of the other sign. */
 void rb_follow_go_back(struct rb_located *l, int joint, double t, double off, double rate);
 

@@ -153,7 +153,7 @@ static void begin_follow(const struct rb_joint_rows *rows, int which, double t, 
 		return;
 	}
 	rb_follow_stray(l, which);
-	if (*mode == RB_DRIVE_REACHED && !anew && off.value * off.rate < 0) {
+	if (*mode == RB_DRIVE_REACHED && !anew && rb_follow_comes_back(off.value, off.rate)) {
 		rb_follow_go_back(l, which, t, off.value, off.rate);
 		*mode = RB_DRIVE_HELD;
 	} else if ((*mode != RB_DRIVE_LOW && *mode != RB_DRIVE_HIGH) || anew ||
