@@ -354,6 +354,16 @@ static void add_name(struct search *s, const struct rb_contact_name *name)
 	RB_ASSERT(s->count <= RB_CONTACT_POINTS_MAX);
 }
 
+/* Centre of mass of a pair, weighed by how they yield, seen from that of a. */
+static rb_vec3 middle_of(const struct rb_located *l, const struct rb_touch_pair *pair)
+{
+	const double a = pair->a < l->n ? l->model->inverse_mass[pair->a] : 0;
+	const double b = pair->b < l->n ? l->model->inverse_mass[pair->b] : 0;
+
+	return rb_vec3_scale(a + b > 0 ? b / (a + b) : 0,
+	                     rb_pose_between(&pair->pose_a, &pair->pose_b));
+}
+
 /*
  * A rim that lies flat touches all round, and four quarters of it determine how it lies. When it
  * comes to lie flat, or tilts from there, the quarters are counted from the point of first contact.
@@ -362,10 +372,12 @@ static void add_rim(struct search *s, const struct couple *c, const struct rb_co
 {
 	const struct rb_contact_point m = rb_touch_of(s->l, name, &s->pair->pose_a,
 	                                              &s->pair->pose_b);
+	const struct rb_feature_fall fall = {.key = name->key,
+	                                     .least = 4 * rb_contact_point_noise(s->l, &m),
+	                                     .middle = middle_of(s->l, s->pair)};
 	struct rb_feature_rim rim;
 
-	if (!rb_feature_landing(&c->a, &c->b, name->key, 4 * rb_contact_point_noise(s->l, &m),
-	                        &rim)) {
+	if (!rb_feature_landing(&c->a, &c->b, &fall, &rim)) {
 		add_name(s, name);
 		return;
 	}

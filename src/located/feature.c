@@ -519,6 +519,8 @@ bool rb_feature_half(const struct rb_feature_side *a, const struct rb_feature_si
 /* ---- a flat rim ---- */
 
 enum { LOWEST = 0, AHEAD = 1, ASIDE = 2, QUARTERS = 4 };
+/* Lever in ulp of the lengths below which a centre of mass is over the middle of an end. */
+enum { LEVER_ULP = 64 };
 
 /* True for a quarter of a rim. */
 static bool is_quarter(rb_part part)
@@ -532,10 +534,11 @@ static bool is_quarter(rb_part part)
  * True if the rim comes to lie flat on the surface or tilts from there; sets the first contact
  * point.
  */
-static bool landing_of(const side *rim, rb_part part, const side *flat, rb_part other, double least,
-                       struct rb_feature_rim *out)
+static bool landing_of(const side *rim, rb_part part, const side *flat, rb_part other,
+                       const struct rb_feature_fall *fall, struct rb_feature_rim *out)
 {
 	const rb_vec3 none = {0, 0, 0};
+	const double least = fall->least;
 	surface f;
 
 	if (!is_quarter(part) || rim->core->kind != RB_CORE_CYLINDER ||
@@ -546,23 +549,28 @@ static bool landing_of(const side *rim, rb_part part, const side *flat, rb_part 
 	 * the lowest point, with its rate, is where the surface's normal goes in the rim's own axes
 	 */
 	const rb_vec3 rate = across_axis(rim, negative(f.normal)).rate;
-	const vec centre = seen_from(flat, point_of(rim, (rb_vec3){0, 0, half}));
+	const vec end = point_of(rim, (rb_vec3){0, 0, half}), centre = seen_from(flat, end);
 	const rb_vec3 comes = rb_mat3_apply(&flat->turn, centre.rate);
 	const rb_vec3 slip = rb_vec3_reject(comes, f.normal.at);
+	const rb_vec3 off = rb_vec3_sub(fall->middle, end.at);
+	const rb_vec3 lever = rb_vec3_reject(off, f.normal.at);
+	const bool slips = rb_vec3_length(slip) > least;
+	const bool leans = rb_vec3_length(lever) >
+	                   LEVER_ULP * DBL_EPSILON * (rim->core->round + rb_vec3_length(off));
 
 	out->turns = 2 * rim->core->round * rb_vec3_length(rate) > least;
-	out->way = rb_vec3_unit(out->turns ? rate : across_axis(rim, (vec){slip, none}).at, none);
-	return out->turns ||
-	       (rb_vec3_dot(comes, f.normal.at) < -least && rb_vec3_length(slip) > least);
+	out->way = rb_vec3_unit(
+		out->turns ? rate : across_axis(rim, (vec){slips ? slip : lever, none}).at, none);
+	return out->turns || (rb_vec3_dot(comes, f.normal.at) < -least && (slips || leans));
 }
 
 bool rb_feature_landing(const struct rb_feature_side *a, const struct rb_feature_side *b,
-                        uint64_t key, double least, struct rb_feature_rim *out)
+                        const struct rb_feature_fall *fall, struct rb_feature_rim *out)
 {
-	const rb_part part_a = (rb_part)(key >> 32), part_b = (rb_part)key;
+	const rb_part part_a = (rb_part)(fall->key >> 32), part_b = (rb_part)fall->key;
 
-	return landing_of(a, part_a, b, part_b, least, out) ||
-	       landing_of(b, part_b, a, part_a, least, out);
+	return landing_of(a, part_a, b, part_b, fall, out) ||
+	       landing_of(b, part_b, a, part_a, fall, out);
 }
 
 /* The key with another place on the rim. */

@@ -39,14 +39,20 @@ bool rb_feature_half(const struct rb_feature_side *a, const struct rb_feature_si
  * Of one of a flat rim's quarters that lie on a surface, how it lands: which point of the rim is
  * first. If it turns by more than `least`, m/s between opposite points, that which closes fastest;
  * else, if it closes and slips by more than that, that which slips ahead of the others, about which
- * friction turns it. False: it does neither, and all quarters are alike.
+ * friction turns it; else, if it closes, that nearest to `middle`, the centre of mass, which takes
+ * the load first. False: it does none of these, and all quarters are alike.
  */
+struct rb_feature_fall {
+	uint64_t key;
+	double least;   /* m/s */
+	rb_vec3 middle; /* m, as the sides are: of the mass of both, as far as they yield */
+};
 struct rb_feature_rim {
 	rb_vec3 way; /* to that point, as in rb_feature_half */
 	bool turns;
 };
 bool rb_feature_landing(const struct rb_feature_side *a, const struct rb_feature_side *b,
-                        uint64_t key, double least, struct rb_feature_rim *out);
+                        const struct rb_feature_fall *fall, struct rb_feature_rim *out);
 /*
  * The key of that point, or of one a quarter turn on, where the side's `half` is the way; of those
  * across, where it is -way.

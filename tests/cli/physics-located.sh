@@ -199,3 +199,31 @@ LUA
 for kind in fixed ball hinge slider cylindrical universal; do
 	exits 0 far.lua --param kind=$kind --method located --no-record --json --quiet
 done
+
+# a flat end beside the centre of mass takes a fall at the point of its rim nearest to that, whichever way all of it is turned
+cat >flat.lua <<'LUA'
+local turn = param("turn", 0, "angle about (1, 2, 3)")
+local axis = vec3(1, 2, 3):unit()
+local function turned(v)
+	v = vec3(v)
+	return math.cos(turn) * v + math.sin(turn) * axis:cross(v) + (1 - math.cos(turn)) * axis:dot(v) * axis
+end
+world { duration = 0.3, gravity = turned {0, 0, -9.81} }
+local smooth = material { friction = 0 }
+plane { normal = turned {0, 0, 1}, material = smooth }
+local b = body { position = turned {0, 0, 0.5}, material = smooth, orientation = {axis = axis, angle = turn}, shapes = {
+	{ shape = "sphere", radius = 0.1, position = {0.15, 0, 0} },
+	{ shape = "cylinder", radius = 0.08, length = 0.2, position = {-0.1, 0, -0.05} } } }
+local times, impulse, speed = 0, 0, 0
+on_collision(function(c)
+	times, impulse, speed = times + 1, impulse + c.impulse:length(), math.max(speed, c.approach_speed)
+end)
+expect("it hits once", function() return times == 1 end)
+expect("the impulse", function()
+	local lever = b.center_of_mass.x + 0.02
+	return math.abs(impulse * (1 / b.mass + lever ^ 2 / b.inertia[2][2]) / speed - 1), 1e-12
+end)
+LUA
+for turn in 0 1 2 3; do
+	exits 0 flat.lua --param turn=$turn --method located --no-record --json --quiet
+done
