@@ -12,7 +12,8 @@ local h, omega = count * b, 2 * math.pi / period
 local bound = g * b / h
 local a0 = strength * bound
 
-world { title = "A tower on ground that shakes", duration = 3 * period, frame_rate = 60, gravity = {0, 0, -g}, method = "located" }
+world { title = "A tower on ground that shakes", duration = 3 * period, frame_rate = 60, gravity = {0, 0, -g},
+	method = strength < 1 and "located" or "auto" }
 local stone = material { name = "stone", density = 2400, friction = 0.9, restitution = 0 }
 local earth = material { name = "earth", friction = 0.9, restitution = 0, color = {0.45, 0.4, 0.35} }
 contact_pair(stone, earth, {friction = mu})

@@ -160,8 +160,11 @@ static void touch(struct rb_located *l, int i, double t)
 		l->generation[i]++;
 		if (j < l->n)
 			l->generation[j]++;
+		const uint64_t products = l->products;
 		if (on_pieces)
 			restart_pieces(l, (int[]){i, j}, t);
+		/* two spheres are no crowd on pieces either */
+		l->products = l->model->parts ? l->products : products;
 		if (l->status != RB_OK)
 			return;
 		int others = rb_predict(l, i, t, j);
@@ -449,26 +452,51 @@ static void take_left(struct rb_located *l)
 		l->status = RB_ERR_MEMORY;
 }
 
+/* A number rounded down to eight bits: sums of such are the same in any order. */
+static double eight_bits(double number)
+{
+	int exponent;
+	const double digits = frexp(number, &exponent);
+
+	return ldexp(floor(digits * 0x1p8), exponent - 8);
+}
+
+/* Speed, m/s, of a body at the beginning. */
+static double speed_of(const struct rb_located *l, int i)
+{
+	return rb_vec3_length(rb_world_row3(l->world->state.velocity, i));
+}
+
+/* J: mean kinetic energy of bodies that no motion is given. */
+static double mean_energy(const struct rb_located *l)
+{
+	double sum = 0;
+	int count = 0;
+
+	for (int i = 0; i < l->n; i++) {
+		if (rb_located_driven(l, i))
+			continue;
+		sum += eight_bits(0.5 * l->model->mass[i] * speed_of(l, i) * speed_of(l, i));
+		count++;
+	}
+	return count > 0 ? sum / count : 0;
+}
+
 /*
- * 1/s: how often a body falls, or flies, by its own size, rounded down to eight bits: sums of these
- * are the same in any order.
+ * 1/s: how often a body falls by its own size, or flies with the speed that it has, or that a light
+ * one will have with the same energy as others.
  */
-static double own_pace(const struct rb_located *l, int i)
+static double own_pace(const struct rb_located *l, int i, double energy)
 {
 	const double size = rb_model_reach(l->model, i);
 	const double force = rb_vec3_length(l->model->scene->world.gravity_force);
 	const double fall = l->weight + l->model->inverse_mass[i] * force;
-	const double speed = rb_vec3_length(rb_world_row3(l->world->state.velocity, i));
-	int exponent;
+	const double speed = fmax(speed_of(l, i), sqrt(2 * energy * l->model->inverse_mass[i]));
 
 	if (!(size > 0 && size < HUGE_VAL))
 		return 0;
 	const double pace = fmax(sqrt(fall / (2 * size)), speed / size);
-
-	if (!(pace > 0))
-		return 0;
-	const double digits = frexp(pace, &exponent);
-	return ldexp(floor(digits * 0x1p8), exponent - 8);
+	return pace > 0 && pace < HUGE_VAL ? eight_bits(pace) : 0;
 }
 
 /*
@@ -479,10 +507,11 @@ static double own_pace(const struct rb_located *l, int i)
  */
 static double find_pace(const struct rb_located *l)
 {
+	const double energy = mean_energy(l);
 	double sum = 0, max = 0;
 
 	for (int i = 0; i < l->n; i++) {
-		const double pace = own_pace(l, i);
+		const double pace = own_pace(l, i, energy);
 
 		sum += pace;
 		max = fmax(max, pace);
