@@ -22,6 +22,7 @@
 #include "located/engine_create.h"
 #include "located/predict.h"
 #include "located/integrate.h"
+#include "located/allowance.h"
 #include "located/inspect.h"
 #include "located/external_force.h"
 #include "located/joint_rows.h"
@@ -38,9 +39,6 @@ enum { EVENTS_PER_POLL = 64, TURNS_PER_POLL = 1 << 20 };
  * Events at one moment, plus 64 for each body, after which the run has failed: time stands still.
  */
 enum { STUCK_EVENTS = 10000 };
-/* Bodies of crowds that a body's way by its own size allows: each, and the fastest beside. */
-enum { PACE_BODY = 4, PACE_WORLD = 128, PACE_RUN = 128 };
-
 /* ---- events ---- */
 
 /* The set is on new arcs: invalidates events with its members and predicts theirs. */
@@ -452,74 +450,6 @@ static void take_left(struct rb_located *l)
 		l->status = RB_ERR_MEMORY;
 }
 
-/* A number rounded down to eight bits: sums of such are the same in any order. */
-static double eight_bits(double number)
-{
-	int exponent;
-	const double digits = frexp(number, &exponent);
-
-	return ldexp(floor(digits * 0x1p8), exponent - 8);
-}
-
-/* Speed, m/s, of a body at the beginning. */
-static double speed_of(const struct rb_located *l, int i)
-{
-	return rb_vec3_length(rb_world_row3(l->world->state.velocity, i));
-}
-
-/* J: mean kinetic energy of bodies that no motion is given. */
-static double mean_energy(const struct rb_located *l)
-{
-	double sum = 0;
-	int count = 0;
-
-	for (int i = 0; i < l->n; i++) {
-		if (rb_located_driven(l, i))
-			continue;
-		sum += eight_bits(0.5 * l->model->mass[i] * speed_of(l, i) * speed_of(l, i));
-		count++;
-	}
-	return count > 0 ? sum / count : 0;
-}
-
-/*
- * 1/s: how often a body falls by its own size, or flies with the speed that it has, or that a light
- * one will have with the same energy as others.
- */
-static double own_pace(const struct rb_located *l, int i, double energy)
-{
-	const double size = rb_model_reach(l->model, i);
-	const double force = rb_vec3_length(l->model->scene->world.gravity_force);
-	const double fall = l->weight + l->model->inverse_mass[i] * force;
-	const double speed = fmax(speed_of(l, i), sqrt(2 * energy * l->model->inverse_mass[i]));
-
-	if (!(size > 0 && size < HUGE_VAL))
-		return 0;
-	const double pace = fmax(sqrt(fall / (2 * size)), speed / size);
-	return pace > 0 && pace < HUGE_VAL ? eight_bits(pace) : 0;
-}
-
-/*
- * Bodies of crowds that a second allows: about what steps would cost. A body that falls or flies by
- * its own size allows PACE_BODY, and the fastest PACE_WORLD beside: few bodies are worth locating.
- * Neither seconds nor time_step are in it, so that scenes of other units are located alike. Where
- * nothing moves nor weighs, as of springs that are let go, a run allows PACE_RUN times as many.
- */
-static double find_pace(const struct rb_located *l)
-{
-	const double energy = mean_energy(l);
-	double sum = 0, max = 0;
-
-	for (int i = 0; i < l->n; i++) {
-		const double pace = own_pace(l, i, energy);
-
-		sum += pace;
-		max = fmax(max, pace);
-	}
-	return max > 0 ? PACE_BODY * sum + PACE_WORLD * max
-	               : PACE_RUN * (PACE_BODY * (double)l->n + PACE_WORLD) / l->end_s;
-}
-
 /* Arcs of the beginning; what touches or has no closed form is resolved. */
 static void start(struct rb_located *l, double t)
 {
@@ -527,7 +457,7 @@ static void start(struct rb_located *l, double t)
 
 	l->started = l->starting = true;
 	l->now_s = l->from_s = t;
-	l->pace = find_pace(l);
+	l->pace = rb_located_pace(l);
 	take_left(l);
 	rb_account_begin(l, t);
 	for (int i = 0; i < l->n && l->status == RB_OK; i++) {

@@ -221,19 +221,19 @@ struct rb_bounces {
 RB_FIELDS_DECLARE(rb_bounces_fields);
 
 /* Of the located method, beside what it knows of bodies, clusters and cells. */
-#define RB_LOCATED_FIELDS(X)                                                                   \
-	X(double, now_s, , "s", "the event under way", RB_FINITE)                              \
-	X(double, from_s, , "s", "when locating began", RB_FINITE)                             \
-	X(double, pace, , "1/s", "bodies of crowds that a second allows", RB_FINITE)           \
-	X(double, stuck_s, , "s", "events at one moment are counted", RB_TIME)                 \
-	X(uint64_t, stuck_count, , "", "of these", RB_ANY_BITS)                                \
-	X(uint64_t, events, , "", "all", RB_ANY_BITS)                                          \
-	X(uint64_t, crowd, , "", "bodies of crowds dealt with, less what time has allowed",    \
-	  RB_ANY_BITS)                                                                         \
-	X(uint64_t, products, , "", "arithmetic for what moves that makes no whole body yet",  \
-	  RB_ANY_BITS)                                                                         \
-	X(int, switch_next, , "", "the next of `switch_s`", RB_UP_TO(RB_LIMIT_SWITCH))         \
-	X(int, cluster_free, , "", "1 + an unused one, 0: none", RB_UP_TO(RB_LIMIT_NEXT_FREE)) \
+#define RB_LOCATED_FIELDS(X)                                                                      \
+	X(double, now_s, , "s", "the event under way", RB_FINITE)                                 \
+	X(double, from_s, , "s", "when locating began", RB_FINITE)                                \
+	X(double, pace, , "1/s", "bodies of crowds that a second allows: allowance.h", RB_FINITE) \
+	X(double, stuck_s, , "s", "events at one moment are counted", RB_TIME)                    \
+	X(uint64_t, stuck_count, , "", "of these", RB_ANY_BITS)                                   \
+	X(uint64_t, events, , "", "all", RB_ANY_BITS)                                             \
+	X(uint64_t, crowd, , "", "bodies of crowds dealt with, less what time has allowed",       \
+	  RB_ANY_BITS)                                                                            \
+	X(uint64_t, products, , "", "arithmetic for what moves that makes no whole body yet",     \
+	  RB_ANY_BITS)                                                                            \
+	X(int, switch_next, , "", "the next of `switch_s`", RB_UP_TO(RB_LIMIT_SWITCH))            \
+	X(int, cluster_free, , "", "1 + an unused one, 0: none", RB_UP_TO(RB_LIMIT_NEXT_FREE))    \
 	X(bool, started, , "", "there are arcs", RB_FLAG)
 
 struct rb_located {

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT */
+/* How much locating may cost. Simulator thread. */
+#ifndef RB_LOCATED_ALLOWANCE_H
+#define RB_LOCATED_ALLOWANCE_H
+
+#include "located/located.h"
+
+/*
+ * Bodies of crowds that a second allows, 1/s, from the world's state: about what steps would cost.
+ * A body that falls or flies by its own size allows PACE_BODY, and the fastest PACE_WORLD beside:
+ * few bodies are worth locating. Neither seconds nor time_step are in it, so that scenes of other
+ * units are located alike. Where nothing moves nor weighs, as of springs that are let go, a run
+ * allows PACE_RUN times as many.
+ */
+double rb_located_pace(const struct rb_located *l);
+
+#endif
