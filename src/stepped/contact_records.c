@@ -196,11 +196,22 @@ static bool is_impact(const struct rb_world *world, const struct rb_cohort *coho
 		event->point = rb_vec3_add_scaled(event->point, along, lever_of(&point[k]));
 	}
 	event->approach_speed = approach;
-	if (!(normal_impulse > 0 && approach > world->stepped->solver.tolerance))
+	if (!(normal_impulse > 0))
 		return false;
 	event->point = rb_vec3_add_scaled(rb_world_row3(world->state.position, point->a),
 	                                  1 / normal_impulse, event->point);
 	return true;
+}
+
+/* False: no point of a pair has approached, as of most that lie on each other. */
+static bool has_approached(const struct rb_world *world, const struct rb_step_point *point,
+                           size_t length)
+{
+	for (size_t k = 0; k < length; k++)
+		if (point[k].normal_impulse > 0 &&
+		    point[k].approach > world->stepped->solver.tolerance)
+			return true;
+	return false;
 }
 
 /* Appends an event with public ids, the smaller first. */
@@ -268,7 +279,8 @@ enum rb_status rb_record_impacts(struct rb_world *world, struct rb_cohort *cohor
 		struct rb_event event;
 
 		length = pair_length(points, k);
-		if ((skip && skip[i]) || rb_contacts_find(before, i < j ? i : j, i < j ? j : i) ||
+		if ((skip && skip[i]) || !has_approached(world, &points->row[k], length) ||
+		    rb_contacts_find(before, i < j ? i : j, i < j ? j : i) ||
 		    !is_impact(world, cohort, k, length, &event))
 			continue;
 		for (size_t p = k; p < k + length; p++)
