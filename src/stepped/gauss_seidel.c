@@ -139,7 +139,7 @@ static struct share solve_rows(const struct rb_sweep *sweep)
 struct sums {
 	double newest[RB_SWEEP_MEMORY]; /* of the newest difference with all */
 	double now[RB_SWEEP_MEMORY];    /* of the last change with all */
-	double way; /* m/s: the largest that the newest difference makes of a row's velocity */
+	double way; /* m^2/s^2: the largest that the newest difference makes of a row's velocity */
 };
 
 static double larger(double a, double b)
@@ -162,7 +162,9 @@ static struct sums remember_rows(const struct rb_sweep *sweep, int at, int fille
 		trace->more_impulse[at] = rb_vec3_sub(impulse, trace->impulse);
 		trace->change = trace->step;
 		trace->impulse = impulse;
-		sums.way = larger(sums.way, weight * rb_vec3_max_abs(trace->more_impulse[at]));
+		sums.way = larger(sums.way, weight * weight *
+		                                    rb_vec3_dot(trace->more_impulse[at],
+		                                                trace->more_impulse[at]));
 		for (int j = 0; j < filled; j++) {
 			const rb_vec3 d = rb_vec3_scale(weight, trace->more_change[j]);
 
@@ -303,7 +305,7 @@ static void accelerate(const struct rb_sweep *sweep, struct mixture *m, bool afr
 	const struct sums sums = remember_rows(sweep, m->at, filled);
 	for (int j = 0; j < filled; j++)
 		m->gram[m->at][j] = m->gram[j][m->at] = sums.newest[j];
-	m->way[m->at] = sums.way;
+	m->way[m->at] = sqrt(sums.way);
 	solve_gram(m, filled, sums.now, mix);
 	m->count = filled;
 	m->at = (m->at + 1) % RB_SWEEP_MEMORY;
