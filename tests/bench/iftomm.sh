@@ -6,7 +6,7 @@
 #   A02  1 and 10 windows of rods of 1 m and 1 kg, upright at 30 m/s, 10 s: every half turn all of them lie in one line
 #   A03  Andrews' squeezing mechanism, 0.03 s (Hairer and Wanner, Solving Ordinary Differential Equations II, VII.7)
 # A01 and A02 have one freedom, angle'' = b sin(angle); their reference is that equation by Runge and Kutta's method with steps of
-# 1e-5 s, here. A03's is published. A run that does not end well is shown as its exit status.
+# 1e-5 s, here. A03's is by tests/reference/squeezer.c (what is published is 1e-9 off). A run that does not end well is shown as its exit status.
 . "$(dirname "$0")/functions"
 
 # reference B ANGLE SPEED: sin and cos of the angle from upright after 10 s
@@ -91,9 +91,9 @@ local function off(one, start, wanted)
 	local angle = math.atan(x.y, x.x) - (wanted - start)
 	return math.abs(angle - 2 * math.pi * math.floor(angle / (2 * math.pi) + 0.5))
 end
-expect("beta", function() return off(one, beta, 15.81077119629904), 1e9 end)
+expect("beta", function() return off(one, beta, 15.81077119515371), 1e9 end)
 expect("place", function()
-	return math.max(off(three, gamma, 0.04082224013073101), off(five, delta, 0.5244099658805304), off(seven, epsilon, 1.048080741042263)), 1e9
+	return math.max(off(three, gamma, 0.04082224011964579), off(five, delta, 0.52440996587995405), off(seven, epsilon, 1.048080741041938)), 1e9
 end)
 END
 
