@@ -36,6 +36,21 @@ if [ "${CLONE:-1}" != 0 ]; then
 	(cd "$work/clone" && build/release/rbsim scenes/bounce.lua --quiet >"$work/log" 2>&1) || tail -n 2 "$work/log"
 	since "$start" "clone to the first film"
 	rbsim=$work/clone/build/release/rbsim
+else
+	start=$(now)
+fi
+# a notebook with the same cell, run as Jupyter runs it; the time counts from the clone where there is one
+if "$python" -c 'import nbconvert, ipykernel' 2>/dev/null; then
+	sed 's/^import sys, rbsim$/import sys, rbsim; sys.argv = ["", "notebook.png"]/' "$work/plot.py" | "$python" -c '
+import json, sys
+json.dump({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": [{"cell_type": "code", "id": "first", "metadata": {},
+    "execution_count": None, "outputs": [], "source": sys.stdin.read().replace("scenes/", sys.argv[1] + "/scenes/")}]},
+    open(sys.argv[2], "w"))' "$top" "$work/first.ipynb"
+	PYTHONPATH=$top/tools/python RBSIM=$rbsim "$python" -m nbconvert --to notebook --execute --output ran.ipynb "$work/first.ipynb" \
+		>"$work/log" 2>&1 || { tail -n 3 "$work/log"; exit 1; }
+	since "$start" "to the first plot in a notebook (nbconvert --execute)"
+else
+	echo "           no nbconvert and ipykernel: no notebook"
 fi
 start=$(now)
 PYTHONPATH=$top/tools/python RBSIM=$rbsim "$python" "$work/plot.py" "$work/plot.png" || echo "           no plot: numpy and h5py are needed"
@@ -43,13 +58,11 @@ since "$start" "from the program to the first plot in Python"
 
 guide='README.md docs/README.md docs/analysis.md docs/tutorial.md'
 # shellcheck disable=SC2086 # a list
-blocks=$(cat $guide | grep -c '^```[a-z]')
-written=$((blocks + $(grep -c '^```[a-z]' tools/python/README.md) + $(find tools/python/examples -name '*.py' | wc -l)))
+blocks=$(cat $guide tools/python/README.md | grep -c '^```[a-z]')
 blocks=$((blocks + $(find tools/python/examples -name '*.py' | wc -l)))
 pages=$(cat man/*.[0-9] | awk '/^\.Sh EXAMPLES/ { on = 1; next } /^\.Sh / { on = 0 } on && /^\.(Dl|Bd)/' | wc -l)
-run=$(awk '/^\.Sh EXAMPLES/ { on = 1; next } /^\.Sh / { on = 0 } on && /^\.(Dl|Bd)/' man/rbsim.1 man/rbsim-sweep.1 man/rbsim.3 | wc -l)
-echo "$written examples in guide and Python package, $blocks of them run by docs.sh, tutorial.sh and python.sh"
-echo "$pages examples in manuals, $run of them run by options-manual.sh and embed.sh"
+echo "$blocks examples in guide and Python package, all run: docs.sh, tutorial.sh, python.sh, manual-examples.sh"
+echo "$pages examples in manuals, all run: options-manual.sh, embed.sh, manual-examples.sh"
 
 "$rbsim" scenes/bounce.lua --no-render --quiet -o "$work/run.h5"
 echo "readers of a recording here:"
