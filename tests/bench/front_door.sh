@@ -60,7 +60,7 @@ guide='README.md docs/README.md docs/analysis.md docs/tutorial.md'
 # shellcheck disable=SC2086 # a list
 blocks=$(cat $guide tools/python/README.md | grep -c '^```[a-z]')
 blocks=$((blocks + $(find tools/python/examples -name '*.py' | wc -l)))
-pages=$(cat man/*.[0-9] | awk '/^\.Sh EXAMPLES/ { on = 1; next } /^\.Sh / { on = 0 } on && /^\.(Dl|Bd)/' | wc -l)
+pages=$(cat man/*.[0-9] | awk '/^\.Sh (EXAMPLES|FIRST STEPS)/ { on = 1; next } /^\.Sh / { on = 0 } on && /^\.(Dl|Bd)/' | wc -l)
 echo "$blocks examples in guide and Python package, all run: docs.sh, tutorial.sh, python.sh, manual-examples.sh"
 echo "$pages examples in manuals, all run: options-manual.sh, embed.sh, manual-examples.sh"
 

@@ -29,6 +29,10 @@ exits 0 all.lua -q -o run.h5
 exits 0 export run.h5 --to glb
 says out '^run.glb: 21 frames$'
 python3 "$TOP/tests/gltf.py" run.glb >told || fail "run.glb: no glTF"
+# Khronos' own validator, where npm has installed it (NODE_PATH)
+if node -e 'require("gltf-validator")' 2>/dev/null; then
+	node "$TOP/tests/readers/gltf_validator.js" run.glb >out 2>err || fail "run.glb: the validator objects"
+fi
 python3 - <<'END' || fail "run.glb shows something else"
 import json, math
 t = json.load(open("told"))

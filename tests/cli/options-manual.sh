@@ -13,6 +13,11 @@ END
 cp bounce.lua drop.lua
 sed -n 's/^\.Dl rbsim //p' "$TOP/man/rbsim.1" "$TOP/man/rbsim-sweep.1" >examples
 [ "$(wc -l <examples)" -ge 16 ] || fail "the manual has lost its examples"
+# examples first: whoever opens the page sees what to type
+for page in rbsim.1 rbsim-sweep.1; do
+	[ "$(grep -n '^\.Dl rbsim ' "$TOP/man/$page" | head -n 1 | cut -d : -f 1)" -lt \
+		"$(grep -n '^\.Sh DESCRIPTION' "$TOP/man/$page" | cut -d : -f 1)" ] || fail "$page: examples behind the description"
+done
 while read -r example; do
 	sh -c "\"$RBSIM\" $example" >out 2>err </dev/null
 	got=$?

@@ -77,6 +77,7 @@ LUA
 	{
 		inside clean apt-get -qq purge -y python3-rbsim
 		inside clean env PIP_CERT=/srv/certificates python3 -m venv /srv/venv
+		# shellcheck disable=SC2016 # it is for the other shell
 		inside clean env PIP_CERT=/srv/certificates PIP_INDEX_URL="${PIP_INDEX_URL:-}" sh -c '
 			[ -n "$PIP_INDEX_URL" ] || unset PIP_INDEX_URL
 			[ -f /srv/certificates ] || unset PIP_CERT
@@ -88,6 +89,14 @@ with rbsim.run(\"drop.lua\") as run: print(run.position.shape)"'
 	grep -q '^(.*, 1, 3)$' log || fail "$release: another run through the package of pip: $(tail -n 5 log)"
 	inside clean sh -c 'apt-get -qq purge -y "rbsim*" "librbsim*" && ! command -v rbsim && ! ls -d /usr/*/rbsim 2>/dev/null' >log 2>&1 ||
 		fail "$release: something of the packages is left: $(cat log)"
+
+	# the Apptainer recipe's own steps: its files, %post, %test
+	mkdir -p clean/src
+	git clone --quiet --no-hardlinks "$TOP" clean/src/rbsim
+	for section in post test; do
+		awk -v section="%$section" '/^%/ { on = $0 == section; next } on' "$TOP/examples/cluster/rbsim.def" >clean/srv/$section
+		inside clean sh -e /srv/$section >log 2>&1 || fail "$release: %$section of rbsim.def: $(tail -n 20 log)"
+	done
 	echo "$release: $(cd build/packages && echo *.deb), Python $(inside clean python3 -V | cut -d ' ' -f 2)"
 	rm -rf build clean
 done

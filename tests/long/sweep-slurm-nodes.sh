@@ -65,7 +65,7 @@ scancel --signal=KILL --full "${job}_$killed"
 wait_for_slurm 400
 echo "lost: node $lost; killed: task $killed"
 exits 0 sweep slurm-ed --status --json
-left=$((12 - $(value done)))
+left=$((12 - $(value "done")))
 [ $left -ge 1 ] || fail "the task that was killed has left nothing to do: $(cat out)"
 
 # what is left is submitted again, and runs on the nodes that are there
