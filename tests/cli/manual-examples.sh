@@ -12,13 +12,14 @@ RBSIM_MODULE_DIR=${RBSIM%/*} PYTHONPATH=$TOP/tools/python PYTHONDONTWRITEBYTECOD
 export PATH RBSIM RBSIM_MODULE_DIR PYTHONPATH PYTHONDONTWRITEBYTECODE
 cat >bounce.lua <<'LUA'
 local e = param("e", 0.8, "restitution of the ball", {min = 0, max = 1})
-world { title = "A bouncing ball", duration = 2, gravity = {0, 0, -9.81} }
+world { title = "A bouncing ball", duration = 0.6, gravity = {0, 0, -9.81} }
 local rubber = material { name = "rubber", restitution = e }
 plane { normal = {0, 0, 1}, material = rubber }
-local ball = sphere { name = "ball", radius = 0.1, position = {0, 0, 1}, material = rubber }
+local ball = sphere { name = "ball", radius = 0.1, position = {0, 0, 0.3}, material = rubber }
 record { fields = {"+", "events"} }
 probe ("height", function() return ball.position.z - 0.1 end, {unit = "m"})
 result("bounces", collisions)
+camera { size = {160, 120}, fps = 10 }
 LUA
 
 # displays PAGE: the displays of its section EXAMPLES as numbered files example-1, ...
@@ -35,8 +36,7 @@ displays rbsim-control.7
 [ -f example-1 ] && [ ! -f example-2 ] || fail "rbsim-control(7) has other examples"
 { cat example-1; echo wait; } >control.sh
 timeout 100 sh control.sh >out 2>err || fail "the example of rbsim-control(7) fails"
-impacts=$(awk '/^collision/ { n++ } END { print n + 0 }' out)
-[ "$(grep -c '^position 0 0 0.1' out)" -eq 3 ] || fail "the run did not stop at its three impacts: $impacts"
+[ "$(grep -c '^position 0 0 0.1' out)" -eq 2 ] || fail "the run did not stop at its two impacts: $(cat out)"
 count=1
 
 if [ -n "$python" ]; then
