@@ -558,7 +558,7 @@ static void run(struct rb_modes *w, const struct columns *columns)
 		w->parts = NULL;
 	struct rb_gauss_problem problem = {
 		.n = c->piece.n,
-		.rates = rb_rates,
+		.rates = rb_rates_of(w),
 		.quick_rates = l->top && w->joints.joint_count > 0 ? rb_rates_turning : NULL,
 		.noise = l->model->features & RB_FEATURE_FIELD ? rb_modes_noise : NULL,
 		.user = w,

@@ -23,9 +23,8 @@ void rb_rates_poses(struct rb_modes *w, const double *value);
  */
 bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value);
 
-/* rb_gauss_rates of a struct rb_modes. */
-enum rb_status rb_rates(void *user, double t, const double *value, double *rate,
-                        struct rb_error *err);
+/* rb_gauss_rates of a piece that begins, user being the struct rb_modes. */
+rb_gauss_rates *rb_rates_of(const struct rb_modes *w);
 
 /* rb_gauss_quick_rates of a struct rb_modes: of orientations. */
 void rb_rates_turning(void *user, const double *value, double *rate);

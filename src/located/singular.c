@@ -82,7 +82,7 @@ static enum rb_status rates(void *user, double t, const double *value, double *r
                             struct rb_error *err)
 {
 	struct rb_modes *const w = user;
-	const enum rb_status status = rb_rates(w, t, value, rate, err);
+	const enum rb_status status = rb_rates_of(w)(w, t, value, rate, err);
 
 	if (status != RB_OK)
 		return status;
