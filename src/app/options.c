@@ -587,6 +587,11 @@ static enum rb_status check_whole(const struct parse *parse)
 	if (options->no_record && options->output && options->verb != RB_VERB_SWEEP)
 		return RB_FAIL(parse->err, RB_ERR_USAGE,
 		               "option '--output' contradicts '--no-record'");
+	if (options->output && strcmp(options->output, "-") == 0 &&
+	    options->verb != RB_VERB_COLLECT)
+		return RB_FAIL(parse->err, RB_ERR_USAGE,
+		               "option '--output': only 'collect' writes to standard output (got "
+		               "'-'; './-' is a file)");
 	if (options->step_count > 0 && !isnan(options->duration_s))
 		return RB_FAIL(parse->err, RB_ERR_USAGE,
 		               "option '--steps' contradicts '--duration'");

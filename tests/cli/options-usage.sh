@@ -18,6 +18,12 @@ says err "'nonsense' is neither a verb nor a scene"
 says_nothing out
 exits 64 --durration 3 s.lua
 says err "unknown option '--durration' \(did you mean '--duration'\?\)"
+for line in "s.lua" "render s.h5" "export s.h5 --to csv" "sweep s.lua -p e=1" "plot s.h5 energy"; do
+	# shellcheck disable=SC2086 # words of a line
+	exits 64 $line -o -
+	says err "'--output': only 'collect' writes to standard output"
+done
+[ ! -e ./--bodies.csv ] || fail "a file of the name of an option"
 exits 64 chekc s.lua
 says err "did you mean 'check'"
 exits 64 check s.lua --resume
