@@ -67,8 +67,8 @@ camera { png = "%d.png", fps = 4, size = {160, 120} }
 LUA
 	{
 		inside clean apt-get -qq update
-		# all of it; what it needs comes from Debian alone
-		inside clean sh -c 'apt-get -qq install -y --no-install-recommends /srv/packages/*.deb python3-venv'
+		# all of it, and what draws (recommended); what it needs comes from Debian alone
+		inside clean sh -c 'apt-get -qq install -y --no-install-recommends /srv/packages/*.deb python3-venv libegl-mesa0 libgl1-mesa-dri'
 		inside clean sh -c 'cd /srv && rbsim drop.lua --quiet && rbsim info drop.h5 && [ -s 0.png ]'
 		inside clean sh -c 'cd /srv && python3 -c "import rbsim; print(rbsim.open(\"drop.h5\").position.shape)"'
 		inside clean sh -c 'cd /srv && man -w rbsim-scene 2>/dev/null || ls /usr/share/man/man5/rbsim-scene.5.gz'
