@@ -130,7 +130,11 @@ static void texts_end_and_stay_within_their_memory(void **state)
 	assert_int_equal(rb_input_no_text(&input, "/number", "r.h5", &err), RB_ERR_INPUT);
 	assert_string_equal(err.text, "'r.h5' is not a recording of rbsim: '/number' is missing or "
 	                              "no text");
+	assert_int_equal(rb_input_no_text(&input, "/full", "r.h5", &err), RB_ERR_INPUT);
+	assert_string_equal(err.text, "'r.h5' is damaged: cannot read '/full'");
+	rb_memory_fail_at(1);
 	assert_int_equal(rb_input_no_text(&input, "/full", "r.h5", &err), RB_ERR_MEMORY);
+	rb_memory_fail_at(0);
 	rb_arena_release(&arena);
 	close_input(&file, &input);
 }

@@ -186,7 +186,7 @@ static void choices_stand_in_the_order_of_their_numbers(void **state)
 	static const char *const fields[] = {
 		"position", "orientation", "velocity",     "angular_velocity",
 		"contacts", "events",      "acceleration", "angular_acceleration",
-		"force",    "torque",      "joints"};
+		"force",    "torque",      "joints",       "surfaces"};
 	static const char *const joints[] = {
 		[RB_JOINT_FIXED] = "fixed", [RB_JOINT_BALL] = "ball",
 		[RB_JOINT_HINGE] = "hinge", [RB_JOINT_SLIDER] = "slider",
@@ -199,7 +199,7 @@ static void choices_stand_in_the_order_of_their_numbers(void **state)
 	assert_choices(&rb_rows_world, "method", 4, methods);
 	assert_choices(&rb_rows_force, "frame", 2, frames);
 	assert_choices(&rb_rows_light, "kind", 4, lights);
-	assert_choices(&rb_rows_record, "fields", 11, fields);
+	assert_choices(&rb_rows_record, "fields", 12, fields);
 	assert_choices(&rb_rows_joint, "kind", RB_JOINT_KIND_COUNT, joints);
 	for (int k = 0; k < RB_JOINT_KIND_COUNT; k++)
 		assert_string_equal(rb_joint_kind_name(k), joints[k]);
@@ -207,6 +207,7 @@ static void choices_stand_in_the_order_of_their_numbers(void **state)
 	assert_int_equal(RB_FIELD_EVENTS, 1 << 5);
 	assert_int_equal(RB_FIELD_TORQUE, 1 << 9);
 	assert_int_equal(RB_FIELD_JOINTS, 1 << 10);
+	assert_int_equal(RB_FIELD_SURFACES, 1 << 11);
 	assert_int_equal(RB_OVERLAY_ENERGY, 1 << 2);
 	assert_int_equal(RB_OVERLAY_SCALE, 1 << 3);
 }

@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "base/error.h"
+#include "base/memory.h"
 
 /*
  * PATH_SIZE: of a path within a file. DEFLATE_MOST: the best ratio that deflate can reach (zlib's
@@ -400,8 +401,17 @@ enum rb_status rb_input_no_text(const struct rb_input *input, const char *path, 
 	const hid_t dataset = text_dataset(input, path, 0, &size);
 
 	rb_h5_done(dataset);
-	if (dataset >= 0)
-		return RB_FAIL(err, RB_ERR_MEMORY, "cannot read '%s': out of memory", name);
+	if (dataset >= 0) {
+		/* bytes that cannot be read are damage, of any size that there is memory for */
+		void *const block = size < SIZE_MAX ? rb_memory_take(size + 1, 1) : NULL;
+		const bool damaged = block != NULL;
+
+		rb_memory_free(block);
+		return damaged ? RB_FAIL(err, RB_ERR_INPUT, "'%s' is damaged: cannot read '%s'",
+		                         name, path)
+		               : RB_FAIL(err, RB_ERR_MEMORY, "cannot read '%s': out of memory",
+		                         name);
+	}
 	return RB_FAIL(err, RB_ERR_INPUT,
 	               "'%s' is not a recording of rbsim: '%s' is missing or no text", name, path);
 }

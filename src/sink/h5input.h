@@ -51,8 +51,8 @@ bool rb_input_numbers(const struct rb_input *input, const char *path, enum rb_h5
 char *rb_input_text(const struct rb_input *input, const char *path, struct rb_arena *arena,
                     size_t *room);
 /*
- * Why rb_input_text gave NULL for a text that the recording `name` must have: it has none there, or
- * memory was out.
+ * Why rb_input_text gave NULL for a text that the recording `name` must have: it has none there,
+ * its bytes cannot be read, or memory was out.
  */
 enum rb_status rb_input_no_text(const struct rb_input *input, const char *path, const char *name,
                                 struct rb_error *err);
