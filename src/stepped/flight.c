@@ -345,6 +345,7 @@ void rb_flight_see(const struct rb_flight *flight, struct rb_step_point *point, 
 	RB_ASSERT_COSTLY(flight->h_s > 0);
 	if (!rb_flight_is_plain(flight, point)) {
 		point->bend += rb_vec3_dot(point->normal, motion.shift);
+		point->approach = rb_flight_approach(flight, point, point->normal);
 		return;
 	}
 	if (!touched) {
@@ -359,6 +360,8 @@ void rb_flight_see(const struct rb_flight *flight, struct rb_step_point *point, 
 	point->bend = rb_vec3_dot(point->normal,
 	                          rb_vec3_add(between(flight, point), motion.shift)) -
 	              radii_of(point) - point->gap;
+	/* along the normal turned back, balls that have parted may approach: no rebound is due */
+	point->approach = rb_flight_approach(flight, point, point->normal);
 	if (joins_arms(flight, point))
 		turn_back(flight, point);
 }

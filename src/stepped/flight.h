@@ -74,8 +74,8 @@ void rb_flight_turn(const struct rb_flight *flight, struct rb_step_point *point,
                     rb_vec3 arm[2]);
 
 /*
- * Gap and normal become those under which nothing that flies past is in the way; `touched`: the
- * normal is right already.
+ * Gap and normal become those under which nothing that flies past is in the way, the approach that
+ * of where it is seen; `touched`: the normal is right already.
  */
 void rb_flight_see(const struct rb_flight *flight, struct rb_step_point *point, bool touched);
 

@@ -705,10 +705,8 @@ static void end(struct impacts *all)
 	for (size_t k = 0; k < all->points->count; k++) {
 		struct rb_step_point *point = &all->points->row[k];
 
-		if (!all->seen[k])
-			continue;
-		rb_flight_see(&all->flight, point, all->touched[k]);
-		point->approach = rb_flight_approach(&all->flight, point, point->normal);
+		if (all->seen[k])
+			rb_flight_see(&all->flight, point, all->touched[k]);
 	}
 	for (int k = 0; k < s->kicked_count; k++) {
 		const struct rb_kick *of = &s->kick[s->kicked[k]];

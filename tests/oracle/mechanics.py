@@ -178,7 +178,7 @@ def steps(rec, report):
     dt = np.diff(rec.time, prepend=0)
     m = np.where(rec.driven, 0, rec.mass)
     linear, angular = np.zeros(rec.com.shape), np.zeros(rec.com.shape)
-    size, moment, apart = (np.zeros(rec.com.shape[:2]) for _ in range(3))
+    size, moment, apart, couple = (np.zeros(rec.com.shape[:2]) for _ in range(4))
     way, angle = (np.linalg.norm(c, axis=2) * dt[:, None] for c in (rec.velocity, rec.spin))
     way[1:] = np.maximum(way[1:], np.linalg.norm(np.diff(rec.com, axis=0), axis=2))  # overlaps are closed, too
     for c in (way, angle):
@@ -198,6 +198,11 @@ def steps(rec, report):
             if "gap" in table:
                 off = off + np.abs(table["gap"][rows])
             np.add.at(apart, at, np.linalg.norm(push[rows], axis=1) * off)
+            if column == "impulse":
+                # one point stands for all of a pair: what rubs at them apart from each other is a couple as well
+                normal = table["normal"][rows]
+                rubs = push[rows] - np.sum(push[rows] * normal, axis=1)[:, None] * normal
+                np.add.at(couple, at, np.linalg.norm(rubs, axis=1))
     change = np.zeros(rec.com.shape)
     change[1:] = np.diff(rec.velocity, axis=0) - (dt[1:, None, None] * acceleration(rec))
     turned = spin_momentum(rec, rec.rotation, rec.spin, np.where(rec.driven[:, None, None], 0, rec.inertia)[None])
@@ -215,8 +220,8 @@ def steps(rec, report):
     # points and arms are those of one moment of the step: first order in what the body turns and moves by, before or
     # after what stops it; and one point stands for those of both bodies, a gap apart
     # and found from where either is
-    spin_scale = size * (1e-9 * reach + way) + moment * angle + apart + np.linalg.norm(turned, axis=2) * (
-        1e-9 + dt[:, None] * np.linalg.norm(rec.spin, axis=2))
+    spin_scale = size * (1e-9 * reach + way) + couple * reach + moment * angle + apart + np.linalg.norm(
+        turned, axis=2) * (1e-9 + dt[:, None] * np.linalg.norm(rec.spin, axis=2))
     # impulses that were taken back leave the rounding of what they would have stopped
     spin_scale += FLIGHT * rec.unit * m * np.linalg.norm(rec.velocity, axis=2) * reach
     report.bounds("steps, angular momentum", off, spin_scale[frame, body] + 1e-300, where, "N m s")

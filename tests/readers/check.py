@@ -197,7 +197,7 @@ def check_dims(path):
             group = name.split("/")[0]
             if group not in ("particles", "observables", "joints") or "ledger" in name or not isinstance(dataset, h5py.Dataset):
                 return
-            if dataset.is_scale or dataset.ndim == 0:
+            if h5py.h5ds.is_scale(dataset.id) or dataset.ndim == 0:
                 return
             for axis, dim in enumerate(dataset.dims):
                 assert len(dim) == 1, f"{name}: axis {axis} of {dataset.shape} names nothing"
@@ -210,7 +210,7 @@ def check_dims(path):
             assert position.dims[0][0] == f["particles/bodies/position/time"]
         for table, rows in (("rbsim/events", "time"), ("rbsim/contacts", "step")):
             for column in f[table].values() if table in f else []:
-                assert column.is_scale or column.dims[0][0] == f[table][rows], f"{column.name}: no rows"
+                assert h5py.h5ds.is_scale(column.id) or column.dims[0][0] == f[table][rows], f"{column.name}: no rows"
     return f"{named} axes named"
 
 
