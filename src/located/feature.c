@@ -189,6 +189,12 @@ static vec carried_by(const side *s, vec local)
 
 /* Sine below which a tilt is rounding and has no direction. */
 static const double flat_sine = 16 * DBL_EPSILON;
+/*
+ * Sine of a tilt that is no more than what integration leaves of orientations: where a rim comes
+ * to lie flat, or tilts from there, the direction of what is left may be any, and its half says
+ * which was meant.
+ */
+static const double landed_sine = 1e-11;
 
 /* The direction of `way` or its opposite, whichever is on the side's half. */
 static vec on_half(const side *s, vec way)
@@ -196,7 +202,7 @@ static vec on_half(const side *s, vec way)
 	vec out = {s->half, {0, 0, 0}};
 	num length;
 
-	if (rb_vec3_length(way.at) > flat_sine && direction(way, &out, &length) &&
+	if (rb_vec3_length(way.at) > landed_sine && direction(way, &out, &length) &&
 	    rb_vec3_dot(out.at, s->half) < 0)
 		out = negative(out);
 	return out;
