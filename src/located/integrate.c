@@ -32,6 +32,8 @@ static const double nearly_open = 1e-6;
  * within 2^-8 of it. And how many more shorter than this share than others are too many.
  */
 static const double creeping = 0x1p-20;
+/* Of a piece, after which a slip has turned aside by no more than noise: it does by the square. */
+static const double shorter = 0.25;
 enum { CREPT_MAX = 256 };
 
 /* What a piece to come needs. */
@@ -548,6 +550,70 @@ static double check_joints_within(struct rb_modes *w, double length, double *val
 	return within;
 }
 
+/* No step is short enough: an impulse ends the slip, or l->status says why. */
+static void fail(struct rb_modes *w, enum rb_status status)
+{
+	struct rb_located *l = w->l;
+
+	if (status == RB_ERR_PHYSICS && l->status == RB_OK &&
+	    ((w->c->held_count > 0 && is_painleve(w)) || fails_by_collision(w) ||
+	     fails_by_joints(w, "no step is short enough")))
+		return;
+	l->status = status;
+}
+
+/*
+ * The piece, of at most `left_s` seconds, and how long it is good for, s; where l->status says that
+ * there is none, or velocities have jumped, nothing.
+ */
+static double follow(struct rb_modes *w, const struct columns *columns,
+                     struct rb_gauss_problem *problem, double left_s)
+{
+	struct rb_located *l = w->l;
+	struct rb_cluster *c = w->c;
+	double length = 0;
+
+	/* what is straight at the beginning may turn: on what turns itself, say */
+	for (bool starts = false, turns = true; turns && l->status == RB_OK;) {
+		double try_s = fmin(c->try_s, left_s);
+		const double tried = try_s;
+		const bool cut = tried < c->try_s;
+		const enum rb_status status = rb_singular_step(
+			w, problem, 2 * DBL_EPSILON * w->origin_s, &try_s);
+
+		if (status == RB_ERR_PHYSICS && l->status == RB_OK && !starts &&
+		    rb_check_begins_straight(w)) {
+			starts = true;
+			c->try_s = shorter * (length > 0 ? length : c->try_s);
+			continue;
+		}
+		if (status != RB_OK) {
+			fail(w, status);
+			break;
+		}
+		if (w->parts) {
+			c->account.n = RB_ENTRIES;
+			rb_gauss_integrate(&c->account, c->piece.length_s, w->seen);
+		}
+		/*
+		 * room that was short says nothing of the motion, unless the step was shorter still
+		 */
+		c->try_s = cut && c->piece.length_s >= tried ? fmax(c->try_s, try_s) : try_s;
+		length = c->held_count > 0 ? rb_check_change_within(w, columns->value)
+		                           : c->piece.length_s;
+		length = rb_singular_keep(w, length, columns->value);
+		if (w->joints.joint_count > 0)
+			length = check_joints_within(w, length, columns->value);
+		c->is_cut = length < c->piece.length_s;
+		turns = l->status == RB_OK &&
+		        (rb_check_turns_aside(w, length, columns->value) ||
+		         rb_check_turns_aside(w, 0.5 * length, columns->value));
+		if (turns && starts && rb_check_begins_straight(w))
+			c->try_s = shorter * length;
+	}
+	return length;
+}
+
 static void run(struct rb_modes *w, const struct columns *columns)
 {
 	struct rb_located *l = w->l;
@@ -603,42 +669,8 @@ static void run(struct rb_modes *w, const struct columns *columns)
 	                                w->origin_s + drifts_within(w)),
 	                           fmax(l->end_s * (1 + 1e-9), w->origin_s + guess)) -
 	                      w->origin_s;
-	double length = 0;
+	const double length = follow(w, columns, &problem, left_s);
 
-	/* what is straight at the beginning may turn: on what turns itself, say */
-	do {
-		double try_s = fmin(c->try_s, left_s);
-		const double tried = try_s;
-		const bool cut = tried < c->try_s;
-		const enum rb_status status = rb_singular_step(
-			w, &problem, 2 * DBL_EPSILON * w->origin_s, &try_s);
-
-		if (status == RB_ERR_PHYSICS && l->status == RB_OK && c->held_count > 0 &&
-		    is_painleve(w))
-			break;
-		if (status == RB_ERR_PHYSICS && l->status == RB_OK &&
-		    (fails_by_collision(w) || fails_by_joints(w, "no step is short enough")))
-			break;
-		if (status != RB_OK) {
-			l->status = status;
-			break;
-		}
-		if (w->parts) {
-			c->account.n = RB_ENTRIES;
-			rb_gauss_integrate(&c->account, c->piece.length_s, w->seen);
-		}
-		/*
-		 * room that was short says nothing of the motion, unless the step was shorter still
-		 */
-		c->try_s = cut && c->piece.length_s >= tried ? fmax(c->try_s, try_s) : try_s;
-		length = c->held_count > 0 ? rb_check_change_within(w, columns->value)
-		                           : c->piece.length_s;
-		length = rb_singular_keep(w, length, columns->value);
-		if (w->joints.joint_count > 0)
-			length = check_joints_within(w, length, columns->value);
-		c->is_cut = length < c->piece.length_s;
-	} while (l->status == RB_OK && (rb_check_turns_aside(w, length, columns->value) ||
-	                                rb_check_turns_aside(w, 0.5 * length, columns->value)));
 	l->world->frame_counts.body_steps += calls * (uint64_t)c->member_count;
 	if (l->status != RB_OK || c->has_jumped)
 		return;

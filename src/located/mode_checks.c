@@ -269,6 +269,26 @@ bool rb_check_turns_aside(struct rb_modes *w, double s, double *value)
 	return any;
 }
 
+bool rb_check_begins_straight(struct rb_modes *w)
+{
+	bool any = false;
+
+	RB_ASSERT(w->c->piece.start != NULL);
+	if (!rb_rates_evaluate(w, w->origin_s, w->c->piece.start))
+		return false;
+	for (int k = 0; k < w->c->held_count; k++) {
+		struct rb_held *const held = &w->c->held[k];
+		const struct rb_contact_point *m = &w->contact_point[k];
+		const double speed = rb_vec3_length(rb_vec3_reject(m->velocity, m->normal));
+
+		if (!held->slipping || held->straight || held->creeps ||
+		    speed > 4 * rb_contact_point_noise(w->l, m))
+			continue;
+		held->straight = any = true;
+	}
+	return any;
+}
+
 /* ---- limits and ropes of joints ---- */
 
 /* A stop that is open, as it was at the sample before. */

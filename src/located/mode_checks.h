@@ -30,6 +30,13 @@ double rb_check_change_within(struct rb_modes *w, double *value);
 /* Does a slip that was taken for straight turn aside within [0, s]? */
 bool rb_check_turns_aside(struct rb_modes *w, double s, double *value);
 
+/*
+ * A slip that has just begun turns towards where it goes at a rate of friction over speed. That is
+ * without bound at its beginning, where no step is short enough if other slips turn beside it: it
+ * goes straight for as long as noise hides what it turns by. True: there are such slips, which do.
+ */
+bool rb_check_begins_straight(struct rb_modes *w);
+
 /* The same of joints that come to a limit, and ropes that come taut: within `length` seconds. */
 double rb_check_stops_within(struct rb_modes *w, double length, double *value);
 

@@ -1,0 +1,28 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Drops of several bodies that come to slip and stick in many ways are located to their end. What is asked of each is in its
+# comment; the moments are reached by nothing but all that has gone before.
+. tests/cli/functions
+
+# one of two points of a pair begins to slip where the other slips at 1e-8 m/s and turns: its direction turns at a rate
+# without bound at its beginning, which no step is short enough for
+cat >begins.lua <<'LUA'
+world { duration = 1.01, frame_rate = 60, gravity = {0, 0, -9.81} }
+local m = material { name = "m", friction = 0.5, restitution = 0.5, density = 1000 }
+plane { name = "ground", material = m, normal = {0.24505552754901574, 0, 0.9695090450417023}, point = {0, 0, 0} }
+body { name = "club", material = m, position = {0, 0, 0.5}, shapes = {
+	{ shape = "sphere", position = {0.15, 0, 0}, radius = 0.1 },
+	{ shape = "box", position = {-0.1, 0, 0.05}, size = {0.2, 0.1, 0.1} } } }
+capsule { name = "capsule", material = m, radius = 0.142988635254675, length = 0.23264086372276344,
+	position = {0, -0.08557040715468203, 1.35},
+	orientation = {0.8309917508672178, 0.22400712868014652, 0.5049858112460562, -0.06529047963734655},
+	velocity = {-0.9921770019729408, 1.499406132095121, 0.3072753143047233},
+	angular_velocity = {0.7086127688249615, 1.7554652726435371, 0} }
+box { name = "box", material = m, size = {0.2749661864315877, 0.27088323885860216, 0.39910189170125077},
+	position = {0.0027934819606771077, -0.005954549509877768, 2.243949369816097} }
+box { name = "plank", material = m, size = {0.22079046309642777, 0.38089160433891533, 0.14394307482407387},
+	position = {0, 0, 3.3403245383501035},
+	orientation = {0.9659258262890683, 0, 0.1830127018922193, 0.1830127018922193},
+	velocity = {1.1920921606223045, 1.5248297756436067, 0} }
+LUA
+exits 0 run begins.lua --method located --no-record --quiet
