@@ -23,8 +23,6 @@
 
 /* Of the sizes of position and velocity, per step; rounding is below it. */
 static const double tolerance = 3e-14;
-/* Share of forces up to which the solver's residue may be taken for a mode that holds. */
-static const double doubtful = 1e-8;
 /* Share of a column by which it is told from others, where that leads to forces that pull. */
 static const double nearly_open = 1e-6;
 /*
@@ -359,7 +357,8 @@ static bool are_others(const struct rb_modes *w)
 
 /*
  * Forces and accelerations at the beginning. Slips of which no direction is found that forces
- * balance across do not creep: they turn, however fast that is. And where these are not the forces
+ * balance across, or only one with which contacts break the law, do not creep: they turn, however
+ * fast that is. And where these are not the forces
  * that the resolution has found, points are one too many but for next to nothing, which would leave
  * the forces to rounding: they keep those, if the modes are as good with them.
  */
@@ -385,7 +384,8 @@ static bool begin_modes(struct rb_modes *w)
 			return false;
 	}
 	w->c->least = w->dense.least;
-	for (int k = 0; k < w->c->held_count && !w->balanced; k++) {
+	const bool turn = !w->balanced || rb_check_creeping_breaks_laws(w);
+	for (int k = 0; k < w->c->held_count && turn; k++) {
 		creeps = creeps || w->c->held[k].creeps;
 		w->c->held[k].creeps = false;
 	}
@@ -655,7 +655,8 @@ static void run(struct rb_modes *w, const struct columns *columns)
 	 * next look is where that has grown.
 	 */
 	for (int k = 0; k < c->held_count; k++)
-		w->doubt = fmax(w->doubt, 4 * fmin(rb_check_excess(w, k), doubtful * w->force_max));
+		w->doubt = fmax(w->doubt,
+		                4 * fmin(rb_check_excess(w, k), RB_CHECK_DOUBTFUL * w->force_max));
 	const double guess = rb_sizes_of(w, columns->scale);
 	if (fails_by_lock(w))
 		return;

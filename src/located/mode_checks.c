@@ -289,6 +289,23 @@ bool rb_check_begins_straight(struct rb_modes *w)
 	return any;
 }
 
+bool rb_check_creeping_breaks_laws(struct rb_modes *w)
+{
+	double max = 0, excess = 0;
+	bool creeps = false;
+
+	RB_ASSERT(w->balanced);
+	for (int k = 0; k < w->c->held_count; k++) {
+		creeps = creeps || w->c->held[k].creeps;
+		max = fmax(max, rb_vec3_length(w->force[k]));
+		excess = fmax(excess, rb_check_excess(w, k));
+	}
+	if (!creeps || !(excess > RB_CHECK_DOUBTFUL * max))
+		return false;
+	return !w->dense.open || !rb_check_holds_otherwise(w, w->origin_s) ||
+	       !rb_rates_evaluate(w, w->origin_s, w->c->piece.start);
+}
+
 /* ---- limits and ropes of joints ---- */
 
 /* A stop that is open, as it was at the sample before. */

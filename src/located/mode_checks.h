@@ -11,6 +11,9 @@
 /* Share of accelerations by which two solutions for the same motion differ. */
 #define RB_CHECK_OTHERWISE 1e-10
 
+/* Share of forces up to which the solver's residue may be taken for a mode that holds. */
+#define RB_CHECK_DOUBTFUL 1e-8
+
 /*
  * Where modes leave forces open, those that were found may be outside the cones while others are
  * within: are there forces by the law that move all bodies as the modes do? They are then the
@@ -36,6 +39,12 @@ bool rb_check_turns_aside(struct rb_modes *w, double s, double *value);
  * goes straight for as long as noise hides what it turns by. True: there are such slips, which do.
  */
 bool rb_check_begins_straight(struct rb_modes *w);
+
+/*
+ * Do contacts pull, or stick with more than their friction, by more than the solver's residue,
+ * whatever forces move all as slips that creep do?
+ */
+bool rb_check_creeping_breaks_laws(struct rb_modes *w);
 
 /* The same of joints that come to a limit, and ropes that come taut: within `length` seconds. */
 double rb_check_stops_within(struct rb_modes *w, double length, double *value);

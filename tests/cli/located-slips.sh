@@ -26,3 +26,18 @@ box { name = "plank", material = m, size = {0.22079046309642777, 0.3808916043389
 	velocity = {1.1920921606223045, 1.5248297756436067, 0} }
 LUA
 exits 0 run begins.lua --method located --no-record --quiet
+
+# a slip of 1e-5 m/s that turns: were it to creep at once the way that balances, a contact beside it would slip that sticks,
+# and if that slips it would pull, in turn and without end
+cat >turns.lua <<'LUA'
+world { duration = 1.1, frame_rate = 20, gravity = {0, 0, -9.81} }
+local m = material { name = "m", friction = 0.5, restitution = 0.2, density = 1000 }
+plane { name = "ground", material = m, normal = {0, 0, 1}, point = {0, 0, 0} }
+body { name = "dumbbell", material = m, position = {0, 0, 0.5}, shapes = {
+	{ shape = "sphere", position = {0.15, 0, 0}, radius = 0.1 },
+	{ shape = "sphere", position = {-0.1, 0, 0.05}, radius = 0.08 } },
+	velocity = {0, 0, 0.9247348671176967}, angular_velocity = {0, 0, -7.224651632021937} }
+cylinder { name = "disc", material = m, radius = 0.06900488488254046, length = 0.050798687991140595,
+	position = {0, 0, 1.786203882718401}, orientation = {0.9659258262890683, 0, 0.25881904510252074, 0} }
+LUA
+timeout 60 "$RBSIM" run turns.lua --method located --no-record --quiet >out 2>err </dev/null || fail "turns.lua: exit status $?"
