@@ -509,9 +509,41 @@ static void cylinders_and_capsules_roll_on_their_sides(void **state)
 	}
 }
 
+static bool count_and_stop(void *user)
+{
+	++*(int *)user;
+	return true;
+}
+
+/* One piece of many contacts may take minutes: it asks at its first evaluation, and ends there. */
+static void a_piece_of_many_contacts_hears_that_the_run_is_to_end(void **state)
+{
+	int calls = 0;
+	const struct rb_world_options options = {
+		.threads = 1, .stop = count_and_stop, .stop_user = &calls};
+	struct bench bench;
+
+	(void)state;
+	bench_open(&bench, 1, 10);
+	/* without friction 17 pairs with four points each, one unknown a point, slide as one */
+	bench.lab.scene.world.gravity = (rb_vec3){2, 0, -g};
+	lab_surface(&bench.lab, 0, 0);
+	lab_plane(&bench.lab, (rb_vec3){0, 0, 0}, up);
+	for (int k = 0; k < 17; k++)
+		box(&bench.lab, (rb_vec3){1, 1, 0.25}, 1, (rb_vec3){0, 0, 0.25 * k + 0.125});
+	lab_seal_with(&bench.lab, &options, &bench.hooks);
+	lab_step(&bench.lab);
+	assert_true(calls > 0);
+	assert_true(rb_world_stopped(bench.lab.world));
+	assert_int_equal(rb_world_frame(bench.lab.world), 0);
+	assert_near(rb_world_time(bench.lab.world), 0, 0);
+	bench_close(&bench);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_piece_of_many_contacts_hears_that_the_run_is_to_end),
 		cmocka_unit_test(a_box_on_a_plane_does_not_move_a_bit),
 		cmocka_unit_test(a_box_slides_as_far_in_every_direction),
 		cmocka_unit_test(a_box_dropped_flat_stays_flat),

@@ -164,6 +164,8 @@ static int broken(struct rb_modes *w, double t)
 /* `broken` at s seconds into the piece. */
 static int broken_at(struct rb_modes *w, double s, double *value)
 {
+	if (rb_rates_are_stopped(w))
+		return -1;
 	rb_gauss_values(&w->c->piece, s, value);
 	return rb_rates_evaluate(w, w->origin_s + s, value) ? broken(w, w->origin_s + s) : -1;
 }

@@ -154,6 +154,21 @@ void rb_rates_poses(struct rb_modes *w, const double *value)
 		read_pose(w, k, value);
 }
 
+/* Unknowns of an elimination beside which asking for an interruption takes no time. */
+enum { POLLED_UNKNOWNS = 64 };
+
+bool rb_rates_are_stopped(struct rb_modes *w)
+{
+	struct rb_located *l = w->l;
+
+	RB_ASSERT_COSTLY(l->err != NULL);
+	if (w->dense.n < POLLED_UNKNOWNS)
+		return false;
+	if (l->status == RB_OK && rb_world_is_stopped(l->world))
+		l->status = RB_FAIL(l->err, RB_ERR_INTERRUPT, "interrupted");
+	return l->status == RB_ERR_INTERRUPT;
+}
+
 /* Poses, forces of contacts and accelerations at `t`. */
 bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 {
@@ -286,7 +301,7 @@ static enum rb_status all_rates(void *user, double t, const double *value, doubl
 	struct rb_modes *w = user;
 	const uint64_t products = w->l->products;
 
-	const bool good = rb_rates_evaluate(w, t, value);
+	const bool good = !rb_rates_are_stopped(w) && rb_rates_evaluate(w, t, value);
 	if (*w->calls == w->counted) /* for the ledger alone */
 		w->l->products = products;
 	w->counted = *w->calls;

@@ -14,6 +14,12 @@
  */
 bool rb_rates_external(struct rb_modes *w, double t, double *max);
 
+/*
+ * Is the run to end? Of a thousand contacts one evaluation takes a second, and a piece and its
+ * checks take hundreds. True: l->status is RB_ERR_INTERRUPT, and the advance under way ends.
+ */
+bool rb_rates_are_stopped(struct rb_modes *w);
+
 /* Poses from the values of the piece, w->pose. */
 void rb_rates_poses(struct rb_modes *w, const double *value);
 
