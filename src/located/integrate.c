@@ -154,10 +154,16 @@ static bool rebounds(struct rb_modes *w)
 	}
 	if (!pushes)
 		return false;
-	const struct rb_contact_point m = rb_painleve_middle(l, first, w->force, w->c->held_count);
-	const rb_vec3 impulse = rb_painleve_impulse(l, &m, &change);
-	if (!(rb_vec3_dot(impulse, m.normal) > 0))
-		return false;
+	struct rb_contact_point m = rb_painleve_middle(l, first, w->force, w->c->held_count);
+	rb_vec3 impulse = rb_painleve_impulse(l, &m, &change);
+	if (!(rb_vec3_dot(impulse, m.normal) > 0)) {
+		const int alone = rb_painleve_alone(l, first, w->force, w->c->held_count);
+
+		if (alone < 0)
+			return false;
+		m = w->contact_point[alone];
+		impulse = rb_painleve_impulse(l, &m, &change);
+	}
 	for (int k = 0; k < w->c->member_count; k++) {
 		const int i = w->c->member[k];
 		struct rb_pose pose = w->pose[k];

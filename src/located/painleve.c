@@ -156,3 +156,25 @@ rb_vec3 rb_painleve_impulse(const struct rb_located *l, const struct rb_contact_
 	*change = rb_mat3_apply(&contact.inverse_effective_mass, impulse);
 	return rb_vec3_length(*change) > sqrt(DBL_EPSILON) * speed ? impulse : (rb_vec3){0, 0, 0};
 }
+
+int rb_painleve_alone(const struct rb_located *l, const struct rb_contact_point *points,
+                      const rb_vec3 *force, int count)
+{
+	double most = 0;
+	int which = -1;
+
+	RB_ASSERT(count > 0);
+	for (int k = 0; k < count; k++) {
+		const double pushes = rb_vec3_dot(force[k], points[k].normal);
+		rb_vec3 change;
+
+		if (!(pushes > most))
+			continue;
+		const rb_vec3 impulse = rb_painleve_impulse(l, &points[k], &change);
+		if (!(rb_vec3_dot(impulse, points[k].normal) > 0))
+			continue;
+		most = pushes;
+		which = k;
+	}
+	return which;
+}

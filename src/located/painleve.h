@@ -44,4 +44,12 @@ struct rb_contact_point rb_painleve_middle(const struct rb_located *l,
 rb_vec3 rb_painleve_impulse(const struct rb_located *l, const struct rb_contact_point *m,
                             rb_vec3 *change);
 
+/*
+ * Of points of a pair, [count], that have a force as one: the one that presses most of those that
+ * have none on their own. It is stopped, and others take part if that makes them approach. -1:
+ * there are none.
+ */
+int rb_painleve_alone(const struct rb_located *l, const struct rb_contact_point *points,
+                      const rb_vec3 *force, int count);
+
 #endif
