@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* src/stepped: what must not change a bit: mirrors in the coordinate planes. */
+/* src/stepped: what must not change a bit: mirrors in the coordinate planes, units of mass. */
+#include "jointed.h"
 #include "worlds.h"
 
-enum { BODIES = 24, ROW = 9 };
+enum { BODIES = 24, BOXES = 12, ROW = 9 };
 
 /* A fixed number in [0, 1) for each k: golden ratio. */
 static double share(int k)
@@ -86,11 +87,61 @@ static void mirrored_heaps_of_unequal_masses_are_too(void **state)
 	assert_mirrored(true, 0.3);
 }
 
+/* A heap of boxes of unequal masses, two of them on a rod; positions and velocities. */
+static void cook_boxes(double mass, double row[BOXES][6])
+{
+	struct lab lab;
+
+	lab_open(&lab, 1, 60);
+	lab.scene.world.method = RB_METHOD_STEPPED;
+	lab.scene.world.time_step_s = 1.0 / 120;
+	lab.scene.world.gravity = (rb_vec3){0.5, 0.25, -9.81};
+	lab_surface(&lab, 0.4, 0);
+	lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	for (int k = 0; k < BOXES; k++) {
+		const rb_vec3 at = {1.2 * (k % 2) + 0.3 * share(k), 1.2 * (k / 2 % 2),
+		                    0.6 + 1.1 * (k / 4)};
+
+		lab_box(&lab, (rb_vec3){0.5 + 0.3 * share(3 * k), 0.5, 0.6},
+		        mass * (k % 8 == 7 ? 500 : 1 + share(k)), at,
+		        rb_quat_unit((rb_quat){1, 0.2 * share(5 * k), 0.1, 0.3 * share(7 * k)}));
+	}
+	jointed_add(&lab, jointed_def(RB_JOINT_ROD, 1 + 4, 1 + 5));
+	lab_seal(&lab, 1);
+	lab_run(&lab);
+	for (int k = 0; k < BOXES; k++) {
+		rb_vec3_to(row[k], rb_world_position(lab.world, 1 + k));
+		rb_vec3_to(row[k] + 3, rb_world_velocity(lab.world, 1 + k));
+	}
+	lab_close(&lab);
+}
+
+/* The unit of mass cancels; powers of two are exact, their roots are not. */
+static void all_masses_times_a_power_of_two_move_to_the_same_bits(void **state)
+{
+	static const double factor[] = {2, 1.0 / 8, 1024, 0x1p-31};
+	double wanted[BOXES][6], found[BOXES][6];
+
+	(void)state;
+	cook_boxes(1, wanted);
+	for (int f = 0; f < 4; f++) {
+		double most = 0;
+
+		cook_boxes(factor[f], found);
+		for (int k = 0; k < BOXES; k++)
+			for (int c = 0; c < 6; c++)
+				most = fmax(most, fabs(found[k][c] - wanted[k][c]));
+		if (most > 0)
+			fail_msg("masses times %g: off by up to %.3g", factor[f], most);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(mirrored_heaps_of_spheres_are_the_same_to_the_bit),
 		cmocka_unit_test(mirrored_heaps_of_unequal_masses_are_too),
+		cmocka_unit_test(all_masses_times_a_power_of_two_move_to_the_same_bits),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -245,8 +245,32 @@ rb_block *rb_blocks_at(struct rb_blocks *blocks, int a, int b, bool *turned)
 	return &blocks->value[low];
 }
 
-/* A pivot that leaves nothing of an unknown, with room for its square. */
-static const double dropped_root = 1e150;
+/* A pivot that leaves nothing of an unknown. */
+static const double dropped_root = (double)INFINITY;
+
+/*
+ * What a system is multiplied by before it is factored, so that roots of pivots scale with it by
+ * any power of two, and with all masses: that of twice a number has other digits, that of four
+ * times it has the same.
+ */
+static double even_scale(const struct rb_blocks *blocks)
+{
+	int exponent;
+
+	(void)frexp(blocks->value[blocks->first[0]].m[0][0], &exponent);
+	return exponent % 2 != 0 ? 0.5 : 1;
+}
+
+static void scale_all(struct rb_blocks *blocks, double scale)
+{
+	double *const value = &blocks->value[0].m[0][0];
+	const size_t count = RB_BLOCK * RB_BLOCK * (size_t)blocks->first[blocks->count];
+
+	for (size_t i = 0; i < count; i++)
+		value[i] *= scale;
+	for (int i = 0; blocks->least && i < RB_BLOCK * blocks->count; i++)
+		blocks->least[i] *= scale;
+}
 
 /* Cholesky's factor of a diagonal block, in its lower half. */
 static bool factor_diagonal(rb_block *d, double *least)
@@ -307,6 +331,9 @@ static void subtract(rb_block *c, const rb_block *a, const rb_block *b)
 
 bool rb_blocks_factor(struct rb_blocks *blocks)
 {
+	blocks->scale = even_scale(blocks);
+	if (blocks->scale != 1)
+		scale_all(blocks, blocks->scale);
 	for (int c = 0; c < blocks->count; c++) {
 		const int first = blocks->first[c], end = blocks->first[c + 1];
 
@@ -364,6 +391,8 @@ void rb_blocks_solve(const struct rb_blocks *blocks, double *x, double *scratch)
 			at[i] /= d->m[i][i];
 		}
 	}
+	for (int i = 0; blocks->scale != 1 && i < RB_BLOCK * blocks->count; i++)
+		y[i] *= blocks->scale;
 	for (int i = 0; i < blocks->count; i++)
 		memcpy(x + RB_BLOCK * i, y + RB_BLOCK * blocks->place[i], RB_BLOCK * sizeof *x);
 }

@@ -29,6 +29,7 @@ struct rb_blocks {
 	 * of no more depends on others: it comes out as zero, and as INFINITY here.
 	 */
 	double *least;
+	double scale; /* of the factors, over the system */
 };
 
 /*

@@ -234,27 +234,30 @@ struct mixture {
 	double gram[RB_SWEEP_MEMORY][RB_SWEEP_MEMORY];
 };
 
-/* Least squares by Cholesky; what depends on the others is left out. */
+/*
+ * Least squares by factors L D L^T; what depends on the others is left out. Without roots: those of
+ * twice a number have other digits, and results are to scale with all masses.
+ */
 static void solve_gram(const struct mixture *m, int filled, const double *right, double *mix)
 {
 	double l[RB_SWEEP_MEMORY][RB_SWEEP_MEMORY] = {{0}};
-	double y[RB_SWEEP_MEMORY] = {0};
+	double d[RB_SWEEP_MEMORY] = {0}, y[RB_SWEEP_MEMORY] = {0};
 
 	RB_ASSERT_COSTLY(filled > 0 && filled <= RB_SWEEP_MEMORY);
 	for (int j = 0; j < filled; j++) {
 		double pivot = m->gram[j][j];
 
 		for (int k = 0; k < j; k++)
-			pivot -= l[j][k] * l[j][k];
+			pivot -= l[j][k] * l[j][k] * d[k];
 		if (!(pivot > 1e-10 * m->gram[j][j]))
 			continue;
-		l[j][j] = sqrt(pivot);
+		d[j] = pivot;
 		for (int i = j + 1; i < filled; i++) {
 			double sum = m->gram[i][j];
 
 			for (int k = 0; k < j; k++)
-				sum -= l[i][k] * l[j][k];
-			l[i][j] = sum / l[j][j];
+				sum -= l[i][k] * l[j][k] * d[k];
+			l[i][j] = sum / pivot;
 		}
 	}
 	for (int j = 0; j < filled; j++) {
@@ -262,14 +265,14 @@ static void solve_gram(const struct mixture *m, int filled, const double *right,
 
 		for (int k = 0; k < j; k++)
 			sum -= l[j][k] * y[k];
-		y[j] = l[j][j] > 0 ? sum / l[j][j] : 0;
+		y[j] = d[j] > 0 ? sum : 0;
 	}
 	for (int j = filled; j-- > 0;) {
-		double sum = y[j];
+		double sum = d[j] > 0 ? y[j] / d[j] : 0;
 
 		for (int k = j + 1; k < filled; k++)
 			sum -= l[k][j] * mix[k];
-		mix[j] = l[j][j] > 0 ? sum / l[j][j] : 0;
+		mix[j] = d[j] > 0 ? sum : 0;
 	}
 }
 
