@@ -403,8 +403,6 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 	struct rb_world *world = search->world;
 	struct rb_stepped *s = world->stepped;
 
-	for (int k = 0; k < search->resting_count; k++)
-		clear_velocity(world, search->at_rest[k]);
 	/* parts stand where their overlaps were found */
 	const double max = CHAIN_MAX * deepest(found) + world->model->stepped_tolerance_m;
 	enum rb_status status = find_points(search, found, max, err);
@@ -429,6 +427,9 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 		rb_lift_turn(&search->lift, world, &s->closing);
 		shift(search);
 	}
+	/* ways in m and rad are no velocities: what is looked at next must not take them so */
+	for (int k = 0; k < search->resting_count; k++)
+		clear_velocity(world, search->at_rest[k]);
 	s->solver.active = search->cohort->body;
 	s->solver.active_count = search->cohort->body_count;
 	return status;

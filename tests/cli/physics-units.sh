@@ -1,0 +1,58 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# By steps, units cancel: a scene in other units of time, length or mass, by powers of two, moves to the same bits. A hull
+# falls onto a capsule and overlaps it in a step: the ways on which overlaps close, m, are kept where velocities are.
+. tests/cli/functions
+
+cat >units.lua <<'EOF'
+local T, L, M = 2 ^ param("t", 0), 2 ^ param("l", 0), 2 ^ param("m", 0)
+world { duration = 0.55 * T, frame_rate = 20 / T, time_step = T / 80, gravity = {0, 0, -9.81 * L / T ^ 2} }
+local m = material { name = "m", friction = 0.1, restitution = 0, density = 1000 * M / L ^ 3 }
+plane { material = m, normal = {0, 0, 1} }
+local function scaled(points)
+	for _, p in ipairs(points) do
+		for k = 1, 3 do p[k] = p[k] * L end
+	end
+	return points
+end
+local bodies = {
+	capsule { material = m, radius = 0.13 * L, length = 0.23 * L, position = {0, 0, 0.5 * L},
+		orientation = {0.8652541178331944, 0.04972724815133302, -0.19890899260533207, 0.4574906829922637},
+		velocity = {0.06 * L / T, 0, 0.24 * L / T} },
+	hull { material = m, points = scaled {{-0.1, 0.14, 0.17}, {-0.19, -0.07, -0.05}, {-0.05, 0.02, -0.1},
+		{0.06, 0.15, 0.17}, {0.14, -0.11, 0.1}, {0.11, 0.04, 0.07}}, position = {0, 0, 1.35 * L},
+		orientation = {0.8691746759008043, 0, 0.34966797306354197, 0.34966797306354197},
+		velocity = {0, 0, -0.48 * L / T} },
+}
+expect_always("motion", function()
+	for _, b in ipairs(bodies) do
+		local p, v, w = b.position, b.velocity, b.angular_velocity
+		print(string.format("at %a %a %a  %a %a %a  %a %a %a", p.x / L, p.y / L, p.z / L, v.x * T / L, v.y * T / L,
+			v.z * T / L, w.x * T, w.y * T, w.z * T))
+	end
+	return true
+end)
+EOF
+
+# motion T L M, the exponents: prints what the bodies did
+motion()
+{
+	timeout 60 "$RBSIM" units.lua --no-record --method stepped --param t="$1" --param l="$2" --param m="$3" >out 2>&1 </dev/null ||
+		fail "units of 2^$1 s, 2^$2 m, 2^$3 kg: exit status $?"
+	sed -n 's/^at //p' out
+}
+
+motion 0 0 0 >wanted
+[ "$(wc -l <wanted)" -ge 20 ] || fail "the scene told no motion"
+while read -r t l m; do
+	motion "$t" "$l" "$m" >found
+	cmp -s wanted found || fail "units of 2^$t s, 2^$l m, 2^$m kg: $(diff wanted found | sed -n 2p)"
+done <<'EOF'
+8 0 0
+-20 0 0
+0 7 0
+0 -12 0
+0 0 1
+0 0 -31
+5 3 4
+EOF
