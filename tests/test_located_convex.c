@@ -5,6 +5,8 @@
 #include "solids.h"
 #include "worlds.h"
 
+#include "force/drag.h"
+#include "located/approach.h"
 #include "located/convex_contact.h"
 #include "world/world.h"
 
@@ -636,9 +638,53 @@ static void a_point_within_its_features_is_passed_on_to_itself(void **slot)
 	assert_true(seen > 30);
 }
 
+/*
+ * A box falls along a wall that it touches, or nearly: gravity does not take it there, nor does drag, whichever way the wall
+ * stands. On an arc, on one that decays, and on a piece, as what turns under drag is.
+ */
+static void what_falls_along_a_wall_is_not_sought_step_by_step(void **slot)
+{
+	static const double gaps[] = {0, 1e-15, 1e-10}, drags[] = {0, 5, 5},
+			    spins[] = {0, 0, 1e-15};
+
+	(void)slot;
+	for (int k = 0; k < 36; k++) {
+		const rb_quat all = rb_quat_from_turn(k < 9 ? (rb_vec3){0, 0, 0}
+		                                            : random_vector((uint64_t)k, 3));
+		const rb_vec3 n = rb_quat_rotate(all, (rb_vec3){1, 0, 0});
+		const struct rb_drag_def drag = {.linear = drags[k % 3]};
+		struct bench bench;
+		struct rb_body_def def = solid_def(RB_SHAPE_BOX, 0.2, 0.2, 0.2);
+
+		bench_open(&bench, 1e-3, 1e4);
+		bench.lab.scene.world.gravity = rb_quat_rotate(all, (rb_vec3){0, 0, -9.81});
+		lab_surface(&bench.lab, 0, 0);
+		def.position = rb_vec3_scale(0.1 + gaps[k / 3 % 3], n);
+		def.orientation = all;
+		def.velocity = rb_quat_rotate(all, (rb_vec3){0, 0.3, 0});
+		def.angular_velocity = rb_vec3_scale(spins[k % 3], n);
+		lab_add(&bench.lab, &def);
+		lab_plane(&bench.lab, (rb_vec3){0, 0, 0}, n);
+		if (drag.linear > 0)
+			assert_int_equal(
+				rb_scene_add_drag(&bench.lab.scene, &drag, &bench.lab.error),
+				RB_OK);
+		bench_seal(&bench);
+		lab_step(&bench.lab);
+		const struct rb_approach found = rb_approach_find(bench.lab.world->located, 0, 1,
+		                                                  1e-4, 1e-3);
+		/* that is some 1e5 steps of 6e-9 s, or 50 of 2e-5 s; where rounding of the direction is all that is left, few */
+		assert_false(found.again);
+		assert_true(found.touch_s > 1e-3);
+		assert_true(found.products < 40 * (uint64_t)RB_LOCATED_SEARCH);
+		bench_close(&bench);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(what_falls_along_a_wall_is_not_sought_step_by_step),
 		cmocka_unit_test(a_point_within_its_features_is_passed_on_to_itself),
 		cmocka_unit_test(a_flat_drop_stays_flat_on_every_ground),
 		cmocka_unit_test(a_needle_that_lands_on_its_tip_gets_the_impulse_of_the_formula),

@@ -47,6 +47,7 @@ struct course {
 	bool flies;  /* both on parabolas: then their relative acceleration is this */
 	rb_vec3 external;
 	double external_max; /* m/s^2: of one centre relative to the other */
+	bool fades_alike;    /* both on arcs, or fixed: so do differences of accelerations */
 
 	/* of the moment */
 	double speed; /* m/s: relative, of any two points, at most, turning included */
@@ -67,6 +68,8 @@ static void start(struct course *c, const struct rb_located *l, int a, int b)
 	c->size = fmin(c->a.ball, c->b.ball);
 	c->flies = !rb_located_on_piece(l, a) && !rb_located_on_piece(l, b) &&
 	           !(rb_arc_decay(l, a) > 0) && !(rb_arc_decay(l, b) > 0);
+	c->fades_alike = !rb_located_on_piece(l, a) && !rb_located_on_piece(l, b) &&
+	                 (a >= l->n || b >= l->n || rb_arc_decay(l, a) == rb_arc_decay(l, b));
 	c->external_max = c->of_a.own_external + c->of_b.own_external;
 	if (c->flies) {
 		c->external = rb_vec3_sub(rb_arc_acceleration(l, b, 0),
@@ -322,11 +325,29 @@ static double gone_after(const struct course *c, struct height a, struct height 
 	return bend > 0 ? 2 * rate / bend : HUGE_VAL;
 }
 
+/*
+ * Bound from now on on the acceleration of the centres towards each other along a direction that
+ * stays, m/s^2. What falls along a wall that it touches does not fall towards it.
+ */
+static double external_along(const struct course *c, rb_vec3 n)
+{
+	const struct rb_located *l = c->l;
+	const int a = c->pair.a, b = c->pair.b;
+	const double closes =
+		c->fades_alike ? rb_vec3_dot(n, rb_vec3_sub(rb_arc_acceleration(l, a, c->pair.t),
+	                                                    rb_arc_acceleration(l, b, c->pair.t)))
+			       : rb_bounds_along(l, a, n, c->pair.t) +
+					 rb_bounds_along(l, b, rb_vec3_neg(n), c->pair.t);
+
+	return fmin(fmax(closes, 0), c->external_max);
+}
+
 /* Bound on the second derivative of the distance of any two points along the axis, m/s^2. */
 static double bend_max(const struct course *c, const struct axis *axis,
                        const struct rb_feature_side *a, const struct rb_feature_side *b, double *s)
 {
-	double bend = c->external_max + c->bend_a + c->bend_b;
+	double bend = (axis->rate_max > 0 ? c->external_max : external_along(c, axis->n)) +
+	              c->bend_a + c->bend_b;
 
 	bend += rim_bend(a, &c->of_a, axis, s) + rim_bend(b, &c->of_b, axis, s);
 

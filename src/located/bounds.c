@@ -175,3 +175,25 @@ struct rb_bounds rb_bounds_of(const struct rb_located *l, int i)
 	}
 	return max;
 }
+
+double rb_bounds_along(const struct rb_located *l, int i, rb_vec3 n, double t)
+{
+	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
+	if (!rb_located_on_piece(l, i)) {
+		const double now = rb_vec3_dot(n, rb_arc_acceleration(l, i, t));
+
+		return rb_arc_decay(l, i) > 0 ? fmax(now, 0) : now;
+	}
+	const struct rb_piece_of *p = &l->piece[i];
+	double max = 0;
+
+	/* Legendre polynomials are within [-1, 1], and the first of them is 1 */
+	for (int k = 0; k < RB_GAUSS_NODES; k++) {
+		const double *const row = p->piece.coefficient + (size_t)k * (size_t)p->piece.n +
+		                          p->first + RB_PIECE_VELOCITY;
+		const double along = rb_vec3_dot(n, rb_vec3_from(row));
+
+		max += k > 0 ? fabs(along) : along;
+	}
+	return max / p->piece.length_s;
+}

@@ -19,4 +19,10 @@ struct rb_bounds {
 };
 struct rb_bounds rb_bounds_of(const struct rb_located *l, int i);
 
+/*
+ * m/s^2: bound from t on, while it is on its arc or piece, on a body's acceleration along a unit
+ * vector. Below zero: it is surely the other way.
+ */
+double rb_bounds_along(const struct rb_located *l, int i, rb_vec3 n, double t);
+
 #endif
