@@ -160,7 +160,7 @@ rb_vec3 rb_painleve_impulse(const struct rb_located *l, const struct rb_contact_
 int rb_painleve_alone(const struct rb_located *l, const struct rb_contact_point *points,
                       const rb_vec3 *force, int count)
 {
-	double most = 0;
+	double largest = 0;
 	int which = -1;
 
 	RB_ASSERT(count > 0);
@@ -168,12 +168,12 @@ int rb_painleve_alone(const struct rb_located *l, const struct rb_contact_point 
 		const double pushes = rb_vec3_dot(force[k], points[k].normal);
 		rb_vec3 change;
 
-		if (!(pushes > most))
+		if (!(pushes > largest))
 			continue;
 		const rb_vec3 impulse = rb_painleve_impulse(l, &points[k], &change);
 		if (!(rb_vec3_dot(impulse, points[k].normal) > 0))
 			continue;
-		most = pushes;
+		largest = pushes;
 		which = k;
 	}
 	return which;
