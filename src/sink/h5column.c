@@ -136,6 +136,7 @@ void rb_h5_column_create(struct rb_h5 *h5, struct rb_h5_column *column, const ch
 	                             creation, access);
 	if (column->dataset < 0)
 		rb_h5_fail(h5, "make", path);
+	rb_h5_made(h5, path, column->dataset);
 	rb_h5_done(space);
 	rb_h5_done(links);
 	rb_h5_done(access);

@@ -25,15 +25,18 @@ enum {
 	LINKS_IN_HEADER = 64, /* of a group, before they get an index of their own */
 	ZEROS_MOST = 1024     /* bytes of a dataset of zeros that is not written */
 };
+#define NOT_NOTED SIZE_MAX
 
 /* An object that has been copied, by where it stands in the old file. */
 struct copied {
 	unsigned char address[16];
-	char *path; /* owned */
+	char *path;   /* owned */
+	size_t noted; /* its number among those whose axes are named; NOT_NOTED: it is none */
 };
 
 struct compaction {
-	struct rb_h5 h5; /* the new file */
+	struct rb_h5 h5;          /* the new file */
+	struct rb_scales *scales; /* owned; NULL: axes are not named */
 	struct copied *copied;
 	size_t count, capacity;
 };
@@ -90,23 +93,25 @@ static void *room_for(struct compaction *to, hid_t space, hid_t type, hssize_t *
 static void copy_attribute(struct compaction *to, hid_t from, hid_t object, hsize_t index,
                            const char *path)
 {
-	const hid_t old = H5Aopen_by_idx(from, ".", H5_INDEX_NAME, H5_ITER_INC, index, H5P_DEFAULT,
-	                                 H5P_DEFAULT);
+	char name[PATH_MOST] = "";
+	hssize_t count = 0;
+	const bool named = H5Aget_name_by_idx(from, ".", H5_INDEX_NAME, H5_ITER_INC, index, name,
+	                                      sizeof name, H5P_DEFAULT) >= 0;
+
+	/* those of scales point to places in the old file: they are made anew at the end */
+	if (named && rb_scales_makes_attribute(name))
+		return;
+	const hid_t old = named ? H5Aopen(from, name, H5P_DEFAULT) : -1;
 	const hid_t type = old < 0 ? -1 : H5Aget_type(old);
 	const hid_t space = old < 0 ? -1 : H5Aget_space(old);
 	const hid_t properties = old < 0 ? -1 : H5Aget_create_plist(old);
-	char name[PATH_MOST] = "";
-	hssize_t count = 0;
-	hid_t made = -1;
-
-	/* those of scales point to places in the old file: they are made anew at the end */
-	const bool named = properties >= 0 && H5Aget_name(old, sizeof name, name) >= 0;
-	if (named && !rb_scales_makes_attribute(name))
-		made = H5Acreate2(object, name, type, space, properties, H5P_DEFAULT);
+	const hid_t made = properties < 0
+	                           ? -1
+	                           : H5Acreate2(object, name, type, space, properties, H5P_DEFAULT);
 	void *const value = made < 0 ? NULL : room_for(to, space, type, &count);
-	if ((made < 0 && !(named && rb_scales_makes_attribute(name))) ||
-	    (value && count > 0 &&
-	     (H5Aread(old, type, value) < 0 || H5Awrite(made, type, value) < 0)))
+
+	if (made < 0 || (value && count > 0 &&
+	                 (H5Aread(old, type, value) < 0 || H5Awrite(made, type, value) < 0)))
 		fail(to, path);
 	rb_memory_free(value);
 	rb_h5_done(made);
@@ -272,12 +277,12 @@ static hid_t make_group(hid_t group, const char *name, hid_t old)
 	return made;
 }
 
-/* Path of the copy of the object at this address; NULL: it has not been copied. */
-static const char *path_of_copy(const struct compaction *to, const unsigned char address[16])
+/* The copy of the object at this address; NULL: it has not been copied. */
+static const struct copied *copy_of(const struct compaction *to, const unsigned char address[16])
 {
 	for (size_t k = 0; k < to->count; k++)
 		if (memcmp(to->copied[k].address, address, 16) == 0)
-			return to->copied[k].path;
+			return &to->copied[k];
 	return NULL;
 }
 
@@ -292,6 +297,7 @@ static void remember(struct compaction *to, const unsigned char address[16], con
 	struct copied *const copied = &to->copied[to->count];
 	memcpy(copied->address, address, 16);
 	copied->path = rb_memory_copy_text(path);
+	copied->noted = NOT_NOTED;
 	if (copied->path)
 		to->count++;
 	else
@@ -313,6 +319,9 @@ static void copy_object(struct compaction *to, hid_t from, hid_t group, const ch
 		made = make_group(group, name, old);
 	else if (old >= 0 && H5Iget_type(old) == H5I_DATASET)
 		made = make_dataset(to, group, name, old, path);
+	/* the last that is remembered is this one */
+	if (made >= 0 && !is_group && to->scales && !to->h5.status)
+		to->copied[to->count - 1].noted = rb_scales_note(to->scales, &to->h5, path, made);
 	if (made < 0)
 		fail(to, path);
 	if (!to->h5.status)
@@ -358,9 +367,11 @@ static void copy_link(struct compaction *to, hid_t from, hid_t group, const char
 		return;
 	}
 	address_of(&link, address);
-	const char *const there = path_of_copy(to, address);
+	const struct copied *const there = copy_of(to, address);
 	if (there) {
-		rb_h5_link(&to->h5, there, path);
+		rb_h5_link(&to->h5, there->path, path);
+		if (there->noted != NOT_NOTED)
+			rb_scales_note_link(to->scales, &to->h5, path, there->noted);
 		return;
 	}
 	remember(to, address, path);
@@ -432,19 +443,25 @@ static void take_image(struct compaction *to, unsigned char **image, size_t *siz
 enum rb_status rb_compact_image(hid_t file, const char *name, const char *time,
                                 unsigned char **image, size_t *size, struct rb_error *err)
 {
-	struct compaction to = {.h5 = {.name = name, .file = create_in_memory()}};
+	struct compaction to = {.h5 = {.name = name, .file = create_in_memory()},
+	                        .scales = time ? rb_scales_create(time) : NULL};
 	const hid_t from = H5Gopen2(file, "/", H5P_DEFAULT);
 	const hid_t root = to.h5.file < 0 ? -1 : H5Gopen2(to.h5.file, "/", H5P_DEFAULT);
 
 	*image = NULL;
 	if (from < 0 || root < 0)
 		fail(&to, "/");
+	if (time && !to.scales)
+		no_memory(&to);
+	to.h5.made = to.scales ? rb_scales_made : NULL;
+	to.h5.user = to.scales;
 	if (!to.h5.status)
 		copy_attributes(&to, from, root, "/");
 	if (!to.h5.status)
 		copy_members(&to, from, root, "", 0);
-	if (time)
-		rb_scales_write(&to.h5, time);
+	if (to.scales)
+		rb_scales_write(to.scales, &to.h5, time);
+	rb_scales_destroy(to.scales);
 	rb_h5_done(root);
 	rb_h5_done(from);
 	if (!to.h5.status)

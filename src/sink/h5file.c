@@ -170,6 +170,12 @@ void rb_h5_fail(struct rb_h5 *h5, const char *what, const char *path)
 	                     h5->name, rb_h5_reason(reason));
 }
 
+void rb_h5_made(struct rb_h5 *h5, const char *path, hid_t dataset)
+{
+	if (h5->made && !h5->status)
+		h5->made(h5->user, h5, path, dataset);
+}
+
 hid_t rb_h5_dataset_properties(void)
 {
 	const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
@@ -251,6 +257,7 @@ static void put(struct rb_h5 *h5, const char *path, const hid_t type[2], rb_h5_s
 		failed = H5Dwrite(dataset, type[1], H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0;
 	if (failed)
 		rb_h5_fail(h5, "write", path);
+	rb_h5_made(h5, path, dataset);
 	rb_h5_done(dataset);
 	rb_h5_done(properties);
 	rb_h5_done(links);

@@ -21,6 +21,9 @@ struct rb_h5 {
 	hid_t file;       /* owned by whoever opened it */
 	const char *name; /* of the file, for messages; borrowed */
 	bool there;       /* all objects are: columns are opened, attributes and links left alone */
+	/* told of every dataset that rb_h5_put... and columns make, still open; NULL: nobody */
+	void (*made)(void *user, struct rb_h5 *h5, const char *path, hid_t dataset);
+	void *user;
 	enum rb_status status;
 	struct rb_error error; /* valid if status */
 };
@@ -76,6 +79,9 @@ int rb_h5_errno(void);
 
 /* Records a failure `what` of 'path' with the reason, unless one stands already. */
 void rb_h5_fail(struct rb_h5 *h5, const char *what, const char *path);
+
+/* Tells who wants to know of a dataset that has been made. */
+void rb_h5_made(struct rb_h5 *h5, const char *path, hid_t dataset);
 
 void rb_h5_group(struct rb_h5 *h5, const char *path);
 /* A group whose members keep the order in which they were made. */

@@ -210,14 +210,16 @@ static void fail_create(struct rb_h5 *h5)
 	                     rb_h5_reason(reason), lock_advice(rb_h5_errno()));
 }
 
-/* Makes a complete file of all that does not change. */
-static void make_about(struct rb_recorder *recorder)
+/* Makes a complete file of all that does not change. `scales`: told of its datasets. */
+static void make_about(struct rb_recorder *recorder, struct rb_scales *scales)
 {
 	struct rb_h5 *const h5 = &recorder->h5;
 	const hid_t access = rb_h5_access_aligned(1);
 
 	*h5 = (struct rb_h5){.file = rb_h5_create(recorder->output.library, access),
-	                     .name = recorder->path};
+	                     .name = recorder->path,
+	                     .made = rb_scales_made,
+	                     .user = scales};
 	rb_h5_done(access);
 	if (h5->file < 0) {
 		fail_create(h5);
@@ -235,7 +237,7 @@ static void make_about(struct rb_recorder *recorder)
 }
 
 /* Makes all that grows or changes, and switches to where others may read. */
-static void make_growing(struct rb_recorder *recorder)
+static void make_growing(struct rb_recorder *recorder, struct rb_scales *scales)
 {
 	struct rb_h5 *const h5 = &recorder->h5;
 
@@ -252,7 +254,7 @@ static void make_growing(struct rb_recorder *recorder)
 	rb_about_write_changing(h5, recorder->info->scene);
 	rb_frames_create(h5, &recorder->frames, recorder->info, true);
 	if (recorder->frames.time)
-		rb_scales_write(h5, recorder->frames.time->path);
+		rb_scales_write(scales, h5, recorder->frames.time->path);
 	rb_frames_detach(&recorder->frames);
 	if (!h5->status && H5Fstart_swmr_write(h5->file) < 0)
 		rb_h5_fail(h5, "share", "/");
@@ -266,8 +268,14 @@ static enum rb_status make_file(struct rb_recorder *recorder, struct rb_error *e
 {
 	struct rb_h5 *const h5 = &recorder->h5;
 
-	make_about(recorder);
-	make_growing(recorder);
+	struct rb_scales *const scales = rb_scales_create(NULL);
+	if (!scales)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot create '%s': out of memory",
+		               recorder->path);
+	make_about(recorder, scales);
+	make_growing(recorder, scales);
+	h5->made = NULL;
+	rb_scales_destroy(scales);
 	if (!h5->status) {
 		(void)rb_output_lock(&recorder->output); /* nobody else knows of it yet */
 		return RB_OK;

@@ -188,6 +188,11 @@ def check_depth(path):
     return "depth of observables"
 
 
+def is_scale(dataset):
+    """As h5py's own attribute of that name, which came with 3.8."""
+    return h5py.h5ds.is_scale(dataset.id)
+
+
 def check_dims(path):
     """Every axis of what changes with frames, bodies or joints names a scale, by HDF5's own functions (H5DS)."""
     named = 0
@@ -197,7 +202,7 @@ def check_dims(path):
             group = name.split("/")[0]
             if group not in ("particles", "observables", "joints") or "ledger" in name or not isinstance(dataset, h5py.Dataset):
                 return
-            if h5py.h5ds.is_scale(dataset.id) or dataset.ndim == 0:
+            if is_scale(dataset) or dataset.ndim == 0:
                 return
             for axis, dim in enumerate(dataset.dims):
                 assert len(dim) == 1, f"{name}: axis {axis} of {dataset.shape} names nothing"
@@ -210,7 +215,7 @@ def check_dims(path):
             assert position.dims[0][0] == f["particles/bodies/position/time"]
         for table, rows in (("rbsim/events", "time"), ("rbsim/contacts", "step")):
             for column in f[table].values() if table in f else []:
-                assert h5py.h5ds.is_scale(column.id) or column.dims[0][0] == f[table][rows], f"{column.name}: no rows"
+                assert is_scale(column) or column.dims[0][0] == f[table][rows], f"{column.name}: no rows"
     return f"{named} axes named"
 
 
