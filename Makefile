@@ -242,7 +242,7 @@ test: $(program) $(loaded) $(public) $(tests)
 test-long: seconds = 3600
 test-long: $(program) $(loaded) $(public) $(tests)
 	@$(run_tests) $(tests) $(cli_tests) $(wildcard tests/long/*.sh)
-test-slurm: seconds = 1800
+test-slurm: seconds = 3600
 test-slurm: $(program) $(loaded)
 	@$(run_tests) $(wildcard tests/long/sweep-slurm*.sh)
 bench: $(program) $(loaded)

@@ -52,7 +52,7 @@ exits 0 sweep s.lua -p e=0:0.55:0.05 -p busy=3e6 -o slurm-ed --trust --slurm --t
 	--checkpoint-every 0
 job=$(cat out)
 says err '12 points to be run, as tasks 0-5'
-until_true all_work
+await 600 all_work || fail "no node works"
 echo "at work: $(nodes_at_work | tr '\n' ' ')"
 
 # a node that is lost: Slurm queues its task again, for another node
@@ -62,7 +62,7 @@ scontrol update "NodeName=$lost" State=DOWN Reason=test || fail "node $lost cann
 killed=$(squeue -h -t R -o '%N %K' | grep -v "^$lost " | head -n 1 | cut -d ' ' -f 2)
 [ -n "$killed" ] || fail "no task works elsewhere"
 scancel --signal=KILL --full "${job}_$killed"
-wait_for_slurm 400
+wait_for_slurm
 echo "lost: node $lost; killed: task $killed"
 exits 0 sweep slurm-ed --status --json
 left=$((12 - $(value "done")))
@@ -70,10 +70,10 @@ left=$((12 - $(value "done")))
 
 # what is left is submitted again, and runs on the nodes that are there
 scontrol update "NodeName=$lost" State=RESUME 2>/dev/null # unless it came back by itself
-until_true slurm_is_idle
+await 600 slurm_is_idle || fail "node $lost does not come back"
 exits 0 sweep slurm-ed --slurm
 says err "$left points to be run"
-wait_for_slurm 400
+wait_for_slurm
 exits 0 sweep slurm-ed --status
 says out '12 points of s.lua: 12 done'
 same local slurm-ed
