@@ -240,6 +240,20 @@ def check_xarray(path):
     return f"xarray {xarray.__version__}, h5netcdf {h5netcdf.__version__}"
 
 
+def check_netcdf(path):
+    """The dimensions of netCDF are the same scales."""
+    try:
+        import netCDF4
+    except ImportError:
+        return None
+    with netCDF4.Dataset(path) as data:
+        position = data["particles/bodies/position/value"]
+        assert position.dimensions == ("time", "id", "axis"), position.dimensions
+        assert data["observables/momentum/value"].dimensions == ("time", "axis")
+        assert position.units == "m"
+    return f"netCDF4 {netCDF4.__version__}"
+
+
 def check_pandas(path):
     """A column as a table, times down, bodies across."""
     try:
@@ -346,7 +360,7 @@ def main():
     path = sys.argv[1]
     failed = False
     for name, check in [("h5py", check_h5py), ("depth", check_depth), ("h5dump", check_h5dump), ("dims", check_dims),
-                        ("xarray", check_xarray), ("pandas", check_pandas), ("MDAnalysis", check_mdanalysis),
+                        ("xarray", check_xarray), ("netCDF4", check_netcdf), ("pandas", check_pandas), ("MDAnalysis", check_mdanalysis),
                         ("pyh5md", check_pyh5md), ("VTK", check_vtk)]:
         try:
             said = check(path)
