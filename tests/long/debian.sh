@@ -17,7 +17,8 @@ done
 chroots=${CHROOTS:-$PWD/chroots}
 mkdir -p "$chroots"
 
-# inside ROOT COMMAND...: as root of that tree. Its mounts end with the command, so that the tree can be removed.
+# inside ROOT COMMAND...: as root of that tree, with nothing of this machine's environment but its way to the net. Its mounts end
+# with the command, so that the tree can be removed.
 inside()
 {
 	inside_root=$1
@@ -28,7 +29,11 @@ inside()
 		mount --rbind /dev "$1/dev"
 		root=$1
 		shift
-		exec chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 HOME=/srv \
+		for name in http_proxy https_proxy no_proxy PIP_INDEX_URL; do
+			eval "[ -z \"\${$name:-}\" ] || set -- \"$name=\$$name\" \"\$@\""
+		done
+		[ ! -f "$root/srv/certificates" ] || set -- PIP_CERT=/srv/certificates "$@"
+		exec chroot "$root" env -i DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 HOME=/srv \
 			PATH=/usr/sbin:/usr/bin:/sbin:/bin TMPDIR=/tmp "$@"' sh "$inside_root" "$@"
 }
 
@@ -39,7 +44,10 @@ for release in ${RELEASES:-bookworm trixie}; do
 			exit 77
 		}
 	fi
+	began=$(date +%s)
 	cp -a "$chroots/$release" build
+	# a tree that is thrown away needs no dpkg that waits for the disk
+	echo force-unsafe-io >build/etc/dpkg/dpkg.cfg.d/thrown-away
 	git clone --quiet --no-hardlinks "$TOP" build/src
 	# the machine's certificates and way to packages of Python, where it has one of its own
 	[ ! -f /etc/ssl/certs/ca-certificates.crt ] || cp /etc/ssl/certs/ca-certificates.crt build/srv/certificates
@@ -55,7 +63,9 @@ for release in ${RELEASES:-bookworm trixie}; do
 		cp build/packages/*.deb build/packages/*.dsc build/packages/*.tar.* "$PACKAGES/$release"
 	fi
 
+	built=$(date +%s)
 	cp -a "$chroots/$release" clean
+	cp build/etc/dpkg/dpkg.cfg.d/thrown-away clean/etc/dpkg/dpkg.cfg.d
 	cp -a build/packages clean/srv/packages
 	cp -a build/src/tools/python clean/srv/python
 	[ ! -f build/srv/certificates ] || cp build/srv/certificates clean/srv/certificates
@@ -76,12 +86,8 @@ LUA
 	grep -q '^(.*, 1, 3)$' log || fail "$release: python3-rbsim reads other positions: $(tail -n 5 log)"
 	{
 		inside clean apt-get -qq purge -y python3-rbsim
-		inside clean env PIP_CERT=/srv/certificates python3 -m venv /srv/venv
-		# shellcheck disable=SC2016 # it is for the other shell
-		inside clean env PIP_CERT=/srv/certificates PIP_INDEX_URL="${PIP_INDEX_URL:-}" sh -c '
-			[ -n "$PIP_INDEX_URL" ] || unset PIP_INDEX_URL
-			[ -f /srv/certificates ] || unset PIP_CERT
-			/srv/venv/bin/pip install --quiet /srv/python'
+		inside clean python3 -m venv /srv/venv
+		inside clean /srv/venv/bin/pip install --quiet /srv/python
 		inside clean sh -c 'cd /srv && venv/bin/python -c "
 import rbsim
 with rbsim.run(\"drop.lua\") as run: print(run.position.shape)"'
@@ -97,6 +103,6 @@ with rbsim.run(\"drop.lua\") as run: print(run.position.shape)"'
 		awk -v section="%$section" '/^%/ { on = $0 == section; next } on' "$TOP/examples/cluster/rbsim.def" >clean/srv/$section
 		inside clean sh -e /srv/$section >log 2>&1 || fail "$release: %$section of rbsim.def: $(tail -n 20 log)"
 	done
-	echo "$release: $(cd build/packages && echo *.deb), Python $(inside clean python3 -V | cut -d ' ' -f 2)"
+	echo "$release: $(cd build/packages && echo *.deb), Python $(inside clean python3 -V | cut -d ' ' -f 2); built in $((built - began)) s, tried in $(($(date +%s) - built)) s"
 	rm -rf build clean
 done
