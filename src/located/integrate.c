@@ -364,9 +364,9 @@ static bool are_others(const struct rb_modes *w)
 /*
  * Forces and accelerations at the beginning. Slips of which no direction is found that forces
  * balance across, or only one with which contacts break the law, do not creep: they turn, however
- * fast that is. And where these are not the forces
- * that the resolution has found, points are one too many but for next to nothing, which would leave
- * the forces to rounding: they keep those, if the modes are as good with them.
+ * fast that is. And where these are not the forces that the resolution has found, points are one
+ * too many but for next to nothing, which would leave the forces to rounding: they keep those, if
+ * the modes are as good with them.
  */
 static bool begin_modes(struct rb_modes *w)
 {

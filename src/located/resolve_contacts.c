@@ -7,6 +7,7 @@
 #include "located/resolve_contacts.h"
 
 #include "base/error.h"
+#include "base/forest.h"
 
 #include <float.h>
 #include <string.h>
@@ -247,14 +248,6 @@ static int dynamic_of(const struct rb_resolution *s, int k)
 
 /* ---- who goes on with whom ---- */
 
-/* Root of a union-find tree, with path halving. */
-static int root_of(int *root, int k)
-{
-	while (root[k] != k)
-		k = root[k] = root[root[k]];
-	return k;
-}
-
 /* Joins the parts of two bodies; the smaller place becomes the root. */
 static void join(struct rb_resolution *s, int a, int b)
 {
@@ -262,7 +255,8 @@ static void join(struct rb_resolution *s, int a, int b)
 
 	if (a >= l->n || b >= l->n || l->place[a] < 0 || l->place[b] < 0)
 		return;
-	const int x = root_of(s->root, l->place[a]), y = root_of(s->root, l->place[b]);
+	const int x = rb_forest_root(s->root, l->place[a]),
+		  y = rb_forest_root(s->root, l->place[b]);
 	s->root[x > y ? x : y] = x > y ? y : x;
 }
 
@@ -443,7 +437,7 @@ static bool in_closed_form(const struct rb_resolution *s, int part, const struct
 	const struct rb_located *l = s->l;
 
 	for (int k = 0; k < l->set_count; k++)
-		if (root_of(s->root, k) == part &&
+		if (rb_forest_root(s->root, k) == part &&
 		    (!s->constant[k] || l->model->center_of_mass || turns_oddly(s, k) ||
 		     rb_joint_rows_hold(l, l->set[k])))
 			return false;
@@ -492,15 +486,16 @@ static bool is_at_rest(const struct rb_resolution *s, int part)
 	double external = 0;
 
 	for (int k = 0; k < l->set_count; k++)
-		if (root_of(s->root, k) == part)
+		if (rb_forest_root(s->root, k) == part)
 			external = fmax(external, rb_vec3_max_abs(s->linear[k]));
 	for (int k = 0; k < s->contact_point_count; k++)
-		if (rb_slips_press(s, k) && root_of(s->root, l->place[dynamic_of(s, k)]) == part &&
+		if (rb_slips_press(s, k) &&
+		    rb_forest_root(s->root, l->place[dynamic_of(s, k)]) == part &&
 		    (will_move(s, s->contact_point[k].a, external) ||
 		     will_move(s, s->contact_point[k].b, external)))
 			return false;
 	for (int k = 0; k < l->set_count; k++) {
-		if (root_of(s->root, k) != part)
+		if (rb_forest_root(s->root, k) != part)
 			continue;
 		const double radius = rb_model_reach(l->model, l->set[k]);
 		const struct rb_solver_body *b = &s->joint.body[k];
@@ -522,7 +517,7 @@ static void rate_joints(struct rb_resolution *s, int part, struct rb_account_rat
 	if (!own)
 		return;
 	for (int k = 0; k < s->l->set_count; k++)
-		own[k] = root_of(s->root, k) == part;
+		own[k] = rb_forest_root(s->root, k) == part;
 	rb_joint_rest_rate(s, own, rates);
 }
 
@@ -539,7 +534,7 @@ static void start_part(struct rb_resolution *s, int part, struct rb_cluster *c,
 	c->at_rest = rest_speed;
 	c->integrated = !closed;
 	for (int k = 0; k < l->set_count; k++) {
-		if (root_of(s->root, k) != part)
+		if (rb_forest_root(s->root, k) != part)
 			continue;
 		if (rest_speed)
 			s->pose[k].velocity = s->pose[k].spin = none;
@@ -569,7 +564,8 @@ static void write_held(struct rb_resolution *s, int part, struct rb_cluster *c, 
 	int reported = 0;
 
 	for (int k = 0; k < s->contact_point_count; k++) {
-		if (!rb_slips_press(s, k) || root_of(s->root, l->place[dynamic_of(s, k)]) != part)
+		if (!rb_slips_press(s, k) ||
+		    rb_forest_root(s->root, l->place[dynamic_of(s, k)]) != part)
 			continue;
 		struct rb_held held = held_of(s, k);
 
@@ -618,14 +614,14 @@ static void write_parts(struct rb_resolution *s, const struct pace *pace)
 		int count = 0, held_count = 0;
 		bool alone = true;
 
-		if (root_of(s->root, part) != part)
+		if (rb_forest_root(s->root, part) != part)
 			continue;
 		for (int k = part; k < l->set_count; k++)
-			if (root_of(s->root, k) == part)
+			if (rb_forest_root(s->root, k) == part)
 				member[count++] = l->set[k];
 		for (int k = 0; k < s->contact_point_count; k++)
 			held_count += rb_slips_press(s, k) &&
-			              root_of(s->root, l->place[dynamic_of(s, k)]) == part;
+			              rb_forest_root(s->root, l->place[dynamic_of(s, k)]) == part;
 		for (int k = 0; k < count; k++)
 			alone = alone && !isnan(rb_external_decay(l, member[k], s->t)) &&
 			        !rb_joint_rows_hold(l, member[k]);
@@ -747,15 +743,18 @@ static bool resolve_once(struct rb_resolution *s, bool inspects, bool may_seize)
 	s->hit_joint = inspects && s->hit < 0 ? rb_joint_stops_hit(&s->joints, s->t) : -1;
 	if (s->hit >= 0 || s->hit_joint >= 0)
 		return false;
+	const struct rb_ledger before = l->world->ledger;
 	keep_what_lasts(s);
 	s->moves = is_moving(s);
-	if (s->moves && rb_located_cost(3.0 * s->contact_point_count) > l->crowd_max) {
+	if (s->moves && rb_located_cost(3.0 * s->contact_point_count) > l->crowd_max)
 		rb_slips_too_many(s);
+	else
+		sample_external(s);
+	if (l->status != RB_OK || !rb_slips_solve(s) || !rb_joint_rest_decide(s)) {
+		/* nothing is written: what has been put right has not happened */
+		l->world->ledger = before;
 		return false;
 	}
-	sample_external(s);
-	if (l->status != RB_OK || !rb_slips_solve(s) || !rb_joint_rest_decide(s))
-		return false;
 	join_all(s);
 	if (may_seize && s->joints.count == 0 && rb_seize(s))
 		return true;

@@ -7,6 +7,7 @@
  */
 #include "located/seize.h"
 
+#include "base/forest.h"
 #include "located/painleve.h"
 #include "located/mechanics.h"
 #include "located/event_records.h"
@@ -21,20 +22,12 @@ static bool is_dynamic(const struct rb_resolution *s, int body)
 	return body < s->l->n && s->l->place[body] >= 0;
 }
 
-/* Root of a part. */
-static int root_of(const struct rb_resolution *s, int place)
-{
-	while (s->root[place] != place)
-		place = s->root[place];
-	return place;
-}
-
 /* Part that contact k belongs to. */
 static int part_of(const struct rb_resolution *s, int k)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
 
-	return root_of(s, s->l->place[is_dynamic(s, m->a) ? m->a : m->b]);
+	return rb_forest_root(s->root, s->l->place[is_dynamic(s, m->a) ? m->a : m->b]);
 }
 
 /* True if it slips with less than its friction, which means that the law has no force. */

@@ -156,17 +156,10 @@ static void bend(const struct rb_world *world, struct rb_step_point *point)
 {
 	const struct rb_solver *const solver = &world->stepped->solver;
 
-	if (solver->joins_arms && rb_stepped_is_dynamic(world, point->b))
+	if (rb_stepped_joins_arms(world, point->b))
 		turn(world, rb_islands_between(solver, world->mark.position, point->a, point->b),
 		     point);
-	const struct rb_constraint row = {
-		.a = point->a,
-		.b = point->b < solver->body_count ? point->b : solver->body_count,
-		.central = point->central,
-		.normal = point->normal,
-		.arm_a = point->arm_a,
-		.arm_b = point->arm_b,
-	};
+	const struct rb_constraint row = rb_islands_row_of(solver, point);
 	const double here = point->gap;
 
 	RB_ASSERT_COSTLY(solver->h_s > 0);

@@ -301,14 +301,7 @@ static enum rb_status find_points(struct rb_world *world, struct rb_cohort *coho
 static double leaving(const struct rb_solver *solver, const struct rb_step_point *point)
 {
 	const struct rb_solver_bodies bodies = {.body = solver->free, .tensor = solver->tensor};
-	const struct rb_constraint row = {
-		.a = point->a,
-		.b = point->b < solver->body_count ? point->b : solver->body_count,
-		.central = point->central,
-		.normal = point->normal,
-		.arm_a = point->arm_a,
-		.arm_b = point->arm_b,
-	};
+	const struct rb_constraint row = rb_islands_row_of(solver, point);
 
 	return rb_vec3_dot(rb_constraint_velocity(&bodies, &row), point->normal);
 }

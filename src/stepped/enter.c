@@ -436,13 +436,7 @@ static rb_vec3 arm_of_b(const struct rb_step_point *point)
 	                      : rb_vec3_add(point->arm_b, rb_vec3_sub(point->lever, point->arm_a));
 }
 
-/* Whether both arms of a point have been joined where its impulse acts (stepped/levers). */
-static bool is_joined(const struct entering *n, const struct rb_step_point *point)
-{
-	return n->world->stepped->solver.joins_arms && rb_stepped_is_dynamic(n->world, point->b);
-}
-
-/* Arms of such a point; `normal` becomes the one there. */
+/* Arms of a point whose impulse acts where they meet; `normal` becomes the one there. */
 static void joined_arms(const struct entering *n, const struct rb_step_point *point, bool at_end,
                         rb_vec3 *normal, rb_vec3 arm[2])
 {
@@ -478,7 +472,7 @@ static rb_vec3 mean_at(const struct entering *n, const struct rb_step_point *poi
 
 	if (!is_dynamic)
 		return rb_vec3_sub(on_fixed, velocity_at(a->mean, arm_of_a(point)));
-	if (is_joined(n, point)) {
+	if (rb_stepped_joins_arms(n->world, point->b)) {
 		rb_vec3 normal, arm[2];
 
 		joined_arms(n, point, false, &normal, arm);
@@ -531,7 +525,7 @@ static void enter_rebound(struct entering *n, const struct rb_step_point *point,
 
 	if (rb_stepped_is_dynamic(n->world, point->b)) {
 		arm[1] = arm_of_b(point);
-		if (is_joined(n, point))
+		if (rb_stepped_joins_arms(n->world, point->b))
 			joined_arms(n, point, true, &normal, arm);
 		on_b = mean_since(n, point->b, body[point->b].end, arm[1]);
 	} else {

@@ -261,13 +261,6 @@ double rb_flight_touches(const struct rb_flight *flight, const struct rb_step_po
 	               : (double)INFINITY;
 }
 
-/* Whether the impulse of a point is to act where both arms meet (stepped/levers). */
-static bool joins_arms(const struct rb_flight *flight, const struct rb_step_point *point)
-{
-	return flight->world->stepped->solver.joins_arms &&
-	       rb_stepped_is_dynamic(flight->world, point->b);
-}
-
 /* From where the centre of mass of a is at t seconds, with all that forces give, to that of b. */
 static rb_vec3 lever_at(const struct rb_flight *flight, const struct rb_step_point *point, double t)
 {
@@ -300,7 +293,7 @@ void rb_flight_turn(const struct rb_flight *flight, struct rb_step_point *point,
 {
 	const struct rb_world *world = flight->world;
 	const int of[2] = {point->a, point->b};
-	const bool joins = joins_arms(flight, point);
+	const bool joins = rb_stepped_joins_arms(world, point->b);
 	const rb_vec3 d = joins ? lever_at(flight, point, t) : (rb_vec3){0, 0, 0};
 	const double gap = rb_flight_gap(flight, point, t, &point->normal);
 	double half = 0;
@@ -362,6 +355,6 @@ void rb_flight_see(const struct rb_flight *flight, struct rb_step_point *point, 
 	              radii_of(point) - point->gap;
 	/* along the normal turned back, balls that have parted may approach: no rebound is due */
 	point->approach = rb_flight_approach(flight, point, point->normal);
-	if (joins_arms(flight, point))
+	if (rb_stepped_joins_arms(flight->world, point->b))
 		turn_back(flight, point);
 }

@@ -141,6 +141,12 @@ static inline bool rb_stepped_is_dynamic(const struct rb_world *world, int i)
 	return i < world->model->body_count && world->model->inverse_mass[i] > 0;
 }
 
+/* Whether the impulse of a point on b acts where both arms meet: stepped/levers. */
+static inline bool rb_stepped_joins_arms(const struct rb_world *world, int b)
+{
+	return world->stepped->solver.joins_arms && rb_stepped_is_dynamic(world, b);
+}
+
 static inline void rb_stepped_blame(struct rb_stepped *s, int i)
 {
 	s->bad_count += !s->bad[i];

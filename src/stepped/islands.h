@@ -132,6 +132,20 @@ static inline bool rb_rest_holds(const struct rb_solver *solver, int i, const do
 RB_CHECKED enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
                                           struct rb_step_points *points, struct rb_error *err);
 
+/* The bodies of a point and where it is: a row for its velocity, without masses. */
+static inline struct rb_constraint rb_islands_row_of(const struct rb_solver *solver,
+                                                     const struct rb_step_point *point)
+{
+	return (struct rb_constraint){
+		.a = point->a,
+		.b = point->b < solver->body_count ? point->b : solver->body_count,
+		.central = point->central,
+		.normal = point->normal,
+		.arm_a = point->arm_a,
+		.arm_b = point->arm_b,
+	};
+}
+
 /* m: b's centre of mass from a's where the impulses of the step act; `position`: as it began. */
 rb_vec3 rb_islands_between(const struct rb_solver *solver, const double *position, int a, int b);
 

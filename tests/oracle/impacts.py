@@ -8,7 +8,7 @@ free turning, whose angular momentum stays.
 import numpy as np
 
 from contacts import ANGLE, Rows
-from mechanics import FLIGHT, acceleration, alone, complete, fliers, spin_momentum, touched
+from mechanics import FLIGHT, acceleration, alone, complete, fliers, round_ones, spin_momentum, touched
 from recording import COLLISION, dot, matrices, turn
 
 TURN, TURNS_MOST = 0.005, 1600  # radians a step of the integration, and how many steps
@@ -117,11 +117,6 @@ def check(rec, report, geometry, rows_most=4000):
         return
     rows = rows[np.unique(np.linspace(0, len(rows) - 1, min(len(rows), rows_most)).astype(int))] if len(rows) else rows
     lone(rec, report, geometry, rows, where)
-
-
-def round_ones(rec):
-    """[bodies and statics]: spheres, which touch at one point."""
-    return np.array([len(p) == 1 and len(p[0].vertices) == 1 and p[0].disc == 0 for p in rec.pieces], bool)
 
 
 def carried(rec, frame, i):

@@ -13,6 +13,11 @@ def complete(rec):
     return rec.bodies > 0 and all(c is not None for c in (rec.position, rec.orientation, rec.velocity))
 
 
+def round_ones(rec):
+    """[bodies and statics]: spheres, which touch at one point."""
+    return np.array([len(p) == 1 and len(p[0].vertices) == 1 and p[0].disc == 0 for p in rec.pieces], bool)
+
+
 def spin_momentum(rec, rotation, spin, inertia):
     """I w about the centre of mass, world axes."""
     return turn(rotation, turn(inertia, turn(np.swapaxes(rotation, -1, -2), spin)))
@@ -184,6 +189,7 @@ def steps(rec, report):
     for c in (way, angle):
         c[1:] = np.maximum(c[1:], c[:-1])
     ways = np.pad(way, ((0, 0), (0, 1)))  # of what does not move
+    ball = round_ones(rec)
     for table, kind, column in ((rec.contacts, None, "force"), (rec.events, 0, "impulse")):
         push = table[column] * (dt[table["frame"]][:, None] if column == "force" else 1)
         for side, sign in (("i", -1), ("j", 1)):
@@ -199,10 +205,11 @@ def steps(rec, report):
                 off = off + np.abs(table["gap"][rows])
             np.add.at(apart, at, np.linalg.norm(push[rows], axis=1) * off)
             if column == "impulse":
-                # one point stands for all of a pair: what rubs at them apart from each other is a couple as well
-                normal = table["normal"][rows]
-                rubs = push[rows] - np.sum(push[rows] * normal, axis=1)[:, None] * normal
-                np.add.at(couple, at, np.linalg.norm(rubs, axis=1))
+                # one point stands for all of a pair: what rubs at several of them is a couple as well
+                several = rows & ~(ball[table["i"]] | ball[table["j"]])
+                normal = table["normal"][several]
+                rubs = push[several] - np.sum(push[several] * normal, axis=1)[:, None] * normal
+                np.add.at(couple, (table["frame"][several], table[side][several]), np.linalg.norm(rubs, axis=1))
     change = np.zeros(rec.com.shape)
     change[1:] = np.diff(rec.velocity, axis=0) - (dt[1:, None, None] * acceleration(rec))
     turned = spin_momentum(rec, rec.rotation, rec.spin, np.where(rec.driven[:, None, None], 0, rec.inertia)[None])
