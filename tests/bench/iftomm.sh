@@ -5,8 +5,11 @@
 #   A01  pendulum of 1 m and 1 kg from the horizontal, 10 s
 #   A02  1 and 10 windows of rods of 1 m and 1 kg, upright at 30 m/s, 10 s: every half turn all of them lie in one line
 #   A03  Andrews' squeezing mechanism, 0.03 s (Hairer and Wanner, Solving Ordinary Differential Equations II, VII.7)
+#   A05  stiff flyball governor, springs of 8e5 N/m with dampers of 4e4 N s/m for coupler rods, 10 s; the shaft turns freely, with
+#        2 pi rad/s at the start
 # A01 and A02 have one freedom, angle'' = b sin(angle); their reference is that equation by Runge and Kutta's method with steps of
-# 1e-5 s, here. A03's is by tests/reference/squeezer.c (what is published is 1e-9 off). A run that does not end well is shown as its exit status.
+# 1e-5 s, here. A03's is by tests/reference/squeezer.c (what is published is 1e-9 off),
+# A05's by governor.c there. A run that does not end well is shown as its exit status.
 . "$(dirname "$0")/functions"
 
 # reference B ANGLE SPEED: sin and cos of the angle from upright after 10 s
@@ -97,6 +100,37 @@ expect("place", function()
 end)
 END
 
+cat >A05.lua <<'END'
+local h, angle, height, spin = param("h", 0.001, "s"), param("angle", 0.0, "rad"), param("height", 0.0, "m"), param("spin", 0.0, "rad/s")
+world { duration = 10, frame_rate = 10, time_step = h, gravity = {0, 0, -9.81} }
+local up, across, w = vec3(0, 0, 1), vec3(0, 1, 0), 2 * math.pi
+local function part(mass, inertia, position, orientation)
+	return sphere { radius = 0.01, mass = mass, inertia = inertia, position = position, orientation = orientation,
+		velocity = vec3(0, 0, w):cross(position), angular_velocity = {0, 0, w}, collides_with = {} }
+end
+-- What a bar of 3000 kg/m^3 and 1 cm x 1 cm x 1 m has, 0.3 kg; of a rod and its 5 kg, about both.
+local thin, thick = 0.3 * 2e-4 / 12, 0.3 * 1.0001 / 12
+local shaft = part(0.3, {thick, thick, thin}, vec3(0, 0, 0.5))
+local slider = part(3, {0.005, 0.005, 0.005}, vec3(0, 0, 0.5))
+joint { kind = "hinge", a = shaft, at = {0, 0, 0}, axis = up }
+joint { kind = "slider", a = shaft, b = slider, axis = up }
+local middle = (0.3 * 0.5 + 5) / 5.3
+local both = thick + 0.3 * (middle - 0.5) ^ 2 + 5 * (1 - middle) ^ 2
+local rods = {}
+for side = -1, 1, 2 do
+	local top, along = vec3(side * 0.05, 0, 1), vec3(side * math.sqrt(0.75), 0, -0.5)
+	local rod = part(5.3, {thin, both, both}, top + along * middle, {axis = across, angle = deg(side * 30)})
+	joint { kind = "hinge", a = shaft, b = rod, at = top, axis = across }
+	spring { a = slider, b = rod, at_a = {side * 0.05, 0, 0}, at_b = {side * (0.5 - middle), 0, 0}, stiffness = 8e5, damping = 4e4, rest_length = 0.5 }
+	rods[side] = rod
+end
+expect("place", function()
+	local d = rods[1].position - shaft.position
+	local out = vec3(d.x, d.y, 0):length()
+	return math.max(math.abs(slider.position.z - height), math.abs(out - 0.05 - middle * math.cos(angle)), math.abs(slider.angular_velocity.z - spin)), 1e9
+end)
+END
+
 # try CASE SCENE METHOD STEP UNIT [PARAM...]
 try()
 {
@@ -125,3 +159,6 @@ for n in 1 10; do
 done
 try A03 A03.lua located '' rad
 for h in 1e-5 1e-6; do try A03 A03.lua stepped $h rad; done
+set -- --param angle=0.390073701844645086 --param height=0.619622917061365655 --param spin=5.54820362265492661
+try A05 A05.lua located '' 'm, rad/s' "$@"
+for h in 1e-3 1e-4; do try A05 A05.lua stepped $h 'm, rad/s' "$@"; done
