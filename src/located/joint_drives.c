@@ -42,7 +42,12 @@ static double rates_of(const struct rb_joint_rows *rows, int which, double t)
 /* Its rounding. */
 static double noise_of(const struct rb_joint_rows *rows, int which, double t)
 {
-	return DRIVE_ULP * DBL_EPSILON * rates_of(rows, which, t);
+	const struct rb_joint *joint = &rows->l->model->joints->joint[which];
+	const double fall = rb_joint_rows_fall(rows->l, which);
+
+	return DRIVE_ULP * DBL_EPSILON *
+	       (rates_of(rows, which, t) +
+	        (rb_linkage_turns(&joint->link) ? fall / joint->size : fall));
 }
 
 struct rb_joint_off rb_joint_drives_off(const struct rb_joint_rows *rows, int which, double t)

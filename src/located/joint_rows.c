@@ -166,6 +166,11 @@ static struct rb_linkage_free free_of(const struct rb_joint_rows *rows, int whic
 	return rb_linkage_free(&rows->l->model->joints->joint[which].link, &end[0], &end[1]);
 }
 
+double rb_joint_rows_fall(const struct rb_located *l, int which)
+{
+	return sqrt(2 * l->weight * l->model->joints->joint[which].size);
+}
+
 struct rb_joint_stop rb_joint_rows_stop(const struct rb_joint_rows *rows, int which, int stop,
                                         double t)
 {
@@ -205,7 +210,9 @@ struct rb_joint_stop rb_joint_rows_stop(const struct rb_joint_rows *rows, int wh
 	                           : joint->size + fmax(rb_vec3_max_abs(a.position),
 	                                                rb_vec3_max_abs(b.position));
 	now.band = STOP_ULP * DBL_EPSILON * (reach + t * fabs(now.rate));
-	now.noise = DRIVE_ULP * DBL_EPSILON * (turns ? spins : speeds);
+	const double fall = rb_joint_rows_fall(l, which);
+
+	now.noise = DRIVE_ULP * DBL_EPSILON * (turns ? spins + fall / joint->size : speeds + fall);
 	return now;
 }
 

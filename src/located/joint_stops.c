@@ -13,19 +13,22 @@
 /* Height of the smallest rebound in ulp of the joint's size. */
 enum { SMALLEST_ULP = 8 };
 
-int rb_joint_stops_hit(const struct rb_joint_rows *rows, double t)
+int rb_joint_stops_hit(const struct rb_joint_rows *rows, double t, double slack)
 {
 	for (int k = 0; k < rows->joint_count; k++) {
 		const int which = rows->joint[k];
+		const struct rb_joint *joint = &rows->l->model->joints->joint[which];
 		const signed char *mode = &rows->l->drive_mode[RB_JOINT_PARTS_HELD * which];
+		/* what an impact leaves of what it stops is rounding of what was before */
+		const double left = slack / (rb_linkage_turns(&joint->link) ? joint->size : 1);
 
 		for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++) {
-			if (!rb_joint_rows_has_stop(&rows->l->model->joints->joint[which], stop) ||
+			if (!rb_joint_rows_has_stop(joint, stop) ||
 			    (mode[stop] == RB_DRIVE_HELD && !rows->l->starting))
 				continue;
 			const struct rb_joint_stop now = rb_joint_rows_stop(rows, which, stop, t);
 
-			if (now.gap <= now.band && now.rate < -now.noise)
+			if (now.gap <= now.band && now.rate < -(now.noise + left))
 				return which;
 		}
 	}

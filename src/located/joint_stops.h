@@ -10,8 +10,11 @@
 #include "located/joint_drives.h"
 #include "located/joint_problem.h"
 
-/* The first of the rows' joints of which a stop touches and approaches beyond rounding; -1. */
-int rb_joint_stops_hit(const struct rb_joint_rows *rows, double t);
+/*
+ * The first of the rows' joints of which a stop touches and approaches beyond rounding, `slack`, m/s,
+ * of velocities that have come in; -1: none.
+ */
+int rb_joint_stops_hit(const struct rb_joint_rows *rows, double t, double slack);
 
 /* A body of the joint that yields. */
 int rb_joint_stops_body(const struct rb_located *l, int joint);

@@ -740,7 +740,7 @@ static bool resolve_once(struct rb_resolution *s, bool inspects, bool may_seize)
 	if (!begin(s))
 		return false;
 	s->hit = inspects ? find_hit(s) : -1;
-	s->hit_joint = inspects && s->hit < 0 ? rb_joint_stops_hit(&s->joints, s->t) : -1;
+	s->hit_joint = inspects && s->hit < 0 ? rb_joint_stops_hit(&s->joints, s->t, s->slack) : -1;
 	if (s->hit >= 0 || s->hit_joint >= 0)
 		return false;
 	const struct rb_ledger before = l->world->ledger;

@@ -443,9 +443,9 @@ static double accumulation(struct impact *s, int k)
 	                                              : rb_contact_point_of(l, &name, &pose_a,
 	                                                                    &pose_b);
 	const double target_velocity = rb_vec3_dot(velocity_after(s, k), c->normal);
-	/* the other end of a rocking body lifts without an impulse */
+	/* the other end of a rocking body, or another link, lifts without an impulse */
 	const bool took_part = c->approach > 0 || rb_vec3_dot(c->impulse, c->normal) > 0 ||
-	                       (!rb_set_is_single(l, m->a, m->b) && rb_set_held_like(l, m));
+	                       rb_set_held_like(l, m);
 	if (!took_part || !(target_velocity > 0))
 		return -1;
 	const double closing = rb_bounces_closing(l, &after, s->t);
