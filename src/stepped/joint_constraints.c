@@ -212,24 +212,145 @@ static void make_spring(const struct filling *f, struct rb_constraint *row)
 		soften(f, row, query->lasts_s);
 }
 
-static double motor_rate(const struct filling *f)
-{
-	const double speed = f->query->world->joint[f->joint->def].motor_speed;
+/* ---- motors that follow ---- */
 
-	if (!isnan(speed))
-		return speed;
-	if (isnan(f->of->wanted))
-		return 0;
-	return f->query->at_end ? f->of->wanted_rate : (f->of->wanted - f->way) / f->query->h_s;
+/*
+ * Of its part in the braking that a motor has beside the load (located/follow.h). And the share of
+ * its bound by which its force must have changed, for what came of that to tell how its joint
+ * answers.
+ */
+static const double brake_share = 0.5, change_share = 0.1;
+/* Share of its bound within which a force is at it. */
+static const double at_bound = 1e-9;
+
+/* Has it a motor that follows, in a step that bodies move in? */
+static bool follows(const struct filling *f)
+{
+	return f->query->before && !isnan(f->of->wanted) &&
+	       isnan(f->query->world->joint[f->joint->def].motor_speed);
+}
+
+/*
+ * What the step before tells: what the motor's force has changed in the acceleration of the free
+ * coordinate. `answer_max`: if its bodies were free, which is more.
+ */
+static void learn(const struct filling *f, double answer_max)
+{
+	struct rb_joint_memory *const last = &f->of->last;
+	const double max = f->query->world->joint[f->joint->def].motor_max;
+	const double force = last->force[RB_JOINT_MOTOR];
+
+	if (!(last->length_s > 0)) {
+		last->acceleration = (double)NAN;
+		last->answer = 0;
+		return;
+	}
+	const double acceleration = (f->free.rate - last->rate) / last->length_s;
+	const double change = force - last->motor;
+	const double answer = (acceleration - last->acceleration) / change;
+
+	/* written so that NAN tells nothing; what moves nothing is not tried again */
+	if (fabs(change) >= change_share * max && answer > 0 && answer <= answer_max)
+		last->answer = answer;
+	else if (fabs(change) >= change_share * max && !(last->answer > 0) && !isnan(answer))
+		last->answer = -1;
+	last->acceleration = acceleration;
+	last->motor = force;
+}
+
+/*
+ * With which deceleration, relative to what it follows and that has itself the acceleration `bends`,
+ * it begins to brake what it closes in `way` (1 or -1); 0: at once, it has nothing to brake with;
+ * INFINITY: not known.
+ */
+static double braking_of(const struct filling *f, double way, double bends)
+{
+	const struct rb_joint_memory *const last = &f->of->last;
+	const double max = f->query->world->joint[f->joint->def].motor_max;
+	const double force = last->force[RB_JOINT_MOTOR];
+	/* what is followed moves away from it, or towards it */
+	const double load = last->acceleration - last->answer * force - bends;
+
+	return last->answer > 0 ? fmax(0, brake_share * (last->answer * max - way * load))
+	                        : (double)INFINITY;
+}
+
+/* The rate that a motor which follows is asked for. */
+static double follow_rate(const struct filling *f)
+{
+	struct rb_step_joint *const of = f->of;
+	const double h = f->query->h_s, off = of->wanted_before - f->way, way = off < 0 ? -1 : 1;
+	const double mean = (of->wanted - of->wanted_before) / h;
+	const double closes = way * (f->free.rate - mean), d = fabs(off);
+	const double brake_max = braking_of(f, way, 2 * (of->wanted_rate - mean) / h);
+	const double keeps = sqrt(2 * brake_max * d); /* what could just be braked */
+	double a = of->last.brakes * way;
+
+	of->end_rate = (double)NAN;
+	if (!(a > 0) || closes < 0.5 * sqrt(2 * a * d))
+		a = closes > 0.5 * keeps && closes >= keeps - brake_max * h
+		            ? closes * closes / (2 * d)
+		            : 0;
+	of->last.brakes = way * a;
+	if (!(a > 0))
+		a = brake_max > 0 ? brake_max : (double)INFINITY;
+	/* written so that NAN is there within the step */
+	if (!(d > 0.5 * fmax(a, brake_max) * h * h)) {
+		of->last.brakes = 0;
+		return (of->wanted - f->way) / h;
+	}
+	of->end_rate = mean + way * (sqrt(2 * a * d) - a * h);
+	return mean + way * (sqrt(2 * a * d) - 0.5 * a * h);
+}
+
+/*
+ * It gives all that it has, and has done so ever since it began: for a step it gives half of it, to
+ * see how its joint answers.
+ */
+static bool must_probe(const struct filling *f)
+{
+	const struct rb_joint_memory *const last = &f->of->last;
+	const double max = f->query->world->joint[f->joint->def].motor_max;
+
+	return last->answer == 0 && fabs(last->force[RB_JOINT_MOTOR]) >= max * (1 - at_bound);
+}
+
+/* Once it is known how its bodies yield; `scale`: the row's velocity per rate. */
+static void make_motor(const struct filling *f, struct rb_constraint *row)
+{
+	const double lever = row->couple ? row->arm_a.x : 1;
+	const double scale = row->couple ? lever / rb_vec3_length(f->free.row.angular_b) : 1;
+	const double given = impulse_of(row, f->of->impulse[RB_JOINT_MOTOR]);
+
+	if (!follows(f))
+		return;
+	if (!f->query->at_end) {
+		learn(f, row->inverse_mass_n / (scale * lever));
+		row->target.n = scale * follow_rate(f);
+		if (must_probe(f))
+			row->high *= 0.5;
+		row->low = -row->high;
+		f->of->motor_bound = row->high;
+		return;
+	}
+	row->target.n = scale * (isnan(f->of->end_rate) ? f->of->wanted_rate : f->of->end_rate);
+	/* all of it is all of it in both halves: it is asked for what it cannot reach */
+	if (fabs(given) >= f->of->motor_bound * (1 - at_bound))
+		row->low = row->high = given;
 }
 
 static struct rb_constraint free_row(const struct filling *f, int part)
 {
 	const double each = f->query->at_end ? 0 : 1 / f->query->h_s;
-	const double rate = part == RB_JOINT_LOW     ? each * (f->joint->low - f->way)
-	                    : part == RB_JOINT_HIGH  ? each * (f->joint->high - f->way)
-	                    : part == RB_JOINT_MOTOR ? motor_rate(f)
-	                                             : 0;
+	const double speed = f->query->world->joint[f->joint->def].motor_speed;
+	double rate = 0;
+
+	if (part == RB_JOINT_LOW)
+		rate = each * (f->joint->low - f->way);
+	else if (part == RB_JOINT_HIGH)
+		rate = each * (f->joint->high - f->way);
+	else if (part == RB_JOINT_MOTOR && !isnan(speed))
+		rate = speed; /* of what follows it is known with how its bodies yield */
 	double scale, max = 0;
 	struct rb_constraint row = line_row(f, &f->free.row, rate, &scale);
 
@@ -320,6 +441,8 @@ void rb_step_joint_rows_fill(const struct rb_joint_query *query, int k, struct r
 		rb_effective_mass_fill(query->bodies, &row[r]);
 		if (part[r] == RB_JOINT_SPRING && query->before)
 			make_spring(&f, &row[r]);
+		if (part[r] == RB_JOINT_MOTOR)
+			make_motor(&f, &row[r]);
 		row[r].impulse = rb_constraint_project(&row[r], row[r].impulse);
 	}
 }

@@ -7,7 +7,7 @@
  *     every other row of the linkage      INTERVAL (-inf, inf)             -(C + bend) / h
  *     a rope                              INTERVAL (-inf, 0]               -(C + bend) / h
  *     limits of the free coordinate q     INTERVAL [0, inf), (-inf, 0]     (limit - q) / h
- *     motor                               INTERVAL [-h most, h most]       speed; (wanted - q) / h
+ *     motor                               INTERVAL [-h most, h most]       speed; see below
  *     friction                            INTERVAL [-h most, h most]       0
  *     spring and damper                   INTERVAL (-inf, inf), soft       constraint/row
  *
@@ -25,6 +25,16 @@
  * of the linkage the target 0, motors the speed at the end of the step, and repeats what springs
  * and dampers, taken at the middle of the step, gave in the first. Springs that the step does not
  * resolve act in the first half alone, at the end of the step as in other groups.
+ *
+ * A motor that follows is asked for (wanted - q) / h, but where it is further off than it can brake
+ * within the step. There it is asked to come back on a parabola, as located (located/follow.h): with
+ * d what it is off as the step begins, a the deceleration and f' the mean rate of what it follows,
+ *
+ *     q' = f' + sqrt(2 a d) - a h / 2, and at the end of the step f' + sqrt(2 a d) - a h,
+ *
+ * which repeated is that parabola to rounding. Until it has to brake, a is half of what all of the
+ * motor against its motion would give, which follows from how the last change of its force has
+ * changed the acceleration (`answer`); from then on it is what the parabola has.
  *
  * Rows that only turn are couples with the size of the joint as lever: their errors, in m, compare
  * with those of points. A body that is not dynamic is the second of a row, whatever it is of the
@@ -56,7 +66,13 @@ enum {
 	X(double, curve, [RB_LINKAGE_ROWS_MAX], "m/s^2, rad/s^2", "bend over h^2", RB_FINITE) \
 	X(double, way, , "m, rad", "free coordinate, turns counted", RB_FINITE)               \
 	X(rb_vec3, reaction, , "N", "on b", RB_FINITE)                                        \
-	X(rb_vec3, twist, , "N m", "on b, about its point", RB_FINITE)
+	X(rb_vec3, twist, , "N m", "on b, about its point", RB_FINITE)                        \
+	X(double, rate, , "m/s, rad/s", "of the free coordinate as it began", RB_FINITE)      \
+	X(double, length_s, , "s", "of it; 0: there was none", RB_FINITE)                     \
+	X(double, answer, , "1/kg, 1/(kg m^2)", "of the rate to the motor", RB_FINITE)        \
+	X(double, motor, , "N, N m", "what the motor gave in the step before", RB_FINITE)     \
+	X(double, acceleration, , "m/s^2, rad/s^2", "what came of that", RB_NUMBER)           \
+	X(double, brakes, , "m/s^2, rad/s^2", "with which it comes back", RB_FINITE)
 struct rb_joint_memory {
 	RB_JOINT_MEMORY_FIELDS(RB_FIELD_MEMBER)
 };
@@ -79,8 +95,11 @@ struct rb_step_joint {
 	int first_row; /* of the try; -1: its group rests, or is not asked about */
 	/* m, rad: where a motor that follows is to be at the end of the step; NAN: it does not */
 	double wanted;
-	double wanted_rate;  /* m/s, rad/s: how fast it is to be then */
-	bool spring_is_late; /* its spring is not resolved: taken at the end of the step */
+	double wanted_before; /* m, rad: where it is to be as the step begins */
+	double wanted_rate;   /* m/s, rad/s: how fast it is to be at the end */
+	double motor_bound;   /* N s: bound of the motor's row in the first half */
+	double end_rate;      /* m/s, rad/s: the same where it is on its way back; NAN: it is not */
+	bool spring_is_late;  /* its spring is not resolved: taken at the end of the step */
 	double bend[RB_LINKAGE_ROWS_MAX]; /* m, rad */
 	double miss[RB_LINKAGE_ROWS_MAX]; /* m, rad: errors when they were last measured */
 	double drift; /* m: the largest of these; INFINITY: not measured in this try */

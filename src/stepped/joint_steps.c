@@ -113,11 +113,14 @@ static enum rb_status ask_way(struct rb_world *world, int k, double time, double
                               struct rb_step_joint *of, struct rb_error *err)
 {
 	const struct rb_world_hooks *hooks = &world->hooks;
-	double at[2], before[2], after[2];
+	double at[2], before[2] = {0}, after[2];
 	enum rb_status status = hooks->follow(hooks->user, k, time, at, err);
 
 	of->wanted = at[0];
 	of->wanted_rate = at[1];
+	if (status == RB_OK)
+		status = hooks->follow(hooks->user, k, time - h, before, err);
+	of->wanted_before = before[0];
 	if (status != RB_OK || !isnan(at[1]))
 		return status;
 	status = hooks->follow(hooks->user, k, time - 0.5 * h, before, err);
@@ -135,7 +138,7 @@ enum rb_status rb_joints_try(struct rb_world *world, const struct rb_cohort *coh
 	for (int k; (k = next(world, cohort, &c)) >= 0;) {
 		struct rb_step_joint *of = &world->stepped->solver.joint[k];
 
-		of->wanted = world->joint[k].motor_angle;
+		of->wanted = of->wanted_before = world->joint[k].motor_angle;
 		of->wanted_rate = 0;
 		if (rb_joint_state_follows(&world->joint[k]) && isnan(of->wanted)) {
 			const enum rb_status status = ask_way(world, k, start + h, h, of, err);
@@ -233,6 +236,8 @@ static void remember(const struct rb_joint *joint, struct rb_step_joint *of, dou
 		of->last.force[p] = of->impulse[p] / h;
 	for (int r = 0; r < RB_LINKAGE_ROWS_MAX; r++)
 		of->last.curve[r] = slack ? 0 : of->bend[r] / (h * h);
+	of->last.rate = of->rate;
+	of->last.length_s = h;
 	of->last.reaction = rb_vec3_scale(1 / h, of->reaction);
 	of->last.twist = rb_vec3_scale(1 / h, of->twist);
 }

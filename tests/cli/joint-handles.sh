@@ -109,6 +109,36 @@ says err "wrong.lua:3: 'way' of the motor of slider #0 at t = .*: it returns a s
 sed 's/return 0.1 \* math.sin(3 \* t) end, f/return t < 0.5 and 0 or 0.01 end, f/; /^expect/d; s/velocity = {0, 0, 0.3}/velocity = {0, 0, 0}/' located.lua >wrong.lua
 exits 65 wrong.lua --no-record --quiet
 says err "wrong.lua:3: 'way' of the motor of slider #0 jumps by 0.01 m at t = 0.5 s: what a motor follows moves without jumps"
+# Told to go elsewhere, a motor pushes with all of it and brakes with half of what it has beside the load, also by steps: the
+# closed form without gravity, of an arm of I: a push over a third of the way. Its moments are a step off at most. It does not
+# swing there, nor where it starts behind what it follows, and hangs on.
+cat >back.lua <<'END'
+local h, g, goal, way = param("h", 1e-3, "s"), param("g", 0.0, "m/s^2"), param("goal", 1.0, "rad"), param("way", "told", "", {choices = {"told", "sine"}})
+world { duration = 3, frame_rate = 50, time_step = h, gravity = {0, 0, -g}, method = "stepped" }
+local arm = sphere { radius = 0.1, mass = 1, position = {0.5, 0, 0} }
+local function follow(t) if way == "told" then return 0, 0 end return math.sin(3 * t), 3 * math.cos(3 * t) end
+local motor = joint { kind = "hinge", a = arm, at = {0, 0, 0}, axis = {0, 1, 0}, motor = {angle = follow, torque = 8} }
+local a = 8 / (0.25 + 0.4 * 0.01)
+local push = math.sqrt(2 / 3 / a)
+local brake = 4 / 3 / (a * push)
+local function closed_form(t)
+	if t < push then return a * t * t / 2 end
+	if t < push + brake then return 1 - 2 / 3 * (1 - (t - push) / brake) ^ 2 end
+	return 1
+end
+if way == "told" then on_step(function() motor:set_motor { angle = goal } end) end
+if way == "told" and g == 0 then
+	expect_always("as in closed form", function() return math.abs(motor.angle - closed_form(time())), 1.5 * a * push * h end)
+end
+expect_always("it stays where it is to be", function()
+	return time() < 1.6 and 0 or math.abs(motor.angle - (way == "told" and goal or follow(time()))), 1e-9
+end)
+END
+for h in 4e-3 1e-3 3e-4; do
+	exits 0 back.lua --no-record --quiet --param h=$h
+	exits 0 back.lua --no-record --quiet --param h=$h --param g=9.81 --param goal=-1
+	exits 0 back.lua --no-record --quiet --param h=$h --param g=9.81 --param way=sine
+done
 cat >told.lua <<'END'
 world { duration = 3, frame_rate = 20, gravity = {0, 0, -10}, method = "located" }
 local arm = box { name = "arm", size = {1, 0.1, 0.1}, mass = 1, position = {0.5, 0, 0} }
