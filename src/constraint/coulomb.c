@@ -426,6 +426,23 @@ static double walk(struct rb_cone *cone, int steps, double left, double toleranc
 	return left;
 }
 
+/*
+ * m/s: by how much what the impulses do is rounded: of a light body between heavy ones, two large
+ * changes that cancel.
+ */
+static double rounding_of(const struct rb_cone *cone)
+{
+	double largest = 0;
+
+	for (int k = 0; k < cone->row_count; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+
+		largest = fmax(largest, row->bound_n * fabs(row->base.impulse.n));
+		largest = fmax(largest, row->bound_t * rb_vec3_length(row->base.impulse.t));
+	}
+	return DBL_EPSILON * largest;
+}
+
 /* Until the problem as it stands is solved or nothing helps any more. */
 static double relax(struct rb_cone *cone, bool convex, double tolerance, int rounds)
 {
@@ -446,7 +463,7 @@ static double relax(struct rb_cone *cone, bool convex, double tolerance, int rou
 			steps = steps < STEPS_LIMIT ? 2 * steps : STEPS_LIMIT;
 		if (left < 0.5 * least)
 			stalled = 0;
-		else if (left < 256 * tolerance)
+		else if (left < 256 * fmax(tolerance, rounding_of(cone)))
 			stalled++;
 		least = fmin(left, least);
 	}

@@ -8,6 +8,8 @@
 
 /* Rounding of a rate and of an angle, in ulp of what they are differences of. */
 enum { DRIVE_ULP = 64, ANGLE_ULP = 16 };
+/* Of time: a piece within it has no length. */
+enum { AT_ONCE_ULP = 2 };
 /* Share of its bound by which the solver may leave a force that is at it below. */
 static const double within_bound = 1e-11;
 
@@ -101,15 +103,37 @@ static bool has_ended(const struct rb_located *l, int which, double t)
 	return !rb_located_on_piece(l, body) || t >= l->piece[body].until_s;
 }
 
-/* Modes that are to change at the end of a piece do, if it is that which has ended. */
-static void take_next(const struct rb_joint_rows *rows, int which, double t)
+/*
+ * Has the piece ended as soon as it began? What it has found to exceed its bound at rest does,
+ * whatever the solver says: their forces differ by the rounding of loads that cancel.
+ */
+static bool has_ended_at_once(const struct rb_located *l, int which, double t)
+{
+	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const int body = rb_located_fixed(l, joint->a) ? joint->b : joint->a;
+	const double fall = rb_joint_rows_fall(l, which);
+	const double natural_s = fall > 0 ? joint->size / fall : 0;
+
+	return rb_located_on_piece(l, body) &&
+	       t - l->piece[body].origin_s <= AT_ONCE_ULP * DBL_EPSILON * fmax(t, natural_s);
+}
+
+/*
+ * Modes that are to change at the end of a piece do, if it is that which has ended. `sure`: of each
+ * drive, whether it is known to be at its bound.
+ */
+static void take_next(const struct rb_joint_rows *rows, int which, double t,
+                      bool sure[RB_JOINT_PARTS_HELD])
 {
 	struct rb_located *l = rows->l;
 
 	for (int part = 0; part < RB_JOINT_PARTS_HELD; part++) {
 		signed char *const next = &l->drive_next[RB_JOINT_PARTS_HELD * which + part];
+		const bool changes = *next != RB_DRIVE_KEEPS && has_ended(l, which, t);
 
-		if (*next != RB_DRIVE_KEEPS && has_ended(l, which, t))
+		sure[part] = changes && *mode_of(rows, which, part) == RB_DRIVE_HELD &&
+		             has_ended_at_once(l, which, t);
+		if (changes)
 			*mode_of(rows, which, part) = *next;
 		*next = RB_DRIVE_KEEPS;
 	}
@@ -173,15 +197,16 @@ void rb_joint_drives_begin(const struct rb_joint_rows *rows, double t, bool anew
 {
 	for (int k = 0; k < rows->joint_count; k++) {
 		const int which = rows->joint[k];
+		bool sure[RB_JOINT_PARTS_HELD];
 
-		take_next(rows, which, t);
+		take_next(rows, which, t, sure);
 		for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++)
 			begin_stop(rows, which, stop, t, anew, slack);
 		for (int kind = 0;
 		     kind < RB_JOINT_DRIVES && rb_joint_rows_has_drive(rows->l, which); kind++) {
 			if (kind == RB_DRIVE_MOTOR && rb_follow_has(rows->l, which))
 				begin_follow(rows, which, t, anew, slack);
-			else
+			else if (anew || !sure[kind])
 				begin_drive(rows, which, kind, t, anew);
 		}
 	}
