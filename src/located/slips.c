@@ -268,9 +268,16 @@ bool rb_slips_straight(const struct rb_resolution *s, int k, rb_vec3 slip)
 bool rb_slips_creep(const struct rb_resolution *s, int k, const struct rb_held *held)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
+	rb_vec3 friction = {0, 0, 0};
+	int first;
+	const int end = rb_slips_pair(s, k, &first);
 
+	/* points of a pair slip together, however they share its load */
+	for (int i = first; i < end; i++)
+		friction = rb_vec3_add(friction, rb_vec3_reject(s->joint.contact[i].impulse,
+		                                                s->contact_point[i].normal));
 	return held->slipping && held->friction > 0 &&
-	       rb_set_is_slow(s->l, m, rb_vec3_dot(slip_rate(s, k), held->slip), held->force);
+	       rb_set_is_slow(s->l, m, rb_vec3_dot(slip_rate(s, k), held->slip), friction);
 }
 
 /*
