@@ -278,9 +278,15 @@ static void enter(const struct errors *e)
 		return;
 	struct rb_entries entries = {0};
 
-	for (int k = 0; k < e->hold.rows.count; k++)
-		rb_joint_rows_enter(&e->hold.rows, &e->hold.rows.row[k], e->hold.dense.right[k],
-		                    e->drift->t, &entries);
+	for (int k = 0; k < e->hold.rows.count; k++) {
+		const struct rb_joint_row *row = &e->hold.rows.row[k];
+		const double impulse = e->hold.dense.right[k];
+
+		/* a motor that keeps its speed does work, however small the change is that it takes part in */
+		rb_entries_energy(&entries, RB_ENERGY_DRIVEN,
+		                  rb_joint_rows_power(&e->hold.rows, row, impulse, e->drift->t));
+		rb_joint_rows_enter(&e->hold.rows, row, impulse, e->drift->t, &entries);
+	}
 	rb_ledger_enter(&e->drift->l->world->ledger, &entries);
 }
 

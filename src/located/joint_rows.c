@@ -365,9 +365,8 @@ void rb_joint_rows_add_springs(const struct rb_joint_rows *rows, double t, rb_ve
 	}
 }
 
-/* W (J by an impulse), given by motors that keep their speeds or follow. */
-static double power_of(const struct rb_joint_rows *rows, const struct rb_joint_row *row,
-                       double multiplier, double t)
+double rb_joint_rows_power(const struct rb_joint_rows *rows, const struct rb_joint_row *row,
+                           double multiplier, double t)
 {
 	if (row->drive != RB_DRIVE_MOTOR)
 		return 0;
@@ -381,7 +380,7 @@ void rb_joint_rows_enter_springs(const struct rb_joint_rows *rows, const double 
 
 	for (int k = 0; k < rows->count; k++)
 		rb_entries_energy(rate, RB_ENERGY_DRIVEN,
-		                  power_of(rows, &rows->row[k], multiplier[k], t));
+		                  rb_joint_rows_power(rows, &rows->row[k], multiplier[k], t));
 
 	for (int k = 0; k < rows->joint_count; k++) {
 		if (!rb_joint_rows_spring(rows, k, t, &spring))
@@ -573,7 +572,7 @@ static void enter(const struct rb_joint_rows *rows, const double *impulse, doubl
 		/* of the mean of J V before and after, which is zero */
 		rb_entries_energy(&e, RB_ENERGY_IMPACTS, -0.5 * impulse[k] * rows->row[k].velocity);
 		rb_entries_energy(&e, RB_ENERGY_DRIVEN,
-		                  power_of(rows, &rows->row[k], impulse[k], t));
+		                  rb_joint_rows_power(rows, &rows->row[k], impulse[k], t));
 		rb_joint_rows_enter(rows, &rows->row[k], impulse[k], t, &e);
 	}
 	rb_ledger_enter(&rows->l->world->ledger, &e);

@@ -199,6 +199,10 @@ void rb_joint_rows_wrenches(const struct rb_joint_rows *rows, const double *mult
 void rb_joint_rows_enter(const struct rb_joint_rows *rows, const struct rb_joint_row *row,
                          double multiplier, double t, struct rb_entries *e);
 
+/* W (J by an impulse): what a row of a motor that keeps its speed, or follows, gives. */
+double rb_joint_rows_power(const struct rb_joint_rows *rows, const struct rb_joint_row *row,
+                           double multiplier, double t);
+
 /*
  * The same of springs, dampers, motors and friction, with what dampers and friction take, and
  * motors give; multipliers of the rows are for motors that keep their speeds.
