@@ -8,6 +8,8 @@
 
 /* Rounding of a rate and of an angle, in ulp of what they are differences of. */
 enum { DRIVE_ULP = 64, ANGLE_ULP = 16 };
+/* Ulp of the size, within which a drive that comes to its speed is at it. */
+enum { SOON_ULP = 8 };
 /* Of time: a piece within it has no length. */
 enum { AT_ONCE_ULP = 2 };
 /* Share of its bound by which the solver may leave a force that is at it below. */
@@ -210,6 +212,45 @@ void rb_joint_drives_begin(const struct rb_joint_rows *rows, double t, bool anew
 				begin_drive(rows, which, kind, t, anew);
 		}
 	}
+}
+
+/*
+ * rad/s or m/s: a rate from which the drive alone would come to its speed within rounding of sizes.
+ */
+static double soon_kept(const struct rb_located *l, int which, int kind)
+{
+	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const double lever = rb_linkage_turns(&joint->link) ? joint->size : 1;
+	const double force = rb_joint_rows_drive_now(l, which, kind).max / lever;
+	const int end[2] = {joint->a, joint->b};
+	double inverse = 0;
+
+	for (int e = 0; e < 2; e++)
+		if (end[e] >= 0 && !rb_located_fixed(l, end[e]))
+			inverse += l->model->inverse_mass[end[e]];
+	return sqrt(2 * inverse * force * SOON_ULP * DBL_EPSILON * joint->size) / lever;
+}
+
+bool rb_joint_drives_end(const struct rb_joint_rows *rows, double t, double slack)
+{
+	bool any = false;
+
+	rb_joint_drives_begin(rows, t, true, slack);
+	for (int k = 0; k < rows->joint_count; k++)
+		for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
+			const int which = rows->joint[k];
+			const struct rb_joint_drive drive = rb_joint_rows_drive_now(rows->l, which,
+			                                                            kind);
+			signed char *const mode = mode_of(rows, which, kind);
+
+			if (!(drive.max > 0) || isnan(drive.speed) || *mode == RB_DRIVE_HELD ||
+			    !(fabs(free_of(rows, which, t).rate - drive.speed) <=
+			      soon_kept(rows->l, which, kind)))
+				continue;
+			*mode = RB_DRIVE_HELD;
+			any = true;
+		}
+	return any;
 }
 
 void rb_joint_drives_decide(const struct rb_joint_rows *rows, const double *multiplier)

@@ -157,6 +157,31 @@ bool rb_joint_stops_end(const struct rb_joint_rows *rows, const struct rb_simult
 	return any;
 }
 
+void rb_joint_stops_end_drives(const struct rb_joint_rows *rows, struct rb_simultaneous *joint,
+                               struct rb_pose *pose, double t, double slack)
+{
+	const rb_arena_mark here = rb_arena_here(rows->l->arena);
+	struct rb_joint_rows after = *rows;
+
+	RB_ASSERT(rows->pose == pose);
+	after.touching = false;
+	for (int p = 0; p < rows->body_count; p++) {
+		pose[p].velocity = joint->body[p].linear;
+		pose[p].spin = joint->body[p].angular;
+	}
+	if (!rb_joint_rows_collect(&after)) {
+		fail_memory(rows);
+		return;
+	}
+	if (rb_joint_drives_end(&after, t, slack))
+		rb_joint_rows_correct(&after, t, pose, true);
+	for (int p = 0; p < rows->body_count; p++) {
+		joint->body[p].linear = pose[p].velocity;
+		joint->body[p].angular = pose[p].spin;
+	}
+	rb_arena_back(rows->l->arena, here);
+}
+
 /* ---- what is told ---- */
 
 static struct rb_pose pose_of(const struct rb_joint_rows *rows, int body, double t)

@@ -20,6 +20,13 @@ int rb_joint_stops_hit(const struct rb_joint_rows *rows, double t, double slack)
 int rb_joint_stops_body(const struct rb_located *l, int joint);
 
 /*
+ * Where rebounds of contacts end: stops drives that would come to their speed within rounding, which
+ * changes velocities of the solution. Else a box that rocks and a joint that rubs go on in turn.
+ */
+void rb_joint_stops_end_drives(const struct rb_joint_rows *rows, struct rb_simultaneous *joint,
+                               struct rb_pose *pose, double t, double slack);
+
+/*
  * After an impact, whose bodies are by place and whose rows of joints are `rows`: stops of which
  * infinitely many rebounds would follow within rounding lose their restitution in the problem.
  * True: there are some, and the impact is to be taken anew. Drives and stops are left in the modes

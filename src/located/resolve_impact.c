@@ -625,6 +625,8 @@ static void end_accumulations(struct impact *s)
 		                                               .a = s->contact_point[k].a,
 		                                               .b = s->contact_point[k].b};
 	}
+	if (any && s->joints.count > 0)
+		rb_joint_stops_end_drives(&s->joints, &s->joint, s->pose, s->t, s->slack);
 	if (any && single)
 		stop_one_by_one(s, ends);
 	else if (any)
