@@ -282,7 +282,7 @@ static void enter(const struct errors *e)
 		const struct rb_joint_row *row = &e->hold.rows.row[k];
 		const double impulse = e->hold.dense.right[k];
 
-		/* a motor that keeps its speed does work, however small the change is that it takes part in */
+		/* a motor that keeps its speed does work, however small the change is */
 		rb_entries_energy(&entries, RB_ENERGY_DRIVEN,
 		                  rb_joint_rows_power(&e->hold.rows, row, impulse, e->drift->t));
 		rb_joint_rows_enter(&e->hold.rows, row, impulse, e->drift->t, &entries);

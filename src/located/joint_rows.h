@@ -112,8 +112,8 @@ bool rb_joint_rows_joined(const struct rb_located *l, int a, int b);
 bool rb_joint_rows_collect(struct rb_joint_rows *rows);
 
 /*
- * m/s: what weight makes of what rests in a fall by the joint's size. Rates that are nothing beside it
- * are rounding, however slow all else is.
+ * m/s: what weight makes of what rests in a fall by the joint's size. Rates that are nothing beside
+ * it are rounding, however slow all else is.
  */
 double rb_joint_rows_fall(const struct rb_located *l, int joint);
 

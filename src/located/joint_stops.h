@@ -11,8 +11,8 @@
 #include "located/joint_problem.h"
 
 /*
- * The first of the rows' joints of which a stop touches and approaches beyond rounding, `slack`, m/s,
- * of velocities that have come in; -1: none.
+ * The first of the rows' joints of which a stop touches and approaches beyond rounding, `slack`,
+ * m/s, of velocities that have come in; -1: none.
  */
 int rb_joint_stops_hit(const struct rb_joint_rows *rows, double t, double slack);
 
@@ -20,8 +20,9 @@ int rb_joint_stops_hit(const struct rb_joint_rows *rows, double t, double slack)
 int rb_joint_stops_body(const struct rb_located *l, int joint);
 
 /*
- * Where rebounds of contacts end: stops drives that would come to their speed within rounding, which
- * changes velocities of the solution. Else a box that rocks and a joint that rubs go on in turn.
+ * Where rebounds of contacts end: stops drives that would come to their speed within rounding,
+ * which changes velocities of the solution. Else a box that rocks and a joint that rubs go on in
+ * turn.
  */
 void rb_joint_stops_end_drives(const struct rb_joint_rows *rows, struct rb_simultaneous *joint,
                                struct rb_pose *pose, double t, double slack);

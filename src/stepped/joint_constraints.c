@@ -259,8 +259,8 @@ static void learn(const struct filling *f, double answer_max)
 }
 
 /*
- * With which deceleration, relative to what it follows and that has itself the acceleration `bends`,
- * it begins to brake what it closes in `way` (1 or -1); 0: at once, it has nothing to brake with;
+ * With which deceleration it begins to brake what it closes in `way` (1 or -1), relative to what it
+ * follows, which itself has the acceleration `bends`; 0: at once, it has nothing to brake with;
  * INFINITY: not known.
  */
 static double braking_of(const struct filling *f, double way, double bends)

@@ -27,8 +27,9 @@
  * resolve act in the first half alone, at the end of the step as in other groups.
  *
  * A motor that follows is asked for (wanted - q) / h, but where it is further off than it can brake
- * within the step. There it is asked to come back on a parabola, as located (located/follow.h): with
- * d what it is off as the step begins, a the deceleration and f' the mean rate of what it follows,
+ * within the step. There it is asked to come back on a parabola, as located (located/follow.h):
+ * with d what it is off as the step begins, a the deceleration and f' the mean rate of what it
+ * follows,
  *
  *     q' = f' + sqrt(2 a d) - a h / 2, and at the end of the step f' + sqrt(2 a d) - a h,
  *
