@@ -466,6 +466,29 @@ static void a_disc_that_tilts_within_a_wide_band_has_its_lowest_point_too(void *
 	shapes_release(&block);
 }
 
+/* One whose border it crosses: the band is as wide as it is, and a corner of the box lies beside it by less. */
+static void a_capsule_has_no_points_beside_its_line_within_a_wide_band(void **slot)
+{
+	shape box = shapes_box(0.5, 0.5, 0.5), capsule = shapes_capsule(0.15, 0.1);
+	const rb_placed below = {&box.core, {0, 0, -0.5}, shapes_upright};
+	const double c = cos(0.3), s = sin(0.3), fine = 1e-6;
+	/* its axis along (-s, c, 0) */
+	const rb_mat3 lying = {{{c, 0, -s}, {s, 0, c}, {0, -1, 0}}};
+	const rb_placed p = {&capsule.core, {0.4, 0.45, 0.1}, lying};
+	rb_manifold m;
+
+	(void)slot;
+	rb_manifold_with_nearest(&m, &p, &below, 0.12, fine, (double)INFINITY);
+	assert_int_equal(m.count, 2);
+	for (int k = 0; k < m.count; k++) {
+		const rb_vec3 d = rb_vec3_sub(m.point[k].on_a, p.at);
+		/* so far aside a circle of this radius is higher by `fine` */
+		assert_near(d.x * c + d.y * s, 0, sqrt(2 * 0.1 * fine));
+	}
+	shapes_release(&box);
+	shapes_release(&capsule);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -488,6 +511,7 @@ int main(void)
 		cmocka_unit_test(keys_and_points_stay_under_tiny_motions),
 		cmocka_unit_test(of_many_corners_those_farthest_out_stay),
 		cmocka_unit_test(a_disc_that_tilts_within_a_wide_band_has_its_lowest_point_too),
+		cmocka_unit_test(a_capsule_has_no_points_beside_its_line_within_a_wide_band),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -66,6 +66,7 @@ typedef struct {
 	rb_placed a, b;
 	rb_separation s;
 	double tilt; /* shares of their reaches by which faces may tilt and still be taken whole */
+	double fine; /* m: of a gap */
 	rb_overlay_point point[RB_OVERLAY_MAX];
 	int count;
 } find;
@@ -76,6 +77,7 @@ static void start(find *f, const rb_placed *a, const rb_placed *b)
 	f->b = (rb_placed){b->core, rb_vec3_sub(b->at, a->at), b->turn};
 	f->s = rb_separation_of(&f->a, &f->b);
 	f->tilt = 0;
+	f->fine = (double)INFINITY;
 	f->count = 0;
 }
 
@@ -99,7 +101,13 @@ static int corners_within(const find *f, double depth, double band, bool round,
 	const double along = sqrt(band * band + 2 * curve * band);
 	/* sharp edges have no such tolerance: radii are those of curvature alone */
 	const double radii = pa.curve + pb.curve + f->a.core->radius + f->b.core->radius;
-	const double aside = round ? sqrt(band * band + 2 * radii * band) : band;
+	double aside = round ? sqrt(band * band + 2 * radii * band) : band;
+	/*
+	 * beside the line of a round side the gap is larger than it looks from there, and wide
+	 * bands are wider than the side: corners count that are as good as on the line
+	 */
+	if (!round && radii > 0 && (pa.kind == RB_PATCH_SEGMENT || pb.kind == RB_PATCH_SEGMENT))
+		aside = fmin(aside, fmax(sqrt(2 * radii * f->fine), f->s.noise));
 	const rb_overlay_def def = {f->s.normal, aside, along};
 	return rb_overlay(&pa, &pb, &def, point);
 }
@@ -151,6 +159,7 @@ static void search(find *f, double depth, double fine)
 	const int max = RB_MANIFOLD_MAX - (only_corners ? 0 : NEAREST_MAX);
 
 	f->tilt = only_corners ? 0 : tilt_share;
+	f->fine = fine;
 	f->count = corners(f, depth, f->point);
 	if (f->count > max)
 		f->count = thin_out(f->point, f->count, max, f->s.normal);
