@@ -11,6 +11,7 @@
 #include "geom/manifold.h"
 #include "model/parts.h"
 #include "step/gap.h"
+#include "stepped/beside.h"
 #include "stepped/pivot.h"
 #include "stepped/clearance.h"
 
@@ -19,10 +20,12 @@ RB_FIELDS_DEFINE(rb_named_impulse_fields, struct rb_named_impulse, RB_NAMED_IMPU
 enum rb_status rb_step_points_create(struct rb_step_points *points, const struct rb_model *model,
                                      struct rb_error *err)
 {
-	*points = (struct rb_step_points){.joins_arms = rb_levers_matter(model)};
+	*points = (struct rb_step_points){.joins_arms = rb_levers_matter(model),
+	                                  .body_count = model->body_count};
 	points->first_last = rb_memory_take((size_t)model->body_count + 1,
 	                                    sizeof *points->first_last);
-	if (!points->first_last)
+	points->held = rb_memory_take((size_t)model->body_count + 1, 1);
+	if (!points->first_last || !points->held)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of %d bodies",
 		               model->body_count);
 	return RB_OK;
@@ -34,6 +37,7 @@ void rb_step_points_release(struct rb_step_points *points)
 	rb_memory_free(points->last);
 	rb_memory_free(points->spare);
 	rb_memory_free(points->first_last);
+	rb_memory_free(points->held);
 	*points = (struct rb_step_points){0};
 }
 
@@ -205,6 +209,64 @@ static struct rb_gap approaching(const struct inspection *inspection, struct rb_
 	return g;
 }
 
+/* Whether contacts had forces on a body in the step before; what does not move needs none. */
+static bool is_held(const struct inspection *inspection, int i)
+{
+	const struct rb_model *model = inspection->world->model;
+
+	return i >= model->body_count || !(model->inverse_mass[i] > 0) ||
+	       inspection->points->held[i];
+}
+
+/* m/s: of a body's point at `at`. */
+static rb_vec3 velocity_at(const struct rb_world *world, const struct rb_state *state, int i,
+                           rb_vec3 at)
+{
+	if (i >= world->model->body_count)
+		return (rb_vec3){0, 0, 0};
+	const rb_vec3 v = rb_world_row3(state->velocity, i);
+	return state->spin ? rb_vec3_add(v, rb_vec3_cross(rb_world_row3(state->spin, i),
+	                                                  rb_vec3_sub(at, center_of(world, i))))
+	                   : v;
+}
+
+/*
+ * Of a sphere on a finite plane, as stepped/beside has it: it comes to the border from beside, and
+ * the plane is between them as long as forces do not move it through that.
+ */
+static bool is_beside_border(const struct inspection *inspection, struct rb_pair pair)
+{
+	const struct rb_world *world = inspection->world;
+	const struct rb_model *model = world->model;
+	const double h = inspection->h, tolerance = model->stepped_tolerance_m;
+
+	if (model->shape[pair.b].kind != RB_SHAPE_RECTANGLE)
+		return false;
+	const struct rb_gap g = rb_gap_of(world, &world->state, pair.a, pair.b);
+	const rb_quat turn = pair.b < model->body_count
+	                             ? rb_quat_from(world->state.orientation + 4 * (size_t)pair.b)
+	                             : model->orientation[pair.b];
+	const rb_vec3 origin = rb_world_origin_at(world, &world->state, pair.a);
+	const rb_vec3 local = rb_quat_rotate_back(
+		turn, rb_vec3_sub(origin, rb_world_origin_at(world, &world->state, pair.b)));
+	const double *const size = model->shape[pair.b].size;
+
+	if (fabs(local.x) <= 0.5 * size[0] && fabs(local.y) <= 0.5 * size[1])
+		return false;
+	const rb_vec3 up = rb_quat_rotate(turn, (rb_vec3){0, 0, local.z < 0 ? -1 : 1});
+	const rb_vec3 low = rb_vec3_add_scaled(origin, -model->shape[pair.a].radius, up);
+	const double height = fabs(local.z) - model->shape[pair.a].radius;
+	const rb_vec3 before = rb_vec3_sub(velocity_at(world, &world->mark, pair.a, origin),
+	                                   velocity_at(world, &world->mark, pair.b, low));
+	const rb_vec3 forced = rb_vec3_sub(velocity_at(world, &world->state, pair.a, origin),
+	                                   velocity_at(world, &world->state, pair.b, low));
+	const bool by_itself = height <= tolerance ||
+	                       (is_held(inspection, pair.a) && is_held(inspection, pair.b));
+
+	return height >= -tolerance && h * rb_vec3_dot(before, g.normal) > g.gap &&
+	       height + h * rb_vec3_dot(by_itself ? before : forced, up) >= -tolerance;
+}
+
 /*
  * Of two balls that come from far: the gap by the end of the step stays, seen along the line of
  * their centres now, where an impulse leaves their angular momentum.
@@ -238,7 +300,7 @@ static void inspect_plain(struct inspection *inspection, struct rb_pair pair, do
 			return;
 	}
 	const struct rb_gap g = approaching(inspection, pair);
-	if (!(g.gap <= slack))
+	if (!(g.gap <= slack) || is_beside_border(inspection, pair))
 		return;
 	struct rb_step_point *point = add_point(inspection);
 	if (!point)
@@ -380,6 +442,58 @@ static double band_of(const struct inspection *inspection, struct rb_pair pair, 
 	return fmin(slack, way + model->stepped_tolerance_m);
 }
 
+/* rad: how a body turns in the step, at the velocities of that state. */
+static rb_quat turn_of(const struct inspection *inspection, const struct rb_state *state, int i)
+{
+	if (i >= inspection->world->model->body_count || !state->spin)
+		return (rb_quat){1, 0, 0, 0};
+	return rb_quat_from_turn(rb_vec3_scale(inspection->h, rb_world_row3(state->spin, i)));
+}
+
+/* m: where its centre of mass gets. */
+static rb_vec3 center_after(const struct inspection *inspection, const struct rb_state *state,
+                            int i)
+{
+	const struct rb_world *world = inspection->world;
+	const rb_vec3 center = center_of(world, i);
+
+	return i < world->model->body_count ? rb_vec3_add_scaled(center, inspection->h,
+	                                                         rb_world_row3(state->velocity, i))
+	                                    : center;
+}
+
+/* Of the first of a pair, as the second sees it, in the step; a part of it is at `at`. */
+static struct rb_beside_motion relative(const struct inspection *inspection,
+                                        const struct rb_state *state, struct rb_pair pair,
+                                        rb_vec3 at)
+{
+	const struct rb_world *world = inspection->world;
+	const rb_quat a = turn_of(inspection, state, pair.a),
+		      b = turn_of(inspection, state, pair.b);
+	const rb_vec3 arm = rb_quat_rotate(a, rb_vec3_sub(at, center_of(world, pair.a)));
+	const rb_vec3 then = rb_vec3_add(center_after(inspection, state, pair.a), arm);
+	const rb_vec3 from_b = rb_quat_rotate_back(
+		b, rb_vec3_sub(then, center_after(inspection, state, pair.b)));
+	const rb_vec3 was = rb_vec3_sub(at, center_of(world, pair.b));
+
+	return (struct rb_beside_motion){rb_vec3_sub(from_b, was),
+	                                 rb_quat_multiply((rb_quat){b.w, -b.x, -b.y, -b.z}, a)};
+}
+
+static bool passes(const struct inspection *inspection, struct rb_pair pair, const rb_placed *a,
+                   const rb_placed *b, const rb_manifold *manifold)
+{
+	const struct rb_world *world = inspection->world;
+
+	const struct rb_beside beside = {.before = relative(inspection, &world->mark, pair, a->at),
+	                                 .forced = relative(inspection, &world->state, pair, a->at),
+	                                 .held = is_held(inspection, pair.a) &&
+	                                         is_held(inspection, pair.b),
+	                                 .tolerance = world->model->stepped_tolerance_m};
+
+	return rb_beside(&beside, a, b, manifold);
+}
+
 /* Of the tolerance, by which points may stand too high. */
 static const double fine_share = 0.125;
 /* How far all of them are apart at least; -INFINITY: nothing is known. */
@@ -387,7 +501,8 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
                             struct rb_clue *clues)
 {
 	const struct rb_candidates *candidates = inspection->candidates;
-	const double fine = fine_share * inspection->world->model->stepped_tolerance_m;
+	const double tolerance = inspection->world->model->stepped_tolerance_m;
+	const double fine = fine_share * tolerance;
 	const double band = band_of(inspection, pair, slack);
 	const int a = candidates->first_part[pair.a], b = candidates->first_part[pair.b];
 	const int count_a = rb_candidates_part_count(candidates, pair.a);
@@ -425,7 +540,8 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 			clue->axis = manifold.normal;
 			clue->is_close = manifold.gap <= slack;
 			/* as if it had been seen at once: what is known decides cost only */
-			if (!clue->is_close)
+			if (!clue->is_close || (rb_beside_may(&manifold, band, tolerance) &&
+			                        passes(inspection, pair, pa, pb, &manifold)))
 				continue;
 			add_manifold(inspection, pair, &manifold, slack,
 			             (uint32_t)i << 16 | (uint32_t)j, pa);

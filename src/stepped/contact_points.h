@@ -59,6 +59,9 @@ struct rb_step_points {
 	size_t spare_capacity;
 	bool joins_arms;    /* angular momentum is to stay: stepped/levers */
 	size_t *first_last; /* owned, [bodies + 1]: of each a in `last` */
+	/* owned, [bodies]: whether contacts had forces on it in the step before: it is in `last` */
+	unsigned char *held;
+	int body_count;
 };
 
 /* Its name, without half. */

@@ -6,14 +6,27 @@
 #include "stepped/contact_points.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/error.h"
 #include "base/memory.h"
+
+/* Marks stand for all bodies of the model: those of others are of no use, but of no harm either. */
+static void mark_held(struct rb_step_points *points)
+{
+	for (size_t k = 0; k < points->last_count; k++) {
+		points->held[points->last[k].a] = 1;
+		if (points->last[k].b < points->body_count)
+			points->held[points->last[k].b] = 1;
+	}
+}
 
 void rb_step_points_index(struct rb_step_points *points, const struct rb_model *model)
 {
 	int a = 0;
 
+	memset(points->held, 0, (size_t)model->body_count);
+	mark_held(points);
 	for (size_t k = 0; k < points->last_count; k++)
 		for (; a <= points->last[k].a; a++)
 			points->first_last[a] = k;
@@ -140,6 +153,9 @@ void rb_step_points_index_members(struct rb_step_points *points, const int *memb
 {
 	size_t at = 0;
 
+	for (int k = 0; k < count; k++)
+		points->held[member[k]] = 0;
+	mark_held(points);
 	for (int k = 0; k < count; k++) {
 		points->first_last[member[k]] = at;
 		while (at < points->last_count && points->last[at].a == member[k])

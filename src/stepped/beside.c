@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A contact along n is judged by its side: the step would let the parts come as near along n as to
+ * touch. If a face with normal m is a plane between them, now and at the end of the step, they do
+ * not meet, unless forces move them through that plane. Forces do not where the parts are flush, to
+ * the tolerance, or where contacts have held the bodies in the step before: others hold them.
+ *
+ * Where the parts lie over each other along m, that is no reason: two faces nearly parallel both
+ * keep a stack apart. They do not if they are apart across m, in the direction in which n looks, to
+ * the tolerance; or if what is outermost of both along m has no point in common, as of a ball
+ * beside a seam, which may hang over it. Then only what comes near on its own is beside: what rolls
+ * off an edge leaves it.
+ */
+#include "stepped/beside.h"
+
+#include "geom/patch_overlap.h"
+
+/* Both parts, seen from the origin of the first. */
+struct parts {
+	rb_placed a, b;
+	double radii; /* m, of both together */
+};
+
+/* m: height along `n`, of any length, of the farthest point of the core. */
+static double height(const rb_placed *p, rb_vec3 n)
+{
+	return rb_vec3_dot(n, p->at) + rb_placed_height(p, n);
+}
+
+/* m: how far they are apart along n, from a to b. */
+static double gap_along(const struct parts *parts, rb_vec3 n)
+{
+	return -height(&parts->a, n) - height(&parts->b, rb_vec3_neg(n)) - parts->radii;
+}
+
+/* m: the same when a has moved. */
+static double gap_behind(const struct parts *parts, rb_vec3 n,
+                         const struct rb_beside_motion *motion)
+{
+	return -height(&parts->a, rb_quat_rotate_back(motion->turn, n)) -
+	       rb_vec3_dot(n, motion->way) - height(&parts->b, rb_vec3_neg(n)) - parts->radii;
+}
+
+/* m: the same where n turns with a. */
+static double gap_before(const struct parts *parts, rb_vec3 n,
+                         const struct rb_beside_motion *motion)
+{
+	const rb_vec3 turned = rb_quat_rotate(motion->turn, n);
+
+	return -height(&parts->a, n) - rb_vec3_dot(turned, motion->way) -
+	       height(&parts->b, rb_vec3_neg(turned)) - parts->radii;
+}
+
+bool rb_beside_may(const rb_manifold *manifold, double band, double tolerance)
+{
+	const rb_vec3 from = manifold->point[0].on_b;
+	rb_vec3 along = {0, 0, 0};
+	double far = 0, low = 0, high = 0;
+
+	if (!(manifold->gap >= -tolerance) || manifold->count == 0)
+		return false;
+	for (int k = 1; k < manifold->count; k++) {
+		const rb_vec3 d = rb_vec3_sub(manifold->point[k].on_b, from);
+
+		if (!(rb_vec3_dot(d, d) > far))
+			continue;
+		far = rb_vec3_dot(d, d);
+		along = d;
+	}
+	if (far == 0)
+		return true;
+	const rb_vec3 across = rb_vec3_unit(rb_vec3_cross(manifold->normal, along),
+	                                    (rb_vec3){0, 0, 0});
+	for (int k = 1; k < manifold->count; k++) {
+		const double aside = rb_vec3_dot(across,
+		                                 rb_vec3_sub(manifold->point[k].on_b, from));
+
+		low = fmin(low, aside);
+		high = fmax(high, aside);
+	}
+	return high - low <= 2 * band + tolerance;
+}
+
+/* Whether what is outermost of both, along n from a to b, has no point in common. */
+static bool misses(const struct parts *parts, rb_vec3 n, double depth)
+{
+	const rb_overlay_def def = {n, 0, 0};
+	rb_overlay_point point[RB_OVERLAY_MAX];
+	rb_patch a, b;
+
+	rb_patch_of(&a, &parts->a, n, depth, 0);
+	rb_patch_of(&b, &parts->b, rb_vec3_neg(n), depth, 0);
+	return rb_overlay(&a, &b, &def, point) == 0;
+}
+
+/* Faces of a polytope, ends of a cylinder. */
+static int face_count(const rb_placed *p)
+{
+	switch (p->core->kind) {
+	case RB_CORE_CYLINDER:
+		return 2;
+	case RB_CORE_POLYTOPE:
+		return p->core->polytope->face_count;
+	default:
+		return 0;
+	}
+}
+
+static rb_vec3 face_normal(const rb_placed *p, int face)
+{
+	const rb_vec3 local = p->core->kind == RB_CORE_CYLINDER
+	                              ? (rb_vec3){0, 0, face ? -1 : 1}
+	                              : p->core->polytope->faces[face].normal;
+
+	return rb_mat3_apply(&p->turn, local);
+}
+
+/* Whether a face keeps the parts apart through the step; n from a to b. */
+static bool parts_them(const struct rb_beside *beside, const struct parts *parts, rb_vec3 n,
+                       bool of_a)
+{
+	const double gap = gap_along(parts, n);
+
+	if (!(gap >= -beside->tolerance))
+		return false;
+	const struct rb_beside_motion *const motion = beside->held || gap <= beside->tolerance
+	                                                      ? &beside->before
+	                                                      : &beside->forced;
+	const double then = of_a ? gap_before(parts, n, motion) : gap_behind(parts, n, motion);
+
+	return then >= -beside->tolerance;
+}
+
+/*
+ * Whether they do not lie over each other along m, both from a to b. `closes`: they come nearer
+ * along n by themselves.
+ */
+static bool is_aside(const struct rb_beside *beside, const struct parts *parts, rb_vec3 n,
+                     rb_vec3 m, bool closes)
+{
+	const rb_vec3 none = {0, 0, 0};
+	const rb_vec3 across = rb_vec3_unit(rb_vec3_add_scaled(n, -rb_vec3_dot(n, m), m), none);
+
+	if (rb_vec3_max_abs(across) == 0)
+		return false;
+	return gap_along(parts, across) >= -beside->tolerance ||
+	       (closes && misses(parts, m, beside->tolerance));
+}
+
+bool rb_beside(const struct rb_beside *beside, const rb_placed *a, const rb_placed *b,
+               const rb_manifold *manifold)
+{
+	const rb_vec3 n = manifold->normal;
+	const struct parts parts = {{a->core, {0, 0, 0}, a->turn},
+	                            {b->core, rb_vec3_sub(b->at, a->at), b->turn},
+	                            a->core->radius + b->core->radius};
+
+	if (a->core->kind == RB_CORE_HALF_SPACE || b->core->kind == RB_CORE_HALF_SPACE ||
+	    !(gap_behind(&parts, n, &beside->forced) < 0))
+		return false;
+	const bool closes = gap_behind(&parts, n, &beside->before) < 0;
+
+	for (int k = 0; k < 2; k++) {
+		const rb_placed *const owner = k ? &parts.b : &parts.a;
+
+		for (int f = 0; f < face_count(owner); f++) {
+			const rb_vec3 m = rb_vec3_scale(k ? -1 : 1, face_normal(owner, f));
+
+			if (parts_them(beside, &parts, m, !k) &&
+			    is_aside(beside, &parts, n, m, closes))
+				return true;
+		}
+	}
+	return false;
+}
