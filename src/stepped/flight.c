@@ -5,7 +5,8 @@
  * contacts will carry the forces. Where forces vary within a step it is the straight way with v'.
  *
  * Two spheres: the distance is a convex function of t on a straight way, so Newton's method from
- * below converges monotonically without overshoot. All other contacts keep the normal and arm of
+ * below converges monotonically without overshoot; where forces make it concave, it goes too far
+ * once and converges from above. All other contacts keep the normal and arm of
  * their point, and the time is the smaller root of a quadratic, written in the form without
  * cancellation.
  *
@@ -26,6 +27,12 @@
 enum { STEPS_MAX = 32, GAP_ULP = 4, SPEED_ULP = 64 };
 /* Approaches below this many residuals of the previous solution are its error, not impacts. */
 static const double left_share = 16;
+/*
+ * Of the way in a step, a gap that counts as closed; and of how many steps forces make speeds that
+ * an impact without restitution is to exceed.
+ */
+static const double whole_share = 1e-3;
+enum { SOME_STEPS = 4 };
 
 static double larger(double a, double b)
 {
@@ -168,12 +175,13 @@ double rb_flight_rounding(const struct rb_flight *flight, int i)
 	return DBL_EPSILON * (rb_vec3_max_abs(center_of(flight, i)) + size) / flight->h_s;
 }
 
-double rb_flight_least(const struct rb_flight *flight, const struct rb_step_point *point,
-                       rb_vec3 normal)
+/* m/s: of the approach, what the forces of the step make. */
+static double closing_by_forces(const struct rb_flight *flight, const struct rb_step_point *point,
+                                rb_vec3 normal)
 {
 	const struct rb_world *world = flight->world;
 	const int ends[2] = {point->a, point->b};
-	double rounding = 0, closing = 0;
+	double closing = 0;
 
 	for (int e = 0; e < 2; e++) {
 		if (ends[e] >= world->model->body_count)
@@ -183,6 +191,21 @@ double rb_flight_least(const struct rb_flight *flight, const struct rb_step_poin
 		const double more = rb_vec3_dot(rb_vec3_sub(after, before), normal);
 
 		closing += e == 0 ? more : -more;
+	}
+	return closing;
+}
+
+double rb_flight_least(const struct rb_flight *flight, const struct rb_step_point *point,
+                       rb_vec3 normal)
+{
+	const struct rb_world *world = flight->world;
+	const int ends[2] = {point->a, point->b};
+	const double closing = closing_by_forces(flight, point, normal);
+	double rounding = 0;
+
+	for (int e = 0; e < 2; e++) {
+		if (ends[e] >= world->model->body_count)
+			continue;
 		const rb_vec3 arm = e == 0 ? point->arm_a : point->arm_b;
 		const double speed = rb_vec3_length(rb_flight_of(flight, ends[e], arm).velocity);
 		rounding = larger(rounding,
@@ -190,6 +213,41 @@ double rb_flight_least(const struct rb_flight *flight, const struct rb_step_poin
 	}
 	const double some = larger(closing, left_share * left_of(flight, point));
 	return larger(SPEED_ULP * rounding, some < flight->tolerance ? some : flight->tolerance);
+}
+
+/* Joined ones are solved in steps that are cut at impacts (stepped/attempt). */
+bool rb_flight_splits(const struct rb_flight *flight, const struct rb_step_point *point)
+{
+	const double h = flight->h_s, approach = point->approach;
+
+	return point->friction > 0 && point->restitution == 0 && point->from == 0 &&
+	       flight->world->state.spin && h * approach > flight->touching &&
+	       point->gap > whole_share * h * approach &&
+	       approach > SOME_STEPS * closing_by_forces(flight, point, point->normal);
+}
+
+/* The approach with which it is an impact: as it stands, or only with more than that. */
+static double rebound(const struct rb_flight *flight, const struct rb_step_point *point,
+                      double approach)
+{
+	if (point->restitution > 0)
+		return point->restitution * approach;
+	return flight->mixed || rb_flight_splits(flight, point) ? approach : 0;
+}
+
+bool rb_flight_could_touch(const struct rb_flight *flight, const struct rb_step_point *point)
+{
+	const struct rb_world *world = flight->world;
+	const double h = flight->h_s;
+
+	if (!(rebound(flight, point, point->approach) > 0))
+		return false;
+	if (point->gap <= h * point->approach)
+		return true;
+	rb_vec3 u = rb_vec3_neg(rb_world_row3(world->state.velocity, point->a));
+	if (point->b < world->model->body_count)
+		u = rb_vec3_add(u, rb_world_row3(world->state.velocity, point->b));
+	return !point->central || point->gap <= -h * rb_vec3_dot(u, point->normal);
 }
 
 /* Time at which two spheres touch, from `now` on; INFINITY: not within the step. */
@@ -208,9 +266,10 @@ static double spheres_touch(const struct rb_flight *flight, const struct rb_step
 
 		if (!(rate < 0))
 			return (double)INFINITY;
-		if (gap <= none)
+		/* forces may bend the way: then a step has gone too far, and the next ones back */
+		if (gap <= none && (step == 0 || gap >= -none))
 			return t;
-		t -= gap / rate;
+		t = larger(now, t - gap / rate);
 		if (!(t <= flight->h_s))
 			return (double)INFINITY;
 	}
@@ -256,7 +315,7 @@ double rb_flight_touches(const struct rb_flight *flight, const struct rb_step_po
 		return (double)INFINITY;
 	(void)gap_of(flight, point, &motion, t, &normal);
 	const double approach = rb_flight_approach(flight, point, normal);
-	return rb_flight_rebound(flight, point, approach) > rb_flight_least(flight, point, normal)
+	return rebound(flight, point, approach) > rb_flight_least(flight, point, normal)
 	               ? t
 	               : (double)INFINITY;
 }

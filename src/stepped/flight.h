@@ -17,8 +17,22 @@ struct rb_flight {
 	const unsigned char *held; /* [bodies] a contact had a force on it in the step before */
 	double h_s;
 	double tolerance; /* m/s: what a solution may leave */
+	double touching;  /* m: nearer than that is a touch */
 	bool mixed; /* impacts without restitution matter, since they are passed on to others */
 };
+
+/*
+ * Whether an impact that gives nothing back matters for itself, by what is known of the point as
+ * the step begins: a solution lets the gap close by the end, and of an impact in the middle of the
+ * step gives one part now, and the other one in the next step. Friction of two parts, each in a
+ * cone of its own and against the slip that is left after it, is not that of the whole, by as much
+ * as it is itself, however short the step. What forces alone bring about in some steps is no
+ * impact.
+ */
+bool rb_flight_splits(const struct rb_flight *flight, const struct rb_step_point *point);
+
+/* Whether it may be an impact in the step: by approach and gap. */
+bool rb_flight_could_touch(const struct rb_flight *flight, const struct rb_step_point *point);
 
 /* A point of a body, and what it does; without the forces of the step: `pull`, m/s^2. */
 struct rb_flight_motion {
@@ -53,13 +67,6 @@ double rb_flight_rounding(const struct rb_flight *flight, int i);
  */
 double rb_flight_least(const struct rb_flight *flight, const struct rb_step_point *point,
                        rb_vec3 normal);
-
-/* The approach with which it is an impact: as it stands, or only with more than that. */
-static inline double rb_flight_rebound(const struct rb_flight *flight,
-                                       const struct rb_step_point *point, double approach)
-{
-	return (point->restitution > 0 ? point->restitution : flight->mixed) * approach;
-}
 
 /* When they next touch with an impact, from `now` on, s; INFINITY: not within the step. */
 double rb_flight_touches(const struct rb_flight *flight, const struct rb_step_point *point,

@@ -17,10 +17,17 @@
 #include "constraint/effective_mass.h"
 #include "constraint/simultaneous.h"
 #include "stepped/flight.h"
+#include "stepped/points_of.h"
 #include "stepped/tally.h"
 
 /* Limit of events in a step: after 64 + 4 per point what is left rebounds at the end. */
 enum { EVENTS_MAX = 64, EVENTS_PER_POINT = 4 };
+/*
+ * What gives nothing back is resolved in its time between two bodies that touch no third one that
+ * yields. More of them are left to the step's solution, which has the same law, and costs less
+ * where much is to be solved anyway.
+ */
+enum { PLASTIC_BODIES = 2 };
 /*
  * Products with the matrix of a group's contacts, times these, that one impact may cost: several
  * times what those took that were seen to end (a break of 136 contacts 1.4e4); where nothing is
@@ -54,6 +61,7 @@ struct impacts {
 	int contact_count;
 	double t_s, start_s;
 	double noise; /* m/s: of approaches among these */
+	int unit;     /* 2^unit kg is that of masses while they are solved for, else 0 */
 };
 
 enum rb_status rb_impacts_create(struct rb_stepped *s, const struct rb_model *model,
@@ -61,7 +69,7 @@ enum rb_status rb_impacts_create(struct rb_stepped *s, const struct rb_model *mo
 {
 	const size_t n = (size_t)model->body_count + 1;
 
-	if (!s->solver.bounces)
+	if (!s->solver.bounces && !s->solver.rough)
 		return RB_OK;
 	s->kick = rb_memory_take(n, sizeof *s->kick);
 	s->kicked = rb_memory_take(n, sizeof *s->kicked);
@@ -90,67 +98,15 @@ static enum rb_status predict(struct impacts *all, size_t point, double now, str
 
 /* ---- which points could be one ---- */
 
-/* Cheap necessary condition for an impact, from approach and gap. */
-static bool could_touch(const struct rb_flight *flight, const struct rb_step_point *point)
-{
-	const struct rb_world *world = flight->world;
-	const double h = flight->h_s;
-
-	if (!(rb_flight_rebound(flight, point, point->approach) > 0))
-		return false;
-	if (point->gap <= h * point->approach)
-		return true;
-	rb_vec3 u = rb_vec3_neg(rb_world_row3(world->state.velocity, point->a));
-	if (point->b < world->model->body_count)
-		u = rb_vec3_add(u, rb_world_row3(world->state.velocity, point->b));
-	return !point->central || point->gap <= -h * rb_vec3_dot(u, point->normal);
-}
-
 static bool any_could_touch(const struct rb_flight *flight, const struct rb_step_points *points)
 {
 	for (size_t k = 0; k < points->count; k++)
-		if (could_touch(flight, &points->row[k]))
+		if (rb_flight_could_touch(flight, &points->row[k]))
 			return true;
 	return false;
 }
 
 /* ---- the search ---- */
-
-/*
- * Points by body in compressed rows: of[first[i]] to of[first[i + 1] - 1]. Counts are stored two
- * places on, so that filling moves each start to its place.
- */
-static void index_points(struct impacts *all)
-{
-	const struct rb_step_points *points = all->points;
-	const struct rb_world *world = all->world;
-	const size_t n = (size_t)world->model->body_count;
-	size_t *const first = all->first;
-
-	memset(first, 0, (n + 2) * sizeof *first);
-	memset(all->held, 0, n + 1);
-	for (size_t k = 0; k < points->count; k++) {
-		const struct rb_step_point *p = &points->row[k];
-
-		first[p->a + 2]++;
-		if (rb_stepped_is_dynamic(world, p->b))
-			first[p->b + 2]++;
-		if (p->from == 0)
-			continue;
-		all->held[p->a] = 1;
-		if (p->b < world->model->body_count)
-			all->held[p->b] = 1;
-	}
-	for (size_t i = 2; i < n + 2; i++)
-		first[i] += first[i - 1];
-	for (size_t k = 0; k < points->count; k++) {
-		const struct rb_step_point *p = &points->row[k];
-
-		all->of[first[p->a + 1]++] = k;
-		if (rb_stepped_is_dynamic(world, p->b))
-			all->of[first[p->b + 1]++] = k;
-	}
-}
 
 /* Who is joined rebounds at the end of the step: the law of impacts knows nothing of joints. */
 static void mark_joined(struct impacts *all)
@@ -190,12 +146,12 @@ static enum rb_status begin(struct impacts *all, struct rb_error *err)
 	memset(all->crowded, 0, n + (size_t)model->static_count);
 	for (size_t i = 0; i < n; i++)
 		all->place[i] = -1;
-	index_points(all);
+	rb_points_of_bodies(all->world, all->points, all->first, all->of, all->held);
 	mark_joined(all);
 	enum rb_status status = RB_OK;
 	for (size_t k = 0; k < count && status == RB_OK; k++) {
 		all->due_s[k] = (double)INFINITY;
-		if (could_touch(&all->flight, &all->points->row[k])) {
+		if (rb_flight_could_touch(&all->flight, &all->points->row[k])) {
 			all->seen[k] = 1;
 			status = predict(all, k, 0, err);
 		}
@@ -217,6 +173,12 @@ static bool take_body(struct impacts *all, int i)
 	return true;
 }
 
+/* Whether an impact may be left to the step's solution: it gives nothing back. */
+static bool may_be_left(const struct impacts *all, size_t due)
+{
+	return !(all->points->row[due].restitution > 0) && !all->flight.mixed;
+}
+
 /*
  * Breadth-first over touching contacts from the due point. False: more than the limit, or a body of
  * a crowded group.
@@ -224,6 +186,7 @@ static bool take_body(struct impacts *all, int i)
 static bool gather(struct impacts *all, size_t due)
 {
 	const struct rb_step_point *row = all->points->row;
+	const int max = may_be_left(all, due) ? PLASTIC_BODIES : all->bodies_max;
 	const double touching = all->world->model->stepped_tolerance_m;
 	bool fits;
 
@@ -244,7 +207,8 @@ static bool gather(struct impacts *all, size_t due)
 			if (p != due &&
 			    !(rb_flight_gap(&all->flight, &row[p], all->t_s, &normal) <= touching))
 				continue;
-			fits = all->contact_count < RB_IMPACT_CONTACTS && take_body(all, other);
+			fits = all->contact_count < RB_IMPACT_CONTACTS && take_body(all, other) &&
+			       all->body_count <= max;
 			if (fits)
 				all->contact[all->contact_count++] = p;
 		}
@@ -281,9 +245,9 @@ static struct rb_solver_body joint_body(const struct impacts *all, int i)
 	}
 	if (!rb_stepped_is_dynamic(world, i))
 		return body;
-	body.inverse_mass = world->model->inverse_mass[i];
+	body.inverse_mass = ldexp(world->model->inverse_mass[i], all->unit);
 	if (world->state.spin)
-		body.inverse_inertia = world->model->inverse_inertia_scalar[i];
+		body.inverse_inertia = ldexp(world->model->inverse_inertia_scalar[i], all->unit);
 	return body;
 }
 
@@ -294,7 +258,15 @@ static rb_mat3 root_of(const struct impacts *all, int i)
 
 	if (!world->state.spin || !isnan(world->model->inverse_inertia_scalar[i]))
 		return (rb_mat3){{{0}}};
-	return rb_top_inverse_root(&all->s->top[i], &world->model->inertia[i],
+	struct rb_top_body top = all->s->top[i];
+	rb_mat3 inertia = world->model->inertia[i];
+	const double less = ldexp(1, -all->unit);
+
+	top.moments = rb_vec3_scale(less, top.moments);
+	for (int k = 0; k < 3; k++)
+		for (int x = 0; x < 3; x++)
+			inertia.m[k][x] *= less;
+	return rb_top_inverse_root(&top, &inertia,
 	                           rb_quat_from(world->mark.orientation + 4 * (size_t)i));
 }
 
@@ -374,6 +346,18 @@ static long work_max_of(const struct impacts *all)
 	return is_plastic(all) ? work_max_plastic : work_max;
 }
 
+/* All masses times two are to come to the same bits: roots of odd powers round otherwise. */
+static int unit_of(const struct impacts *all)
+{
+	double max = 0;
+	int unit = 0;
+
+	for (int k = 0; k < all->body_count; k++)
+		max = fmax(max, all->world->model->mass[all->body[k]]);
+	(void)frexp(max, &unit);
+	return unit;
+}
+
 /* False: no memory. */
 static bool build(struct impacts *all, double approach, struct rb_simultaneous *joint)
 {
@@ -392,6 +376,7 @@ static bool build(struct impacts *all, double approach, struct rb_simultaneous *
 	if (!joint->body || !joint->contact || !root)
 		return false;
 	joint->root = root;
+	all->unit = unit_of(all);
 	for (int k = 0; k < all->body_count; k++) {
 		joint->body[k] = joint_body(all, all->body[k]);
 		root[k] = root_of(all, all->body[k]);
@@ -554,6 +539,8 @@ static double inverse_effective_mass_of(const struct impacts *all, int i, rb_vec
 /* The whole group is left to the end of the step. */
 static bool target_velocity(struct impacts *all, size_t due)
 {
+	if (may_be_left(all, due))
+		return true;
 	const struct rb_step_point *point = &all->points->row[due];
 	struct rb_hit *hit = add_hit(all, point);
 	const rb_vec3 none = {0, 0, 0};
@@ -631,6 +618,10 @@ static bool collide(struct impacts *all, size_t due, bool *done)
 	if (fine) {
 		const bool converged = rb_simultaneous_impact(&joint, NULL);
 
+		for (int k = 0; k < joint.contact_count; k++)
+			joint.contact[k].impulse = rb_vec3_scale(ldexp(1, all->unit),
+			                                         joint.contact[k].impulse);
+		all->unit = 0;
 		*done = !rb_simultaneous_is_over(&joint);
 		fine = *done ? report(all, &joint, converged) : target_velocity(all, due);
 	}
@@ -732,6 +723,7 @@ enum rb_status rb_impacts_resolve(struct rb_world *world, struct rb_cohort *coho
 	                      .flight = {.world = world,
 	                                 .h_s = h,
 	                                 .tolerance = rb_solver_tolerance(world->model, h),
+	                                 .touching = world->model->stepped_tolerance_m,
 	                                 .mixed = s->solver.mixed}};
 	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
 

@@ -6,6 +6,9 @@
  * is resolved together with all that touches then, as long as these are no more than
  * RB_IMPACT_CONTACTS; bodies go on from there. What lasts is solved afterwards for the whole step.
  * Larger groups rebound when the step is over, at once (rb_solver_rebound), and are counted.
+ *
+ * Impacts that give nothing back are such ones where something else does, or where the step's
+ * solution would take them apart (rb_flight_splits) and no more than two bodies that yield touch.
  */
 #ifndef RB_STEPPED_IMPACT_PASS_H
 #define RB_STEPPED_IMPACT_PASS_H

@@ -39,6 +39,12 @@ static enum rb_status create_joints(struct rb_solver *solver, const struct rb_mo
 	return RB_OK;
 }
 
+static void note_plastic(struct rb_solver *solver, const struct rb_pair_material *pair)
+{
+	solver->mixed = true;
+	solver->rough = solver->rough || pair->friction > 0;
+}
+
 enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model *model,
                                 struct rb_error *err)
 {
@@ -74,7 +80,7 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 			if (model->pair_materials[k].restitution > 0)
 				solver->bounces = true;
 			else
-				solver->mixed = true;
+				note_plastic(solver, &model->pair_materials[k]);
 		solver->mixed = solver->mixed && solver->bounces;
 		return create_joints(solver, model, err);
 	}
