@@ -3,6 +3,7 @@
 #include "shapes.h"
 
 #include "geom/boxes.h"
+#include "geom/patch.h"
 #include "geom/separation.h"
 
 static const double noise_ulp = 4;
@@ -86,6 +87,96 @@ static void the_closed_form_is_what_a_search_of_all_features_finds(void **slot)
 		shapes_release(&s[i]);
 }
 
+static void what_is_proved_is_no_more_than_the_gap(void **slot)
+{
+	(void)slot;
+	shape s[2] = {shapes_box(0.5, 0.3, 0.8), shapes_box(0.4, 0.4, 0.4)};
+	const double gaps[4] = {-0.2, -1e-9, 1e-6, 0.3};
+	int proved = 0;
+
+	for (uint64_t k = 0; k < TRIES; k++) {
+		for (int g = 0; g < 4; g++) {
+			const rb_placed a = {&s[0].core, {0, 0, 0}, shapes_turn(24, k)};
+			const rb_placed b = beside(&a, &s[1], k, gaps[g]);
+			const rb_separation is = rb_separation_of(&a, &b);
+			const double limit = is.gap - (k % 2 ? 0.05 : 4 * is.noise);
+			rb_vec3 normal = {0, 0, 0};
+			double gap = rb_separation_beyond(&a, &b, limit, 12, &normal);
+
+			assert_true(gap <= is.gap + is.noise);
+			proved += gap > limit;
+			if (!(gap > limit))
+				continue;
+			/* the same direction says so again */
+			gap = rb_separation_beyond(&a, &b, limit, 1, &normal);
+			assert_true(gap > limit && gap <= is.gap + is.noise);
+			assert_true(rb_separation_beyond(&a, &b, is.gap + 1e-6, 12, &normal) <
+			            limit);
+		}
+	}
+	assert_true(proved >= TRIES * 3);
+	for (int i = 0; i < 2; i++)
+		shapes_release(&s[i]);
+}
+
+/* Nearly parallel edges: a cross product that is rounding proves nothing. */
+static void edges_that_are_parallel_to_rounding_prove_nothing(void **slot)
+{
+	(void)slot;
+	shape cube = shapes_box(0.5, 0.5, 0.5);
+
+	for (uint64_t k = 0; k < TRIES; k++) {
+		const rb_vec3 off = rb_vec3_scale(pow(2, -(double)(k % 50)),
+		                                  shapes_vector(25, k, 1));
+		const rb_mat3 turn = shapes_turn(26, k);
+		const rb_placed a = {&cube.core, {0, 0, 0}, turn};
+		const rb_mat3 little = shapes_turned(off);
+		const rb_placed b = {&cube.core, rb_mat3_apply(&turn, (rb_vec3){0.2, 0.3, 0.99}),
+		                     rb_mat3_multiply(&turn, &little)};
+		const rb_separation is = rb_separation_of(&a, &b);
+		rb_vec3 normal = {0, 0, 0};
+
+		assert_true(rb_separation_beyond(&a, &b, is.gap + 4 * is.noise, 12, &normal) <=
+		            is.gap + is.noise);
+	}
+	shapes_release(&cube);
+}
+
+/* Boxes have patches of their own making: those that any polytope has. */
+static void patches_are_those_of_any_polytope(void **slot)
+{
+	(void)slot;
+	const double depths[5] = {0, 1e-9, 1e-3, 0.1, 0.5}, tilts[3] = {0, 1e-3, 0.2};
+	shape s = shapes_box(0.5, 0.03, 0.8);
+
+	for (uint64_t k = 0; k < TRIES * 15; k++) {
+		const rb_placed p = {&s.core, {1, 2, 3}, shapes_turn(27, k)};
+		rb_vec3 n = rb_vec3_unit(shapes_vector(28, k, 1), (rb_vec3){0, 0, 1});
+		plain copy;
+		const rb_placed q = plain_of(&copy, &p);
+		rb_patch is, want;
+
+		/* near faces and edges, too */
+		if (k % 2)
+			n = rb_vec3_unit(
+				rb_vec3_add_scaled(rb_placed_axis(&p), k % 4 == 1 ? 1e-3 : 0, n),
+				n);
+		rb_patch_of(&is, &p, n, depths[k % 5], tilts[k / 5 % 3]);
+		rb_patch_of(&want, &q, n, depths[k % 5], tilts[k / 5 % 3]);
+		assert_int_equal(is.kind, want.kind);
+		assert_int_equal(is.count, want.count);
+		assert_int_equal(is.feature, want.feature);
+		assert_true(rb_vec3_length(rb_vec3_sub(is.normal, want.normal)) == 0);
+		for (int i = 0; i < is.count; i++) {
+			assert_int_equal(is.id[i], want.id[i]);
+			if (is.count > 2)
+				assert_int_equal(is.side[i], want.side[i]);
+			assert_true(rb_vec3_length(rb_vec3_sub(is.point[i], want.point[i])) == 0);
+		}
+	}
+	shapes_release(&s);
+}
+
 static void the_order_of_the_boxes_changes_the_sign_of_the_normal_only(void **slot)
 {
 	(void)slot;
@@ -133,6 +224,9 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_closed_form_is_what_a_search_of_all_features_finds),
+		cmocka_unit_test(what_is_proved_is_no_more_than_the_gap),
+		cmocka_unit_test(edges_that_are_parallel_to_rounding_prove_nothing),
+		cmocka_unit_test(patches_are_those_of_any_polytope),
 		cmocka_unit_test(the_order_of_the_boxes_changes_the_sign_of_the_normal_only),
 		cmocka_unit_test(what_is_not_sure_is_left_to_the_search),
 	};

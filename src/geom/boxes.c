@@ -54,7 +54,7 @@ rb_box_pair rb_box_pair_of(const rb_placed *a, const rb_placed *b)
 }
 
 /* The way from a to b along the cross product of edges k of a and l of b, m times its length. */
-static double along_edges(const rb_box_pair *p, int k, int l)
+static inline __attribute__((always_inline)) double along_edges(const rb_box_pair *p, int k, int l)
 {
 	const int k1 = next_of[k], k2 = last_of[k];
 
@@ -62,7 +62,7 @@ static double along_edges(const rb_box_pair *p, int k, int l)
 }
 
 /* What it proves, in the same units. */
-static double edges_prove(const rb_box_pair *p, int k, int l)
+static inline __attribute__((always_inline)) double edges_prove(const rb_box_pair *p, int k, int l)
 {
 	const int k1 = next_of[k], k2 = last_of[k], l1 = next_of[l], l2 = last_of[l];
 
@@ -93,29 +93,38 @@ static bool best_face(const rb_box_pair *p, double clear, best_of *best)
 	return close == 1;
 }
 
-/* The same of edges; each has to be clearly better than the best so far, or clearly worse. */
-static bool best_edges(const rb_box_pair *p, double noise, double clear, best_of *best)
+/*
+ * One pair of edges, which has to be clearly better than the best so far, or clearly worse. Inlined
+ * for each, so that no index is looked up.
+ */
+static inline __attribute__((always_inline)) bool try_edges(const rb_box_pair *p, int k, int l,
+                                                            double noise, double clear,
+                                                            best_of *best)
 {
 	const double parallel = 16 * DBL_EPSILON; /* as in geom/facets: faces cover these */
+	const double proof = edges_prove(p, k, l), least = best->gap - clear;
 
-	for (int k = 0; k < 3; k++) {
-		for (int l = 0; l < 3; l++) {
-			const double proof = edges_prove(p, k, l), least = best->gap - clear;
-
-			/* no cross product is longer than 1: no root is needed to see this */
-			if (proof + noise <= fmin(least, 0))
-				continue;
-			const double x = p->turn[next_of[k]][l], y = p->turn[last_of[k]][l];
-			const double length = sqrt(x * x + y * y);
-			if (!(length > parallel) || proof + noise <= least * length)
-				continue;
-			/* written so that NaN is not clear */
-			if (!(proof - noise > (best->gap + clear) * length))
-				return false;
-			*best = (best_of){6 + 3 * k + l, proof / length, along_edges(p, k, l)};
-		}
-	}
+	/* no cross product is longer than 1: no root is needed to see this */
+	if (proof + noise <= (least < 0 ? least : 0))
+		return true;
+	const double x = p->turn[next_of[k]][l], y = p->turn[last_of[k]][l];
+	const double length = sqrt(x * x + y * y);
+	if (!(length > parallel) || proof + noise <= least * length)
+		return true;
+	/* written so that NaN is not clear */
+	if (!(proof - noise > (best->gap + clear) * length))
+		return false;
+	*best = (best_of){6 + 3 * k + l, proof / length, along_edges(p, k, l)};
 	return true;
+}
+
+static bool best_edges(const rb_box_pair *p, double noise, double clear, best_of *best)
+{
+	return try_edges(p, 0, 0, noise, clear, best) && try_edges(p, 0, 1, noise, clear, best) &&
+	       try_edges(p, 0, 2, noise, clear, best) && try_edges(p, 1, 0, noise, clear, best) &&
+	       try_edges(p, 1, 1, noise, clear, best) && try_edges(p, 1, 2, noise, clear, best) &&
+	       try_edges(p, 2, 0, noise, clear, best) && try_edges(p, 2, 1, noise, clear, best) &&
+	       try_edges(p, 2, 2, noise, clear, best);
 }
 
 static double with_sign(double size, double sign)
@@ -169,6 +178,19 @@ static bool edges_cross(const rb_box_pair *p, int k, int l, double sense)
 	return fabs(on_a) <= p->half_a[k] && fabs(on_b) <= p->half_b[l];
 }
 
+/* The unit normal that a direction of the fifteen stands for, from a to b. */
+static rb_vec3 normal_of(const rb_axis *axis, int which, double sense)
+{
+	const int k = (which - 6) / 3, l = (which - 6) % 3;
+	rb_vec3 n = which < 3   ? axis_of(axis->a, which)
+	            : which < 6 ? axis_of(axis->b, which - 3)
+	                        : rb_vec3_cross(axis_of(axis->a, k), axis_of(axis->b, l));
+
+	if (which >= 6)
+		n = rb_vec3_unit(n, n);
+	return rb_vec3_scale(sense, n);
+}
+
 bool rb_boxes_decide(rb_axis *axis, const rb_box_pair *p)
 {
 	const double clear = clear_noises * axis->noise;
@@ -184,13 +206,51 @@ bool rb_boxes_decide(rb_axis *axis, const rb_box_pair *p)
 	if (best.gap > 0 &&
 	    !(best.which < 6 ? corner_is_over(p, best.which, sense) : edges_cross(p, k, l, sense)))
 		return false;
-	rb_vec3 n = best.which < 3   ? axis_of(axis->a, best.which)
-	            : best.which < 6 ? axis_of(axis->b, best.which - 3)
-	                             : rb_vec3_cross(axis_of(axis->a, k), axis_of(axis->b, l));
-	if (best.which >= 6)
-		n = rb_vec3_unit(n, n);
 	axis->found = true;
-	axis->normal = rb_vec3_scale(sense, n);
+	axis->normal = normal_of(axis, best.which, sense);
 	axis->gap = rb_axis_gap(axis, axis->normal);
 	return true;
+}
+
+/* What edges prove, surely, if it is more than `limit`; else -INFINITY. */
+static inline __attribute__((always_inline)) double edges_beyond(const rb_box_pair *p, int k, int l,
+                                                                 double limit, double noise)
+{
+	const double proof = edges_prove(p, k, l) - noise;
+
+	/* no cross product is longer than 1: no root is needed to see this */
+	if (!(proof > (limit < 0 ? limit : 0)))
+		return -(double)INFINITY;
+	const double x = p->turn[next_of[k]][l], y = p->turn[last_of[k]][l];
+	const double length = sqrt(x * x + y * y);
+	return proof > limit * length && length > 0 ? proof / length : -(double)INFINITY;
+}
+
+double rb_boxes_beyond(const rb_axis *axis, double limit, bool all, rb_vec3 *normal)
+{
+	const bool is_known = rb_vec3_dot(*normal, *normal) > 0;
+	const double known = is_known ? rb_axis_gap(axis, *normal) : -(double)INFINITY;
+
+	if (known > limit)
+		return known;
+	if (is_known && !all)
+		return -(double)INFINITY;
+	const rb_box_pair pair = rb_box_pair_of(axis->a, axis->b);
+	int best = 0;
+	for (int k = 1; k < 6; k++)
+		if (pair.face[k] > pair.face[best])
+			best = k;
+	double along = best < 3 ? pair.from_a[best] : pair.from_b[best - 3], gap = pair.face[best];
+	for (int k = 0; k < 3 && !(gap > limit); k++)
+		for (int l = 0; l < 3; l++) {
+			const double proof = edges_beyond(&pair, k, l, limit, axis->noise);
+
+			if (!(proof > gap))
+				continue;
+			gap = proof;
+			best = 6 + 3 * k + l;
+			along = along_edges(&pair, k, l);
+		}
+	*normal = normal_of(axis, best, along < 0 ? -1 : 1);
+	return gap > limit ? gap : -(double)INFINITY;
 }

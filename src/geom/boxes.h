@@ -32,4 +32,11 @@ rb_box_pair rb_box_pair_of(const rb_placed *a, const rb_placed *b);
  */
 bool rb_boxes_decide(rb_axis *axis, const rb_box_pair *pair);
 
+/*
+ * A gap, m, that some direction proves, if one above `limit` is found, else -INFINITY, which says
+ * nothing. Tries `*normal`, unless it is zero; with `all`, or without a normal, also the fifteen,
+ * of which the best one becomes `*normal`. Of `axis` the boxes and the noise are read.
+ */
+double rb_boxes_beyond(const rb_axis *axis, double limit, bool all, rb_vec3 *normal);
+
 #endif

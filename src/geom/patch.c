@@ -189,6 +189,79 @@ static int round_up(const struct rb_polytope *p, rb_vec3 n, int vertex[RB_PATCH_
 	return size;
 }
 
+/* Features and points of a patch of so many vertices; `face` >= 0: all of them are of that face. */
+static void put_vertices(rb_patch *patch, const rb_placed *placed, rb_vec3 n, const int *vertex,
+                         int count, int face)
+{
+	const struct rb_polytope *p = placed->core->polytope;
+
+	RB_ASSERT(count >= 1 && count <= RB_PATCH_MAX);
+	patch->count = count;
+	patch->normal = n;
+	if (count > 2) {
+		patch->kind = RB_PATCH_POLYGON;
+		if (face >= 0) {
+			patch->normal = rb_mat3_apply(&placed->turn, p->faces[face].normal);
+			patch->feature = rb_part_of(RB_PART_FACE, face);
+		}
+	} else {
+		patch->kind = count == 2 ? RB_PATCH_SEGMENT : RB_PATCH_POINT;
+		patch->feature = count == 2 ? edge_between(p, vertex[0], vertex[1])
+		                            : rb_part_of(RB_PART_VERTEX, vertex[0]);
+	}
+	for (int i = 0; i < count; i++) {
+		patch->point[i] = rb_placed_point(placed, p->vertices[vertex[i]]);
+		patch->id[i] = rb_part_of(RB_PART_VERTEX, vertex[i]);
+		if (count > 2)
+			patch->side[i] = edge_between(p, vertex[i],
+			                              vertex[i + 1 < count ? i + 1 : 0]);
+	}
+}
+
+/*
+ * The same as below of a box, whose heights are sums of three; false where its vertices are not all
+ * of one face.
+ */
+static bool of_box(rb_patch *patch, const rb_placed *placed, rb_vec3 n, rb_vec3 local, double depth,
+                   double tilt)
+{
+	const struct rb_polytope *p = placed->core->polytope;
+	const double x = local.x * p->half.x, y = local.y * p->half.y, z = local.z * p->half.z;
+	const double sum = x + y, difference = x - y;
+	/* as many as vertices, in their order */
+	const double height[8] = {sum + z, -difference + z, difference + z, -sum + z,
+	                          sum - z, -difference - z, difference - z, -sum - z};
+	const double top = height[rb_polytope_support(p, local)], low = top - depth;
+	int vertex[8], count = 0, outer = 0, whole = 0, face = -1;
+
+	for (int i = 0; i < 8; i++) {
+		outer |= (height[i] >= low) << i;
+		whole |= (height[i] >= top - tilt) << i;
+		vertex[count] = i;
+		count += height[i] >= low;
+	}
+	if (count == 0)
+		return false;
+	if (count > 2 || tilt > depth) {
+		face = best_face(p, local);
+		const int *const loop = &p->loop[p->faces[face].first];
+		const int all = 1 << loop[0] | 1 << loop[1] | 1 << loop[2] | 1 << loop[3];
+
+		if (outer & ~all)
+			return false;
+		if (tilt > depth && (whole & all) == all)
+			outer = all;
+		if (count > 2 || outer == all) {
+			count = 0;
+			for (int i = 0; i < 4; i++)
+				if (outer >> loop[i] & 1)
+					vertex[count++] = loop[i];
+		}
+	}
+	put_vertices(patch, placed, n, vertex, count, face);
+	return true;
+}
+
 /* Patch of a polytope; see the head of this file and rb_patch_of. */
 static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, double depth,
                         double tilt)
@@ -198,15 +271,15 @@ static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 	int vertex[RB_PATCH_MAX] = {0}, all;
 	struct heights heights;
 
+	if (p->box && of_box(patch, placed, n, local, depth, tilt))
+		return;
 	heights_of(&heights, p, local);
 	const double top = height_of(&heights, rb_polytope_support(p, local));
 	double low = top - depth;
-	int count = outermost(&heights, low, vertex, &all);
+	int count = outermost(&heights, low, vertex, &all), of = -1;
 
 	if (count == 0) /* NaN: no vertex compares; the first one keeps the patch well formed */
 		count = all = 1;
-	patch->normal = n;
-	patch->kind = RB_PATCH_POINT;
 	if ((all > 2 || tilt > depth) && p->face_count > 0) {
 		const int face = best_face(p, local);
 		int in_order[RB_PATCH_MAX], met;
@@ -230,32 +303,14 @@ static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 		}
 		if (of_face && all > 2) {
 			count = ordered;
-			for (int i = 0; i < count; i++)
-				vertex[i] = in_order[i];
-			patch->normal = rb_mat3_apply(&placed->turn, p->faces[face].normal);
-			patch->feature = rb_part_of(RB_PART_FACE, face);
-			patch->kind = RB_PATCH_POLYGON;
+			memcpy(vertex, in_order, (size_t)count * sizeof *vertex);
+			of = face;
 		} else if (all > 2) {
 			count = round_up(p, local, vertex, count);
 			patch->feature = rb_part_of(RB_PART_SEVERAL, face);
-			patch->kind = RB_PATCH_POLYGON;
 		}
 	}
-	if (count <= 2) {
-		patch->kind = count == 2 ? RB_PATCH_SEGMENT : RB_PATCH_POINT;
-		patch->feature = count == 2 ? edge_between(p, vertex[0], vertex[1])
-		                            : rb_part_of(RB_PART_VERTEX, vertex[0]);
-		patch->normal = n;
-	}
-	RB_ASSERT(count >= 1 && count <= RB_PATCH_MAX);
-	patch->count = count;
-	for (int i = 0; i < count; i++) {
-		patch->point[i] = rb_placed_point(placed, p->vertices[vertex[i]]);
-		patch->id[i] = rb_part_of(RB_PART_VERTEX, vertex[i]);
-		if (count > 2)
-			patch->side[i] = edge_between(p, vertex[i],
-			                              vertex[i + 1 < count ? i + 1 : 0]);
-	}
+	put_vertices(patch, placed, n, vertex, count, of);
 }
 
 /*

@@ -305,12 +305,25 @@ enum rb_status rb_polytope_create_segment(struct rb_polytope **polytope, double 
 	return RB_OK;
 }
 
+/* Vertices of an edge differ in one bit; it is the number that a search of all would find. */
+static int box_edge(int low, int high)
+{
+	static const signed char of[7][3] = {{0, 1, 2},  {-1, 3, 4},   {5, -1, 6},  {-1, -1, 7},
+	                                     {8, 9, -1}, {-1, 10, -1}, {11, -1, -1}};
+	const int bit = low ^ high;
+
+	return bit == 1 || bit == 2 || bit == 4 ? of[low][bit >> 1] : -1;
+}
+
 int rb_polytope_edge(const struct rb_polytope *p, int v, int w)
 {
 	RB_ASSERT_COSTLY(v >= 0 && v < p->vertex_count && w >= 0 && w < p->vertex_count);
 
 	const int low = v < w ? v : w, high = v < w ? w : v;
 	int from = 0, to = p->edge_count;
+
+	if (p->box)
+		return box_edge(low, high);
 
 	/* binary search: pair_sides leaves the edges sorted */
 	while (from < to) {

@@ -306,5 +306,10 @@ double rb_separation_beyond(const rb_placed *a, const rb_placed *b, double limit
 
 		return gap > limit + noise ? gap - noise : -(double)INFINITY;
 	}
+	if (rb_box_is(a) && rb_box_is(b)) {
+		const rb_axis boxes = {.a = a, .b = b, .noise = 0.25 * noise};
+
+		return rb_boxes_beyond(&boxes, limit + 2 * noise, rounds > 1, axis) - 2 * noise;
+	}
 	return rb_gjk_beyond(a, b, limit + 2 * noise, rounds, axis) - 2 * noise;
 }
