@@ -43,6 +43,13 @@ void rb_step_points_release(struct rb_step_points *points)
 
 /* ---- one pair ---- */
 
+/* Points of a block before those that are being added. */
+struct piece {
+	const struct rb_step_point *row;
+	size_t count;
+	const struct piece *before;
+};
+
 /* What the workers share, read only, and the pair that one of them looks at. */
 struct inspection {
 	struct rb_world *world;
@@ -53,8 +60,10 @@ struct inspection {
 	/* of the block */
 	struct rb_step_point *out;
 	size_t count, capacity;
+	const struct piece *full; /* what did not fit into `out`, the last first */
+	size_t all;               /* points: those in `full` too */
 	struct rb_arena *arena;
-	bool in_place; /* `out` is where the points are to be */
+	bool in_place; /* the first piece is where the points are to be */
 	bool failed;
 };
 
@@ -80,24 +89,47 @@ static rb_vec3 center_of(const struct rb_world *world, int i)
  */
 enum { BLOCK_POINTS = 16 };
 
+/* Room for twice as many; what there is stays where it is. */
+static bool add_room(struct inspection *inspection)
+{
+	const size_t capacity = inspection->all ? 2 * inspection->all : BLOCK_POINTS;
+	struct rb_step_point *out = rb_arena_take(inspection->arena, capacity, sizeof *out);
+	struct piece *full = rb_arena_take(inspection->arena, 1, sizeof *full);
+
+	if (!out || !full)
+		return false;
+	*full = (struct piece){inspection->out, inspection->count, inspection->full};
+	if (inspection->count > 0)
+		inspection->full = full;
+	else
+		inspection->in_place = false;
+	inspection->out = out;
+	inspection->capacity = capacity;
+	inspection->count = 0;
+	return true;
+}
+
 static struct rb_step_point *add_point(struct inspection *inspection)
 {
-	if (inspection->count == inspection->capacity) {
-		const size_t capacity = inspection->capacity ? 2 * inspection->capacity
-		                                             : BLOCK_POINTS;
-		struct rb_step_point *out = rb_arena_take(inspection->arena, capacity, sizeof *out);
-
-		if (!out) {
-			inspection->failed = true;
-			return NULL;
-		}
-		if (inspection->count > 0)
-			memcpy(out, inspection->out, inspection->count * sizeof *out);
-		inspection->out = out;
-		inspection->capacity = capacity;
-		inspection->in_place = false;
+	if (inspection->count == inspection->capacity && !add_room(inspection)) {
+		inspection->failed = true;
+		return NULL;
 	}
+	inspection->all++;
 	return &inspection->out[inspection->count++];
+}
+
+/* Copies the points of a block to where they are to be, in their order. */
+static void gather(const struct inspection *inspection, struct rb_step_point *to)
+{
+	const struct piece last = {inspection->out, inspection->count, inspection->full};
+	struct rb_step_point *end = to + inspection->all;
+
+	for (const struct piece *piece = &last; piece; piece = piece->before) {
+		end -= piece->count;
+		if (piece->count > 0 && (piece->before || !inspection->in_place))
+			memcpy(end, piece->row, piece->count * sizeof *end);
+	}
 }
 
 static rb_vec3 velocity_before(const struct rb_world *world, int i, rb_vec3 arm)
@@ -709,7 +741,7 @@ enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world
 	rb_team_run(world->team, blocks, inspect_block, &inspections);
 	size_t count = points->count;
 	for (int b = 0; b < blocks; b++) {
-		count += inspections.block[b].count;
+		count += inspections.block[b].all;
 		good = good && !inspections.block[b].failed;
 	}
 	if (!good ||
@@ -718,12 +750,8 @@ enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
 	}
 	for (int b = 0; b < blocks; b++) {
-		const struct inspection *inspection = &inspections.block[b];
-
-		if (inspection->count > 0 && !inspection->in_place)
-			memcpy(points->row + points->count, inspection->out,
-			       inspection->count * sizeof *points->row);
-		points->count += inspection->count;
+		gather(&inspections.block[b], points->row + points->count);
+		points->count += inspections.block[b].all;
 	}
 	free_arenas(world, mark);
 	return RB_OK;
