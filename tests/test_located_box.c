@@ -515,7 +515,7 @@ static bool count_and_stop(void *user)
 	return true;
 }
 
-/* One piece of many contacts may take minutes: it asks at its first evaluation, and ends there. */
+/* One piece of many contacts may take minutes: it asks within its first evaluations, and ends there. */
 static void a_piece_of_many_contacts_hears_that_the_run_is_to_end(void **state)
 {
 	int calls = 0;

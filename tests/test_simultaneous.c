@@ -724,6 +724,50 @@ static void want_of_memory_is_reported_and_changes_nothing(void **state)
 	}
 }
 
+/* Answers of `asked`: how often, and from which time on it says yes. */
+struct patience {
+	int calls, last; /* last 0: never */
+};
+
+static bool count_calls(void *user)
+{
+	struct patience *const patience = user;
+
+	patience->calls++;
+	return patience->last > 0 && patience->calls >= patience->last;
+}
+
+/* One solution may take minutes: it asks as often as its work says, and ends when it is told to. */
+static void a_solution_asks_by_its_work_whether_to_go_on(void **state)
+{
+	enum { ROW_WORK = 1 << 10 }; /* at least, of a product */
+	struct patience patience = {0};
+	struct rb_interrupt interrupt = {0};
+	struct pile p;
+	long products = 0;
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		open_pyramid(&p, 6, 0.5);
+		rb_interrupt_begin(&interrupt, count_calls, &patience);
+		p.joint.interrupt = &interrupt;
+		(void)load(&p, gravity);
+		if (k == 0) {
+			products = p.joint.products;
+			const double work = (double)products * p.joint.contact_count * ROW_WORK;
+			assert_true(work > 8.0 * RB_INTERRUPT_WORK);
+			assert_true(patience.calls >= (int)(work / RB_INTERRUPT_WORK) - 1);
+			assert_false(rb_simultaneous_is_over(&p.joint));
+			patience = (struct patience){.last = 2};
+		} else {
+			assert_int_equal(patience.calls, patience.last);
+			assert_true(rb_simultaneous_is_over(&p.joint));
+			assert_true(p.joint.products < products / 2);
+		}
+		pile_close(&p);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -746,6 +790,7 @@ int main(void)
 		cmocka_unit_test(a_ball_in_a_groove_rolls_or_slips),
 		cmocka_unit_test(a_tensor_that_is_a_sphere_s_is_a_sphere),
 		cmocka_unit_test(want_of_memory_is_reported_and_changes_nothing),
+		cmocka_unit_test(a_solution_asks_by_its_work_whether_to_go_on),
 		cmocka_unit_test(random_clusters_keep_the_laws),
 		cmocka_unit_test(random_clusters_find_their_forces),
 		cmocka_unit_test(any_order_and_any_mirror_image_give_the_same_bits),

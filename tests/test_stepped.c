@@ -392,6 +392,59 @@ static void a_heap_that_is_restored_goes_on_in_the_same_bits(void **state)
 	rb_pack_release(&saved);
 }
 
+/* Answers of rb_world_options.stop: how often, and from which time on it says yes. */
+struct patience {
+	int calls, last; /* last 0: never */
+};
+
+static bool count_calls(void *user)
+{
+	struct patience *const patience = user;
+
+	patience->calls++;
+	return patience->last > 0 && patience->calls >= patience->last;
+}
+
+/* Wherever within a step the run is to end: bodies are where a whole step has brought them. */
+static void a_step_that_is_interrupted_moves_nothing(void **state)
+{
+	enum { STEPS = 12, MOMENTS = 5, SIZE = 8 * 8 * 4 * 3 };
+	static double place[STEPS + 1][SIZE];
+
+	(void)state;
+	for (int boxes = 0; boxes <= 1; boxes++) {
+		const int side = boxes ? 5 : 8;
+		const size_t size = (size_t)(side * side * 4 * 3) * sizeof(double);
+		int calls = 0;
+
+		for (int k = 0; k < MOMENTS; k++) {
+			struct patience patience = {.last = calls * k / MOMENTS};
+			const struct rb_world_options options = {
+				.threads = 1, .stop = count_calls, .stop_user = &patience};
+			struct lab lab;
+
+			open_stepped(&lab, 1, 60, 1.0 / 60);
+			lay_heap(&lab, side, 4, boxes);
+			lab_seal_with(&lab, &options, NULL);
+			for (int n = 0; n <= STEPS && !rb_world_stopped(lab.world); n++) {
+				if (k == 0)
+					memcpy(place[n], lab.world->state.position, size);
+				if (n < STEPS)
+					lab_step(&lab);
+			}
+			assert_int_equal(rb_world_stopped(lab.world), k > 0);
+			if (k == 0)
+				calls = patience.calls;
+			else
+				assert_int_equal(patience.calls, patience.last);
+			assert_true(calls > MOMENTS * STEPS);
+			const int done = (int)(60 * lab.world->state.time_s + 0.5);
+			assert_memory_equal(lab.world->state.position, place[done], size);
+			lab_close(&lab);
+		}
+	}
+}
+
 /* What stands still is not solved again, until something touches it: then it is as if it always had been. */
 static void a_stack_at_rest_costs_no_sweeps(void **state)
 {
@@ -599,6 +652,7 @@ int main(void)
 		cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
 		cmocka_unit_test(a_heap_comes_to_rest_within_the_tolerance),
 		cmocka_unit_test(a_heap_that_is_restored_goes_on_in_the_same_bits),
+		cmocka_unit_test(a_step_that_is_interrupted_moves_nothing),
 		cmocka_unit_test(a_stack_at_rest_costs_no_sweeps),
 		cmocka_unit_test(an_edge_that_lands_askew_does_not_creep),
 		cmocka_unit_test(what_is_tall_stands_from_its_first_step),

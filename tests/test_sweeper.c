@@ -2,6 +2,7 @@
 /* stepped/sweeper, stepped/wide: what sweeps leave is what was asked for, in packs and one at a time, for any workers. */
 #include "stepped/sweeper.h"
 
+#include "stepped/direct.h"
 #include "support.h"
 
 #include "math/random.h"
@@ -351,6 +352,73 @@ static void what_is_squeezed_is_not_called_solved(void **slot)
 	}
 }
 
+/* Answers of `asked`: how often, and from which time on it says yes. */
+struct patience {
+	int calls, last; /* last 0: never */
+};
+
+static bool count_calls(void *user)
+{
+	struct patience *const patience = user;
+
+	patience->calls++;
+	return patience->last > 0 && patience->calls >= patience->last;
+}
+
+/* What takes long asks as often as its work says whether to go on, and ends when it is told to. */
+static void sweeps_and_factors_ask_by_their_work(void **slot)
+{
+	enum { PACKS, ROWS, FACTORS, WAYS, SWEEPS = 400, STEPS = 8 };
+
+	(void)slot;
+	for (int k = 0; k < 2 * WAYS; k++) {
+		const int way = k / 2;
+		struct patience patience = {.last = k % 2 ? 2 : 0};
+		struct rb_interrupt interrupt = {0};
+		struct heap *heap = make(0.1);
+		double work = 0;
+		int done;
+
+		rb_interrupt_begin(&interrupt, count_calls, &patience);
+		if (way == PACKS) {
+			struct rb_sweeper sweeper = take(heap, NULL);
+
+			sweeper.many.interrupt = &interrupt;
+			done = rb_sweeper_run(&sweeper, 0, SWEEPS).sweeps;
+		} else if (way == ROWS) {
+			struct rb_sweep one = {
+				.dense = &heap->dense, .max = SWEEPS, .interrupt = &interrupt};
+
+			assert_true(rb_sweep_take(&one, &heap->arena));
+			done = rb_sweep_solve(&one).sweeps;
+		} else {
+			const struct rb_direct direct = {.dense = &heap->dense,
+			                                 .free = heap->free,
+			                                 .member = heap->member,
+			                                 .member_count = BODIES,
+			                                 .local = heap->local,
+			                                 .tolerance = 1e-300,
+			                                 .slip_tolerance = 1e-300,
+			                                 .steps_max = STEPS,
+			                                 .max = 1e9,
+			                                 .interrupt = &interrupt,
+			                                 .arena = &heap->arena};
+
+			done = rb_direct_solve(&direct).steps;
+		}
+		work = way == FACTORS ? 2.0 * RB_INTERRUPT_WORK /* far less than one takes */
+		                      : (double)heap->dense.row_count * RB_SWEEP_WORK;
+		if (patience.last == 0)
+			assert_true(done > 3 &&
+			            patience.calls >
+			                    0.9 * done * fmin(1, work / RB_INTERRUPT_WORK));
+		else
+			assert_true(patience.calls == 2 &&
+			            done <= 2 * RB_INTERRUPT_WORK / work + 2);
+		unmake(heap);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -362,6 +430,7 @@ int main(void)
 		cmocka_unit_test(holding_closes_no_gap_and_leaves_friction),
 		cmocka_unit_test(a_ball_among_many_has_a_tail),
 		cmocka_unit_test(what_is_squeezed_is_not_called_solved),
+		cmocka_unit_test(sweeps_and_factors_ask_by_their_work),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -85,7 +85,10 @@ struct rb_world_options {
 	int threads;        /* workers of the simulator; 0: one */
 	bool keep_events;   /* for the frames */
 	bool keep_contacts; /* for the frames */
-	/* Polled between attempts; true ends the run at the next whole step. May be NULL. */
+	/*
+	 * Polled while a step is at work, by any of its threads, one at a time; true ends the run
+	 * where the last whole step has. May be NULL.
+	 */
 	bool (*stop)(void *user);
 	void *stop_user;
 };

@@ -150,8 +150,8 @@ static bool must_stop(const struct run *run)
 }
 
 /*
- * rb_world_options.stop: polled between attempts. Within a frame a signal waits for its end, where
- * it can be kept.
+ * rb_world_options.stop, in any thread of the step. Within a frame a signal waits for its end,
+ * where it can be kept.
  */
 static bool stop_wanted(void *user)
 {

@@ -289,6 +289,9 @@ static void keep_event(struct rb_pass *pass, const struct approaching *m)
 	RB_ASSERT_COSTLY(pass->event_count <= pass->event_capacity);
 }
 
+/* Multiplications of a contact in a round beside its solution, about. */
+enum { ROUND_WORK = 256 };
+
 bool rb_impact_resolve(struct rb_pass *pass, bool after_substep)
 {
 	const rb_arena_mark here = rb_arena_here(pass->arena);
@@ -299,7 +302,9 @@ bool rb_impact_resolve(struct rb_pass *pass, bool after_substep)
 		return false;
 	const int rounds = ROUNDS + ROUNDS_PER_CONTACT * all.count;
 	int round = 0;
-	for (find_active(&all, 0); all.active_count > 0 && round < rounds;
+	for (find_active(&all, 0);
+	     all.active_count > 0 && round < rounds &&
+	     !rb_interrupt_after(&pass->world->interrupt, ROUND_WORK * (uint64_t)all.count);
 	     find_active(&all, ++round))
 		run_round(&all);
 	pass->counts.plastic_ends += all.active_count > 0;

@@ -20,10 +20,10 @@
 /* Smallest substep as a share of the step: below it neither times nor positions change. */
 static const double smallest_share = 0x1p-60;
 /*
- * Attempts between two polls for an interruption, and between two tests of progress: a group that
- * gets no further than a millionth of its step in 4096 attempts has failed.
+ * Multiplications of an attempt without its solutions, about; and attempts between two tests of
+ * progress: a group that gets no further than a millionth of its step in 4096 attempts has failed.
  */
-enum { ATTEMPTS_PER_POLL = 1024, TRIES_PER_INSPECTION = 4096 };
+enum { ATTEMPT_WORK = 1024, TRIES_PER_INSPECTION = 4096 };
 static const double least_progress = 1e-6;
 
 /* How the next attempt is chosen. */
@@ -161,6 +161,9 @@ enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_stage_list 
 			return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a group of %d bodies",
 			               pass->member_count);
 
+		if (rb_interrupt_after(&world->interrupt, ATTEMPT_WORK))
+			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
+
 		const enum rb_verdict verdict = rb_verdict_of(pass, &body);
 		if (attempt % TRIES_PER_INSPECTION == 0) {
 			stuck = pass->done_s - inspected_s < least_progress * pass->dt_s;
@@ -189,10 +192,10 @@ enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_stage_list 
 				return RB_FAIL(err, RB_ERR_MEMORY,
 				               "no memory for the impacts of a step");
 		}
-		if (attempt % ATTEMPTS_PER_POLL == 0 && rb_world_is_stopped(world))
-			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 	}
 	RB_ASSERT(!(pass->done_s > pass->dt_s));
 	rb_contact_resolve(pass);
-	return RB_OK;
+	return rb_interrupt_is_set(&world->interrupt)
+	               ? RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted")
+	               : RB_OK;
 }

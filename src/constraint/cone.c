@@ -14,6 +14,9 @@ enum {
 	MANY = 400
 };
 
+/* Multiplications that a product with the matrix takes as long as, about: its sums are exact. */
+enum { PRODUCT_WORK = 1 << 10 };
+
 /* A bound on the largest eigenvalue of the inverse inertia. */
 static double largest_turn(const struct rb_solver_bodies *bodies, int i)
 {
@@ -153,6 +156,7 @@ rb_along_across rb_cone_velocity(const struct rb_cone *cone, const struct rb_con
 void rb_cone_respond(struct rb_cone *cone, const rb_along_across *impulse)
 {
 	cone->iterations++;
+	(void)rb_interrupt_after(cone->interrupt, PRODUCT_WORK * (uint64_t)cone->row_count);
 	for (int i = 0; i < cone->body_count; i++) {
 		const struct rb_solver_body *body = &cone->bodies.body[i];
 		const int count = cone->first[i + 1] - cone->first[i];

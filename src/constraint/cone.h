@@ -23,6 +23,7 @@
 #include <stdbool.h>
 
 #include "base/arena.h"
+#include "base/interrupt.h"
 #include "constraint/row.h"
 
 /*
@@ -76,11 +77,13 @@ struct rb_cone {
 	double tolerance; /* in the unit of u: what may be left; 0: rounding */
 	long iterations;  /* products with the matrix, so far */
 	long max;         /* of them, after which it ends with what it has; 0: no limit */
+	struct rb_interrupt *interrupt; /* borrowed; NULL: none */
 };
 
 static inline bool rb_cone_is_over(const struct rb_cone *cone)
 {
-	return cone->max > 0 && cone->iterations > cone->max;
+	return (cone->max > 0 && cone->iterations > cone->max) ||
+	       rb_interrupt_is_set(cone->interrupt);
 }
 
 /*

@@ -14,6 +14,9 @@ enum {
 	ROUNDS_LIMIT = 400
 };
 
+/* Multiplications of a row in a product of two vectors and a sum, for each of the window, about. */
+enum { ROW_WORK = 32 };
+
 /* Square of the share of a direction's length by which an image of it is more than rounding. */
 static const double felt_share = 1e-26;
 
@@ -209,6 +212,8 @@ static void solve_faces(struct rb_cone *cone, rb_along_across *x)
 	                                            : 1000;
 	const double tolerance = window > WINDOW_SYMMETRIC && !direct ? 1e-16 : 1e-33;
 	for (int round = 0; round < max && square > tolerance * start; round++) {
+		if (rb_interrupt_after(cone->interrupt, ROW_WORK * (uint64_t)n * (uint64_t)window))
+			break;
 		rb_along_across *const p = cone->direction + (size_t)(round % window) * (size_t)n;
 		rb_along_across *const q = cone->image + (size_t)(round % window) * (size_t)n;
 
@@ -400,6 +405,8 @@ static double walk(struct rb_cone *cone, int steps, double left, double toleranc
 	int since = 0;
 
 	for (int round = 0; round < steps && left > tolerance; round++) {
+		if (rb_interrupt_is_set(cone->interrupt))
+			break;
 		if (since > 0) {
 			const double momentum = since / (since + 3.0);
 

@@ -303,6 +303,9 @@ static void follow(struct rb_world *world, struct rb_impulse_row *row, int count
 	}
 }
 
+/* Multiplications of a row in a sweep, about. */
+enum { SWEEP_WORK = 256 };
+
 /* One attempt at the rows; `*diverged` where the impulses grow without end. */
 static double iterate(struct rb_world *world, struct rb_impulse_row *row, int count, int sweeps,
                       double tolerance, bool *diverged)
@@ -317,7 +320,8 @@ static double iterate(struct rb_world *world, struct rb_impulse_row *row, int co
 			size += row[k].link.normal_inverse_mass *
 			        rb_vec3_dot(row[k].change, row[k].change);
 		}
-		if (change <= tolerance)
+		if (change <= tolerance ||
+		    rb_interrupt_after(&world->interrupt, SWEEP_WORK * (uint64_t)count))
 			break;
 		if (sweep < FIRST)
 			largest = fmax(largest, change);

@@ -464,7 +464,8 @@ static bool take_rounds(struct rounds *all)
 	                             .body_count = joint->body_count,
 	                             .arena = joint->arena,
 	                             .tolerance = joint->tolerance,
-	                             .max = joint->products_max};
+	                             .max = joint->products_max,
+	                             .interrupt = joint->interrupt};
 	all->active = rb_arena_take(joint->arena, contacts, sizeof *all->active);
 	all->which = rb_arena_take(joint->arena, contacts + (size_t)joint->joint_count,
 	                           sizeof *all->which);
@@ -566,7 +567,8 @@ double rb_simultaneous_forces(struct rb_simultaneous *joint)
 	                       .body_count = joint->body_count,
 	                       .row_count = (int)rows,
 	                       .arena = joint->arena,
-	                       .max = joint->products_max};
+	                       .max = joint->products_max,
+	                       .interrupt = joint->interrupt};
 	rb_along_across *const guess = rb_arena_take(joint->arena, rows, sizeof *guess);
 	double scale = 0;
 

@@ -83,6 +83,8 @@ struct rb_simultaneous {
 	long products;
 	double tolerance;  /* m/s: impacts: what is not to be resolved; 0: only rounding is not */
 	long products_max; /* of them, beyond which what is found is of no use; 0: no limit */
+	/* borrowed, NULL: none; once it is set, what is found is of no use */
+	struct rb_interrupt *interrupt;
 };
 
 static inline struct rb_solver_bodies rb_simultaneous_bodies(const struct rb_simultaneous *joint)
@@ -92,7 +94,8 @@ static inline struct rb_solver_bodies rb_simultaneous_bodies(const struct rb_sim
 
 static inline bool rb_simultaneous_is_over(const struct rb_simultaneous *joint)
 {
-	return joint->products_max > 0 && joint->products > joint->products_max;
+	return (joint->products_max > 0 && joint->products > joint->products_max) ||
+	       rb_interrupt_is_set(joint->interrupt);
 }
 
 /*

@@ -34,7 +34,9 @@
 #include "model/descriptor.h"
 
 /* Events and steps of a series between two polls for an interruption. */
-enum { EVENTS_PER_POLL = 64, TURNS_PER_POLL = 1 << 20 };
+enum { TURNS_PER_POLL = 1 << 20 };
+/* As multiplications: an event without what it finds to do; one body at the start. */
+enum { EVENT_WORK = RB_INTERRUPT_WORK / 64, START_WORK = 1 << 10 };
 /*
  * Events at one moment, plus 64 for each body, after which the run has failed: time stands still.
  */
@@ -471,6 +473,8 @@ static void start(struct rb_located *l, double t)
 			                                4 * (size_t)i);
 			pose.spin = rb_world_row3(l->world->state.spin, i);
 		}
+		if (rb_interrupt_after(&l->world->interrupt, START_WORK))
+			break;
 		rb_arc_anchor(l, i, t, &pose, none, none);
 		if (l->cells && t > 0)
 			rb_cells_place(l->cells, i, pose.position);
@@ -486,6 +490,8 @@ static void start(struct rb_located *l, double t)
 	}
 	/* too dense at the start: left to steps at once */
 	for (int i = 0; i < l->n && l->status == RB_OK && !rb_located_is_dense(l); i++) {
+		if (rb_interrupt_after(&l->world->interrupt, START_WORK))
+			break;
 		const int touching = rb_predict(l, i, t, -1);
 
 		if (rb_located_driven(l, i) || l->cluster_of[i] >= 0 ||
@@ -540,7 +546,7 @@ static void one_event(struct rb_located *l, int which, double t)
 		driven_event(l, which, t);
 	else
 		body_event(l, which, t);
-	if (l->status == RB_OK)
+	if (l->status == RB_OK && !rb_interrupt_is_set(&l->world->interrupt))
 		call_hooks(l, reported, t);
 }
 
@@ -627,6 +633,15 @@ static uint64_t debt(const struct rb_located *l)
 	return l->crowd_max > left ? l->crowd_max - left : 0;
 }
 
+/* Whatever its solutions have come to by then. */
+static bool is_interrupted(struct rb_located *l, uint64_t work)
+{
+	if (!rb_interrupt_after(&l->world->interrupt, work))
+		return false;
+	l->status = RB_FAIL(l->err, RB_ERR_INTERRUPT, "interrupted");
+	return true;
+}
+
 enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_error *err)
 {
 	const size_t reported = l->world->events.count;
@@ -641,15 +656,15 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 		if (l->status == RB_OK) /* slips that no force sustains have ended at once */
 			call_hooks(l, reported, l->now_s);
 	}
-	if (gives_way(l))
+	if (is_interrupted(l, 0) || gives_way(l))
 		return l->status;
 	for (int which = rb_queue_first(l->queue, &t);
 	     l->status == RB_OK && which >= 0 && t <= until; which = rb_queue_first(l->queue, &t)) {
 		rb_arena_reset(l->arena);
 		/* an event that rounding has made late happens now */
 		one_event(l, which, fmax(t, l->now_s));
-		if (++l->polled % EVENTS_PER_POLL == 0 && rb_world_is_stopped(l->world))
-			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
+		if (is_interrupted(l, EVENT_WORK))
+			return l->status;
 		if (gives_way(l))
 			return l->status;
 	}

@@ -292,7 +292,6 @@ struct rb_located {
 	double weight; /* m/s^2: |gravity|, and that of the strongest that attracts */
 	struct rb_gravitation gravitation; /* owned; empty without that */
 	double end_s;                      /* of the run */
-	uint64_t polled;
 	uint64_t crowd_max; /* more than these are left to steps; UINT64_MAX: whatever it costs */
 	struct rb_arena *arena; /* borrowed: the world's first */
 	struct rb_error *err;   /* of the advance under way */

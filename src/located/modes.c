@@ -645,6 +645,7 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **fo
 		return false;
 	joint.root = root;
 	joint.body_count = c->member_count;
+	joint.interrupt = &l->world->interrupt;
 	joint.products_max = rb_modes_move(w) ? rb_located_products(l, c->held_count) : 0;
 	for (int k = 0; k < c->member_count; k++) {
 		joint.body[k] = rb_mechanics_body(l, c->member[k], w->linear[k], w->angular[k]);

@@ -336,6 +336,17 @@ static void see_fixed(struct seer *s)
 		see(s, first.which, first.t, false);
 }
 
+/* As multiplications: one candidate whose touch has no closed form. */
+enum { SEARCH_WORK = 1 << 13 };
+
+static bool is_interrupted(struct seer *s)
+{
+	if (!rb_interrupt_after(&s->l->world->interrupt, SEARCH_WORK))
+		return false;
+	s->l->status = RB_FAIL(s->l->err, RB_ERR_INTERRUPT, "interrupted");
+	return true;
+}
+
 /* One candidate, by the cheapest test that applies. */
 static void see_body(struct seer *s, int j)
 {
@@ -346,7 +357,7 @@ static void see_body(struct seer *s, int j)
 	                            : j >= l->n && l->model->shape[j].kind == RB_SHAPE_PLANE &&
 	                                      !s->general && see_plane(s, j))
 		return;
-	if (!rb_pair_can_touch(l, s->i, j) || rb_set_held(l, s->i, j))
+	if (!rb_pair_can_touch(l, s->i, j) || rb_set_held(l, s->i, j) || is_interrupted(s))
 		return;
 	double until = fmin(s->until, s->next.touch_s);
 	if (rb_located_on_piece(l, j))

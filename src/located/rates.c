@@ -154,17 +154,23 @@ void rb_rates_poses(struct rb_modes *w, const double *value)
 		read_pose(w, k, value);
 }
 
-/* Unknowns of an elimination beside which asking for an interruption takes no time. */
-enum { POLLED_UNKNOWNS = 64 };
+/* Multiplications of an evaluation: of each body, and of an elimination. */
+static uint64_t work_of(const struct rb_modes *w)
+{
+	enum { BODY_WORK = 256 };
+	const uint64_t n = (uint64_t)w->dense.n;
+
+	return BODY_WORK * (uint64_t)w->c->member_count + n * n * n / 3;
+}
 
 bool rb_rates_are_stopped(struct rb_modes *w)
 {
 	struct rb_located *l = w->l;
 
 	/* what only asks for accelerations, as `check` does, is no run that could be stopped */
-	if (w->dense.n < POLLED_UNKNOWNS || !l->err)
+	if (!l->err)
 		return false;
-	if (l->status == RB_OK && rb_world_is_stopped(l->world))
+	if (l->status == RB_OK && rb_interrupt_after(&l->world->interrupt, work_of(w)))
 		l->status = RB_FAIL(l->err, RB_ERR_INTERRUPT, "interrupted");
 	return l->status == RB_ERR_INTERRUPT;
 }

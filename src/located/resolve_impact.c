@@ -733,6 +733,7 @@ static void collide(struct impact *s)
 	rb_vec3 *const approach = see_approaches(s);
 	if (l->status != RB_OK)
 		return;
+	s->joint.interrupt = &s->l->world->interrupt;
 	s->joint.products_max = rb_located_products(l, s->contact_point_count);
 	const bool converged = solve_impact(s, &rounds);
 	rb_located_count(l, s->joint.products, s->contact_point_count);

@@ -219,6 +219,7 @@ static bool solve(struct rb_resolution *s)
 		return false;
 	s->joint.joint_count = rb_joint_rows_pose_problem(&s->joints, true, s->joint.joint_row,
 	                                                  s->joint.body, &s->joint.body_count);
+	s->joint.interrupt = &s->l->world->interrupt;
 	s->joint.products_max = s->moves ? rb_located_products(s->l, s->contact_point_count) : 0;
 	if (s->contact_point_count > 0 || rb_joint_rows_drive(&s->joints))
 		rb_simultaneous_forces(&s->joint);

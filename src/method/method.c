@@ -567,6 +567,7 @@ enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
 	const int64_t steps = by_steps ? rb_frame_step_count(model, begin, end) : 1;
 	struct restart before;
 	world->stopped = false;
+	rb_interrupt_begin(&world->interrupt, world->options.stop, world->options.stop_user);
 	enum rb_status status = remember(world, can_change_method(world) && !has_callbacks(world),
 	                                 &before, err);
 

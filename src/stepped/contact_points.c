@@ -657,11 +657,22 @@ static bool may_close(const struct inspection *inspection, struct rb_pair pair, 
 
 /* ---- all pairs, by blocks ---- */
 
+/* Multiplications, about: of a pair of spheres, and of a part among those of another body. */
+enum { PAIR_WORK = 1 << 8, PART_WORK = 1 << 11 };
+
 struct inspections {
 	struct inspection inspection; /* to begin each block with */
 	struct rb_world *world;
 	struct inspection *block; /* what came of it */
 };
+
+/* After a pair with body `a`. */
+static bool is_interrupted(const struct inspections *inspections, int a)
+{
+	const int parts = rb_candidates_part_count(inspections->inspection.candidates, a);
+
+	return rb_interrupt_after(&inspections->world->interrupt, PART_WORK * (uint64_t)parts);
+}
 
 static void inspect_block(void *user, int block, int worker)
 {
@@ -680,7 +691,8 @@ static void inspect_block(void *user, int block, int worker)
 		inspection.capacity = inspection.points->capacity - inspection.points->count;
 		inspection.in_place = true;
 	}
-	for (size_t at = first; at < end && !inspection.failed; at++) {
+	bool more = !rb_interrupt_after(&inspections->world->interrupt, PAIR_WORK * (end - first));
+	for (size_t at = first; at < end && more && !inspection.failed; at++) {
 		const size_t k = rb_candidates_live(candidates, at);
 		const struct rb_pair pair = candidates->pair[k];
 
@@ -690,11 +702,14 @@ static void inspect_block(void *user, int block, int worker)
 			continue;
 		}
 		const double path = rb_clearance_path(candidates, pair, n);
-		if (may_close(&inspection, pair, path))
-			candidates->clearance[k] =
-				path + inspect_parts(&inspection, pair,
-			                             fmin(closing_of(&inspection, pair), max),
-			                             &candidates->clue[candidates->first_clue[k]]);
+		if (!may_close(&inspection, pair, path))
+			continue;
+		candidates->clearance[k] = path +
+		                           inspect_parts(
+						   &inspection, pair,
+						   fmin(closing_of(&inspection, pair), max),
+						   &candidates->clue[candidates->first_clue[k]]);
+		more = !is_interrupted(inspections, pair.a);
 	}
 	inspections->block[block] = inspection;
 }
@@ -727,7 +742,8 @@ enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world
 	                                                 .points = points,
 	                                                 .candidates = candidates,
 	                                                 .h = h,
-	                                                 .max = max}};
+	                                                 .max = max},
+	                                  .world = world};
 	bool good = true;
 
 	/* points are looked for many times in a step, in waves: each leaves the arenas as it was */
@@ -743,6 +759,10 @@ enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world
 	for (int b = 0; b < blocks; b++) {
 		count += inspections.block[b].all;
 		good = good && !inspections.block[b].failed;
+	}
+	if (rb_interrupt_is_set(&world->interrupt)) {
+		free_arenas(world, mark);
+		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 	}
 	if (!good ||
 	    !rb_memory_reserve(&points->row, &points->capacity, count, sizeof *points->row)) {

@@ -34,6 +34,9 @@ struct depths {
  */
 static const double rounding = 1 + 16 * DBL_EPSILON;
 
+/* Multiplications of a pair, about. */
+enum { PAIR_WORK = 1 << 10 };
+
 /*
  * Depth in m of the deepest pair of convex parts; if that is provably at most `least` > 0, usually
  * -least. Updates the clues and the clearance of the pair, which spares the test while both bodies
@@ -167,7 +170,8 @@ static void depth_block(void *user, int block, int worker)
 	size_t live = work->all ? first_live(candidates, first) : 0;
 	struct rb_depths depths = {0};
 
-	for (size_t at = first; at < end; at++) {
+	const bool more = !rb_interrupt_after(&work->world->interrupt, PAIR_WORK * (end - first));
+	for (size_t at = first; at < end && more; at++) {
 		const size_t k = work->all || !candidates->live ? at : candidates->live[at];
 		const struct rb_pair pair = candidates->pair[k];
 		const bool is_live = !work->all || !candidates->live ||
@@ -216,6 +220,8 @@ enum rb_status rb_depths_find(struct rb_world *world, struct rb_candidates *cand
 	if (!work.block)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
 	rb_team_run(world->team, blocks, depth_block, &work);
+	if (rb_interrupt_is_set(&world->interrupt))
+		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 	for (int b = 0; b < blocks; b++) {
 		found->failed = found->failed || work.block[b].failed;
 		found->max = fmax(found->max, work.block[b].max);

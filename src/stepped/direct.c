@@ -8,6 +8,8 @@
 #include "stepped/blocks.h"
 
 enum { OUTER_MAX = 30, INNER_MAX = 20, HALVINGS_MAX = 20, NOISE_ULP = 16 };
+/* Multiplications of a row in a step beside the factorization, about. */
+enum { ROW_WORK = 512 };
 
 /*
  * First weight of a row, over its own yield; how much it grows where impulses follow slowly, and
@@ -518,8 +520,11 @@ static struct rb_direct_result solve(struct newton *s)
 	double before = (double)INFINITY, shifted = (double)INFINITY, grown = 1;
 	double relax = s->direct->holds ? 0 : 1;
 	const bool joined = !rb_row_system_is_of_contacts(s->dense);
+	const uint64_t rows = (uint64_t)s->dense->row_count;
 
-	for (int outer = 0; outer < OUTER_MAX && result.steps < s->direct->steps_max; outer++) {
+	for (int outer = 0; outer < OUTER_MAX && result.steps < s->direct->steps_max &&
+	                    !rb_interrupt_is_set(s->direct->interrupt);
+	     outer++) {
 		double rounding, value = evaluate(s, &rounding);
 		double tolerance = fmax(s->direct->tolerance, noise_of(s));
 
@@ -529,7 +534,9 @@ static struct rb_direct_result solve(struct newton *s)
 			const double from = value, was = imbalance(s);
 
 			result.steps++;
-			if (!improve(s, &value, &rounding))
+			if (!improve(s, &value, &rounding) ||
+			    rb_interrupt_after(s->direct->interrupt,
+			                       (uint64_t)s->blocks.work + ROW_WORK * rows))
 				break;
 			/* by weights of joints rounding may be larger than the tolerance */
 			if (joined && from - value <= rounding && imbalance(s) > 0.5 * was)

@@ -14,6 +14,7 @@
 #define RB_STEPPED_DIRECT_H
 
 #include "base/arena.h"
+#include "base/interrupt.h"
 #include "constraint/row.h"
 
 struct rb_direct {
@@ -27,6 +28,7 @@ struct rb_direct {
 	int steps_max;         /* factorizations */
 	bool holds;            /* to begin with, as if nothing slipped: right where bodies stand */
 	double max;            /* multiplications that one factorization may take */
+	struct rb_interrupt *interrupt; /* borrowed; NULL: none */
 	struct rb_arena *arena;
 };
 

@@ -445,7 +445,8 @@ struct rb_dual_result rb_dual_solve(const struct rb_dual *dual)
 		for (int round = 0; more && round < ROUNDS_MAX; round++) {
 			result.steps++;
 			keep_round(&s);
-			if (!factor(&s))
+			if (!factor(&s) ||
+			    rb_interrupt_after(dual->interrupt, (uint64_t)s.blocks.work))
 				break;
 			const double left = refine(&s);
 

@@ -15,13 +15,15 @@
 #define RB_STEPPED_DUAL_H
 
 #include "base/arena.h"
+#include "base/interrupt.h"
 #include "constraint/row.h"
 
 struct rb_dual {
 	const struct rb_row_system
-		*dense;   /* impulses to begin with are in the bodies' velocities */
-	double tolerance; /* m/s: close enough */
-	double max;       /* multiplications that one factorization may take */
+		*dense;                 /* impulses to begin with are in the bodies' velocities */
+	double tolerance;               /* m/s: close enough */
+	double max;                     /* multiplications that one factorization may take */
+	struct rb_interrupt *interrupt; /* borrowed; NULL: none */
 	struct rb_arena *arena;
 };
 

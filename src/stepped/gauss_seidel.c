@@ -353,7 +353,9 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 		result.sweeps++;
 		result.residual = now.change;
 		first = result.sweeps == 1 ? now.change : first;
-		if (now.change <= sweep->tolerance || result.sweeps == sweep->max)
+		if (now.change <= sweep->tolerance || result.sweeps == sweep->max ||
+		    rb_interrupt_after(sweep->interrupt,
+		                       RB_SWEEP_WORK * (uint64_t)sweep->dense->row_count))
 			break;
 		/* where it got worse, faces have changed, and with them what was learned */
 		mixture.reach += result.sweeps == 1 ? size_of(sweep) : first;

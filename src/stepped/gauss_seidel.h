@@ -11,6 +11,7 @@
 #define RB_STEPPED_GAUSS_SEIDEL_H
 
 #include "base/arena.h"
+#include "base/interrupt.h"
 #include "constraint/row.h"
 
 /* Slip that is left opens no gap and closes none: of a residual it counts by this share. */
@@ -18,6 +19,8 @@
 
 /* Sweeps that the mixture knows. */
 enum { RB_SWEEP_MEMORY = 4 };
+/* Multiplications of a row in a sweep, about. */
+enum { RB_SWEEP_WORK = 256 };
 
 struct rb_sweep_trace;
 
@@ -29,6 +32,7 @@ struct rb_sweep {
 	/* [rows]: scratch, rb_sweep_take; inverse: of K of FREE rows, NULL: there are none */
 	struct rb_sweep_trace *trace;
 	rb_mat3 *inverse;
+	struct rb_interrupt *interrupt; /* borrowed; NULL: none */
 };
 
 struct rb_sweep_result {

@@ -21,7 +21,7 @@
 #include "stepped/tally.h"
 
 /* Limit of events in a step: after 64 + 4 per point what is left rebounds at the end. */
-enum { EVENTS_MAX = 64, EVENTS_PER_POINT = 4 };
+enum { EVENTS_MAX = 64, EVENTS_PER_POINT = 4, EVENT_WORK = 1 << 13 /* as multiplications */ };
 /*
  * What gives nothing back is resolved in its time between two bodies that touch no third one that
  * yields. More of them are left to the step's solution, which has the same law, and costs less
@@ -368,6 +368,7 @@ static bool build(struct impacts *all, double approach, struct rb_simultaneous *
 	                                  .contact_count = all->contact_count,
 	                                  .arena = arena,
 	                                  .tolerance = fine_share * approach,
+	                                  .interrupt = &all->world->interrupt,
 	                                  .products_max = work_max_of(all) / (long)contacts};
 	joint->body = rb_arena_take(arena, (size_t)all->body_count + 2 * contacts,
 	                            sizeof *joint->body);
@@ -652,6 +653,8 @@ static enum rb_status run_event(struct impacts *all, struct rb_due due, struct r
 	bool done = false, fine;
 
 	RB_ASSERT(due.t_s >= 0 && due.t_s <= all->flight.h_s);
+	if (rb_interrupt_after(&all->world->interrupt, EVENT_WORK))
+		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 	all->t_s = due.t_s;
 	all->due_s[due.point] = (double)INFINITY;
 	fine = gather(all, due.point) ? collide(all, due.point, &done)

@@ -9,6 +9,7 @@
 #ifndef RB_STEPPED_ISLANDS_H
 #define RB_STEPPED_ISLANDS_H
 
+#include "base/interrupt.h"
 #include "constraint/row.h"
 #include "stepped/contact_points.h"
 #include "stepped/joint_constraints.h"
@@ -56,6 +57,7 @@ enum rb_clear { RB_CLEAR_NO = 0, RB_CLEAR_MAYBE = 1, RB_CLEAR_BLOCKED = 2 };
 
 struct rb_solver {
 	int body_count;
+	struct rb_interrupt *interrupt; /* borrowed: the world's; NULL: none */
 	const int *
 		/* borrowed: bodies of the step, those that yield ascending, then driven ones */
 		active;

@@ -142,7 +142,8 @@ static void solve_block(void *user, int block, int worker)
 	for (int g = work->first[block]; g < work->first[block + 1]; g++) {
 		struct rb_island *island = &work->solver->island[g];
 
-		if (island->row_count >= RB_STRATEGY_LARGE_ROWS || !is_due(work, island))
+		if (island->row_count >= RB_STRATEGY_LARGE_ROWS || !is_due(work, island) ||
+		    rb_interrupt_is_set(work->solver->interrupt))
 			continue;
 		struct rb_arena *arena = &work->world->arena[worker];
 		const rb_arena_mark here = rb_arena_here(arena);
@@ -151,7 +152,7 @@ static void solve_block(void *user, int block, int worker)
 	}
 }
 
-static bool solve_all(struct work *work)
+static enum rb_status solve_all(struct work *work, struct rb_error *err)
 {
 	struct rb_solver *solver = work->solver;
 	struct rb_arena *arena = &work->world->arena[0];
@@ -159,7 +160,7 @@ static bool solve_all(struct work *work)
 	int blocks = 0, rows = 0;
 
 	if (!first)
-		return false;
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
 	first[0] = 0;
 	for (size_t g = 0; g < solver->island_count; g++) {
 		if (solver->island[g].row_count < RB_STRATEGY_LARGE_ROWS &&
@@ -177,11 +178,13 @@ static bool solve_all(struct work *work)
 		const rb_arena_mark here = rb_arena_here(arena);
 
 		if (solver->island[g].row_count >= RB_STRATEGY_LARGE_ROWS &&
-		    is_due(work, &solver->island[g]))
+		    is_due(work, &solver->island[g]) && !rb_interrupt_is_set(solver->interrupt))
 			rb_strategies_solve(solver, &solver->island[g], work->world->team, arena);
 		rb_arena_back(arena, here);
 	}
-	return true;
+	return rb_interrupt_is_set(solver->interrupt)
+	               ? RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted")
+	               : RB_OK;
 }
 
 enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
@@ -192,6 +195,7 @@ enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
 	enum rb_status status = RB_OK;
 
 	RB_ASSERT(h > 0 && isfinite(h));
+	solver->interrupt = &world->interrupt;
 	solver->h_s = h;
 	solver->before = before;
 	solver->tolerance = rb_solver_tolerance(world->model, h);
@@ -201,10 +205,10 @@ enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
 	if (before)
 		solver->external = rb_strategies_external(solver, solver->active,
 		                                          solver->active_count, (double)INFINITY);
-	if (!solve_all(&work))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
-	rb_islands_end(solver, world, points);
-	return RB_OK;
+	status = solve_all(&work, err);
+	if (status == RB_OK)
+		rb_islands_end(solver, world, points);
+	return status;
 }
 
 /*
@@ -267,14 +271,14 @@ enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_world *world,
 
 	if (!take_earlier(solver, &world->arena[0], &earlier))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
-	const enum rb_status status = rb_islands_make(solver, world, points, err);
+	enum rb_status status = rb_islands_make(solver, world, points, err);
 	if (status != RB_OK)
 		return status;
 	put_back(solver, &earlier, again);
-	if (!solve_all(&work))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
-	rb_islands_end(solver, world, points);
-	return RB_OK;
+	status = solve_all(&work, err);
+	if (status == RB_OK)
+		rb_islands_end(solver, world, points);
+	return status;
 }
 
 enum rb_status rb_solver_end(struct rb_solver *solver, struct rb_world *world, struct rb_error *err)
@@ -285,13 +289,12 @@ enum rb_status rb_solver_end(struct rb_solver *solver, struct rb_world *world, s
 	if (!rb_second_half_make(solver, world))
 		return RB_OK;
 	solver->before = NULL; /* velocities alone: nobody comes to rest, nothing pays for them */
-	const bool good = solve_all(&work);
+	const enum rb_status status = solve_all(&work, err);
 
 	solver->before = before;
-	if (!good)
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
-	rb_second_half_end(solver, world);
-	return RB_OK;
+	if (status == RB_OK)
+		rb_second_half_end(solver, world);
+	return status;
 }
 
 /* Whether restitution of this point shows beyond what the tolerance lets be. */
@@ -430,8 +433,9 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 			row->target.n = fmax(0, point->restitution * point->approach);
 		rb_constraint_clear(row);
 	}
-	if (!solve_all(&work))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+	const enum rb_status status = solve_all(&work, err);
+	if (status != RB_OK)
+		return status;
 	add_rebound(solver, world);
 	for (int k = 0; k < solver->dense.row_count; k++) {
 		const struct rb_constraint *row = &solver->dense.row[k];

@@ -13,9 +13,7 @@
 
 /* Sweeps before factors are tried, and at most. */
 enum { SWEEPS_FIRST = 200, SWEEPS_MAX = 1000, SWEEPS_CLOSE = 64 };
-/*
- * The same where rows are in packs, and may be held; of spheres, most that stall are held sooner.
- */
+/* The same where rows are in packs, and may be held; most of spheres that stall are held sooner. */
 enum { WIDE_FIRST = 60, WIDE_MAX = 400, CENTRAL_MAX = 140, WIDE_HOLD = 100 };
 /* Rounds of normal impulses and friction before a group is given up; sweeps of both in each. */
 enum { TURNS_MAX = 6, TURN_SWEEPS = 100 };
@@ -97,6 +95,7 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 		.steps_max = steps_max[purpose],
 		.slip_tolerance = solver->tolerance,
 		.max = fmin(share * (double)dense->row_count, factors_max),
+		.interrupt = solver->interrupt,
 		.arena = arena};
 	struct rb_constraint *kept = rb_arena_take(arena, (size_t)dense->row_count, sizeof *kept);
 
@@ -125,7 +124,8 @@ static struct rb_sweeper sweeper_of(const struct rb_solver *solver, const struct
 	                           .member = solver->member + island->first_member,
 	                           .member_count = island->member_count,
 	                           .local = solver->local,
-	                           .team = team};
+	                           .team = team,
+	                           .interrupt = solver->interrupt};
 }
 
 static int max_of(const struct rb_sweeper *sweeper)
@@ -574,6 +574,7 @@ static double solve_joints(const struct rb_solver *solver, struct rb_island *isl
 		/* as close as rounding lets it: that costs no more */
 		.tolerance = close_share * solver->tolerance,
 		.max = fmin(factor_share * (double)rows->row_count, factors_max),
+		.interrupt = solver->interrupt,
 		.arena = arena};
 
 	/* a second half goes on from the first one, which has forgotten them */
@@ -671,9 +672,7 @@ static bool sweeps_to_the_aim(const struct trial *trial)
 	                  trial->sweeper->wide ? WIDE_FIRST : SWEEPS_FIRST);
 }
 
-/*
- * The last digit costs as much as all before: the whole tolerance will do, as the verdict will see.
- */
+/* The last digit costs as much as all before: the whole tolerance will do, as the verdict sees. */
 static bool sweeps_to_the_tolerance(const struct trial *trial)
 {
 	return sweep_more(trial->solver, trial->sweeper, trial->island,

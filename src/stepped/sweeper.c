@@ -97,7 +97,8 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 	                (sweeper->central || rb_row_system_is_of_contacts(sweeper->dense));
 	if (!sweeper->wide) {
 		sweeper->one = (struct rb_sweep){.dense = sweeper->dense,
-		                                 .central = sweeper->central};
+		                                 .central = sweeper->central,
+		                                 .interrupt = sweeper->interrupt};
 		sweeper->impulses = rb_arena_take(arena, (size_t)sweeper->member_count + 1,
 		                                  sizeof *sweeper->impulses);
 		return sweeper->impulses && rb_sweep_take(&sweeper->one, arena);
@@ -111,7 +112,8 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 	                                 .team = sweeper->team,
 	                                 .colour = colours.first,
 	                                 .colour_count = colours.count,
-	                                 .tail = colours.tail};
+	                                 .tail = colours.tail,
+	                                 .interrupt = sweeper->interrupt};
 	return rb_wide_take(&sweeper->many, arena);
 }
 

@@ -591,7 +591,9 @@ struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double toleranc
 	while (result.sweeps < max) {
 		result.residual = sweep_all(wide, result.sweeps > 0 ? lead : 0);
 		result.sweeps++;
-		if (result.residual <= tolerance)
+		if (result.residual <= tolerance ||
+		    rb_interrupt_after(wide->interrupt,
+		                       RB_SWEEP_WORK * (uint64_t)wide->dense->row_count))
 			break;
 		least = fmin(least, result.residual);
 		if (result.sweeps % SWEEPS_WATCHED == 0) {

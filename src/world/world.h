@@ -12,6 +12,7 @@
 #include <rbsim/world.h>
 
 #include "base/arena.h"
+#include "base/interrupt.h"
 #include "base/team.h"
 #include "force/gravitation.h"
 #include "math/quat.h"
@@ -160,6 +161,7 @@ struct rb_world {
 	const double *push, *twist; /* those that hold now; NULL: none */
 	uint64_t called; /* how often callbacks have been told of events by the located method */
 	bool stopped;
+	struct rb_interrupt interrupt; /* of the frame under way */
 };
 
 /* The first failure of a function asked where nothing can fail: told with the next frame. */
