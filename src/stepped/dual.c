@@ -210,33 +210,36 @@ static bool prepare(struct system *s)
 
 /* ---- factors ---- */
 
-/* K_ij by one body: torques on it, signs of impulses on it. */
-static double answer_by(const struct system *s, const struct unknown *x, const struct unknown *y,
-                        int body)
-{
-	const struct rb_constraint *of_x = &s->dense->row[x->row], *of_y = &s->dense->row[y->row];
-	const bool a_x = of_x->a == body, a_y = of_y->a == body;
-	const double sum = s->dense->bodies.body[body].inverse_mass *
-	                           rb_vec3_dot(x->linear, y->linear) +
-	                   rb_vec3_dot(a_x ? x->torque_a : x->torque_b,
-	                               a_y ? y->turn_a : y->turn_b);
+/* A body that two blocks share: which end it is of either. */
+struct shared {
+	double inverse_mass;
+	bool a_x, a_y;
+};
 
-	return a_x == a_y ? sum : -sum;
+/* Those that yield, in the order of block i's ends; returns their number. */
+static int find_shared(const struct system *s, int i, int j, struct shared shared[2])
+{
+	int count = 0;
+
+	for (int e = 0; e < 2; e++) {
+		const int body = s->ends[i][e];
+		const struct rb_solver_body *const of = &s->dense->bodies.body[body];
+
+		if ((s->ends[j][0] == body || s->ends[j][1] == body) && rb_solver_is_dynamic(of))
+			shared[count++] = (struct shared){of->inverse_mass, e == 0,
+			                                  s->ends[j][0] == body};
+	}
+	return count;
 }
 
-static double answer(const struct system *s, const struct unknown *x, const struct unknown *y)
+/* K_ij by one body: torques on it, signs of impulses on it. */
+static double answer_by(const struct shared *by, const struct unknown *x, const struct unknown *y)
 {
-	const struct rb_constraint *of_x = &s->dense->row[x->row], *of_y = &s->dense->row[y->row];
-	const int ends[2] = {of_x->a, of_x->b};
-	double sum = 0;
+	const double sum = by->inverse_mass * rb_vec3_dot(x->linear, y->linear) +
+	                   rb_vec3_dot(by->a_x ? x->torque_a : x->torque_b,
+	                               by->a_y ? y->turn_a : y->turn_b);
 
-	if (x == y)
-		return x->diagonal;
-	for (int e = 0; e < 2; e++)
-		if ((of_y->a == ends[e] || of_y->b == ends[e]) &&
-		    rb_solver_is_dynamic(&s->dense->bodies.body[ends[e]]))
-			sum += answer_by(s, x, y, ends[e]);
-	return sum;
+	return by->a_x == by->a_y ? sum : -sum;
 }
 
 static double *least_of(const struct system *s, int x)
@@ -248,17 +251,20 @@ static void fill_block(struct system *s, int i, int j)
 {
 	bool turned;
 	rb_block *const block = rb_blocks_at(&s->blocks, i, j, &turned);
+	struct shared shared[2];
+	const int count = find_shared(s, i, j, shared);
 
 	for (int x = s->first[i]; x < s->first[i + 1]; x++)
 		for (int y = s->first[j]; y < s->first[j + 1]; y++) {
 			const struct unknown *of_x = &s->unknown[x], *of_y = &s->unknown[y];
 			const int r = turned ? s->place[y] : s->place[x];
 			const int c = turned ? s->place[x] : s->place[y];
-			const bool held = of_x->bound != INSIDE || of_y->bound != INSIDE;
+			double sum = x == y ? of_x->diagonal : 0;
 
-			block->m[r][c] = !held    ? answer(s, of_x, of_y)
-			                 : x == y ? of_x->diagonal
-			                          : 0;
+			if (x != y && of_x->bound == INSIDE && of_y->bound == INSIDE)
+				for (int e = 0; e < count; e++)
+					sum += answer_by(&shared[e], of_x, of_y);
+			block->m[r][c] = sum;
 		}
 	for (int k = s->first[i + 1] - s->first[i]; i == j && k < RB_BLOCK; k++)
 		block->m[k][k] = 1;
