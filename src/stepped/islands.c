@@ -324,15 +324,17 @@ static void store_joints_block(void *user, int block, int worker)
 {
 	const struct pass *pass = user;
 	struct rb_solver *solver = pass->solver;
-	const struct rb_joint_query query = rb_islands_joints(solver, pass->world);
+	struct rb_joint_query query = rb_islands_joints(solver, pass->world);
 
 	(void)worker;
 	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
 		struct rb_step_joint *of = &solver->joint[solver->joined[k]];
+		const struct rb_island *const island = group_of_joint(solver, pass->world,
+		                                                      solver->joined[k]);
 
+		query.lasts_s = rb_islands_lasts(solver, island);
 		/* of groups that keep what an earlier look has found, rows have not been solved */
-		if (of->first_row >= 0 &&
-		    !group_of_joint(solver, pass->world, solver->joined[k])->kept)
+		if (of->first_row >= 0 && !island->kept)
 			rb_step_joint_rows_store(&query, solver->joined[k], of,
 			                         solver->dense.row + of->first_row);
 	}

@@ -540,6 +540,27 @@ static void note_row(const struct filling *f, int part, const struct rb_constrai
 		note_fixed(&of->work, row, sign < 0 ? f->a.position : f->b.position, &two[1]);
 }
 
+/* As the solution has it. */
+static void give_velocity(const struct rb_joint_query *query, int i, struct rb_pose *pose)
+{
+	if (i < 0 || i >= query->world->model->body_count)
+		return;
+	pose->velocity = query->bodies->body[i].linear;
+	pose->spin = query->bodies->body[i].angular;
+}
+
+/* Where errors of the linkage would be at the end, on straight lines. */
+static void go_straight(const struct filling *f)
+{
+	struct rb_pose a = f->a, b = f->b;
+
+	give_velocity(f->query, f->joint->a, &a);
+	give_velocity(f->query, f->joint->b, &b);
+	for (int r = 0; r < rb_linkage_row_count(&f->joint->link); r++)
+		f->of->straight[r] = f->link[r].error +
+		                     f->query->h_s * rb_linkage_row_velocity(&f->link[r], &a, &b);
+}
+
 void rb_step_joint_rows_store(const struct rb_joint_query *query, int k, struct rb_step_joint *of,
                               const struct rb_constraint *row)
 {
@@ -552,6 +573,8 @@ void rb_step_joint_rows_store(const struct rb_joint_query *query, int k, struct 
 		memset(of->impulse, 0, sizeof of->impulse);
 		of->reaction = of->twist = none;
 		of->work = (struct rb_joint_work){0};
+		if (query->lasts_s < query->h_s)
+			go_straight(&f);
 	}
 	for (int r = 0; r < rows; r++)
 		note_row(&f, part[r], &row[r]);

@@ -15,7 +15,8 @@
  * `bend` is by how much it gets larger in the step than its velocity says, since ways of points are
  * bent; the directions of a step's impulses are those of its beginning, so that with the right bend
  * this is SHAKE (Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23 (1977) 327), which neither
- * damps nor drives what swings. A bend is foreseen to be that of the step before, and found by
+ * damps nor drives what swings. A bend is foreseen to be that of the step before (where impulses
+ * come in halves, on a straight line through the last two, as they were measured), and found by
  * looking at the step again (stepped/again).
  *
  * SHAKE's velocities are half a step late. A group that nothing but joints and constant forces acts
@@ -65,6 +66,8 @@ enum {
 #define RB_JOINT_MEMORY_FIELDS(X)                                                             \
 	X(double, force, [RB_JOINT_PARTS], "N, N m", "of each part, on b", RB_FINITE)         \
 	X(double, curve, [RB_LINKAGE_ROWS_MAX], "m/s^2, rad/s^2", "bend over h^2", RB_FINITE) \
+	X(double, trend, [RB_LINKAGE_ROWS_MAX], "m/s^3, rad/s^3", "its rate", RB_FINITE)      \
+	X(double, curve_s, , "s", "step that it is of; 0: not of halves", RB_FINITE)          \
 	X(double, way, , "m, rad", "free coordinate, turns counted", RB_FINITE)               \
 	X(rb_vec3, reaction, , "N", "on b", RB_FINITE)                                        \
 	X(rb_vec3, twist, , "N m", "on b, about its point", RB_FINITE)                        \
@@ -103,8 +106,12 @@ struct rb_step_joint {
 	bool spring_is_late;  /* its spring is not resolved: taken at the end of the step */
 	double bend[RB_LINKAGE_ROWS_MAX]; /* m, rad */
 	double miss[RB_LINKAGE_ROWS_MAX]; /* m, rad: errors when they were last measured */
-	double drift; /* m: the largest of these; INFINITY: not measured in this try */
-	double rate;  /* m/s, rad/s: of the free coordinate as the step began; of a rope's length */
+	/* m, rad: errors at the end, if they grew as fast as the solution says at the beginning */
+	double straight[RB_LINKAGE_ROWS_MAX];
+	bool is_measured; /* `miss` is that of the last solution */
+	bool halves;      /* of the try: its group has taken impulses in halves */
+	double drift;     /* m: the largest of these; INFINITY: not measured in this try */
+	double rate; /* m/s, rad/s: of the free coordinate as the step began; of a rope's length */
 	double impulse[RB_JOINT_PARTS]; /* N s, N m s: of the try */
 	rb_vec3 reaction, twist;        /* N s, N m s, on b, about its point: of the try */
 	struct rb_joint_work work;      /* of the try */

@@ -148,8 +148,12 @@ enum rb_status rb_joints_try(struct rb_world *world, const struct rb_cohort *coh
 		}
 
 		of->drift = (double)INFINITY;
-		for (int r = 0; r < RB_LINKAGE_ROWS_MAX; r++)
-			of->bend[r] = h * h * of->last.curve[r];
+		of->is_measured = of->halves = false;
+		for (int r = 0; r < RB_LINKAGE_ROWS_MAX; r++) {
+			const double since = 0.5 * (h + of->last.curve_s);
+
+			of->bend[r] = h * h * (of->last.curve[r] + since * of->last.trend[r]);
+		}
 	}
 	return RB_OK;
 }
@@ -173,6 +177,7 @@ bool rb_joints_mark(struct rb_world *world, unsigned char *of_group)
 		if (of->first_row < 0)
 			continue;
 		of->drift = rb_step_joint_rows_miss(world, number, of);
+		of->is_measured = true;
 		if (of->drift <= max || (of->drift <= world->model->stepped_tolerance_m &&
 		                         !(of->drift <= gain_share * before)))
 			continue;
@@ -197,6 +202,7 @@ void rb_joints_bend(struct rb_world *world, const unsigned char *of_group)
 			continue;
 		for (int r = 0; r < rb_linkage_row_count(&joint->link); r++)
 			of->bend[r] += slack ? fmax(0, of->miss[r]) : of->miss[r];
+		of->is_measured = false;
 	}
 }
 
@@ -228,6 +234,18 @@ void rb_joints_blame(struct rb_world *world, const struct rb_cohort *cohort,
 
 /* ---- what is kept ---- */
 
+/* Of rows that others make redundant, too, a bend is what was measured, whatever was foreseen. */
+static void remember_bend(struct rb_step_joint *of, int r, bool slack, double h)
+{
+	struct rb_joint_memory *const last = &of->last;
+	const bool is_new = of->halves && of->is_measured;
+	const double bend = is_new ? of->miss[r] - of->straight[r] : of->bend[r];
+	const double curve = slack ? 0 : bend / (h * h), since = 0.5 * (h + last->curve_s);
+
+	last->trend[r] = is_new && last->curve_s > 0 ? (curve - last->curve[r]) / since : 0;
+	last->curve[r] = curve;
+}
+
 static void remember(const struct rb_joint *joint, struct rb_step_joint *of, double h)
 {
 	const bool slack = joint->link.type->one_sided && of->impulse[0] == 0;
@@ -235,7 +253,8 @@ static void remember(const struct rb_joint *joint, struct rb_step_joint *of, dou
 	for (int p = 0; p < RB_JOINT_PARTS; p++)
 		of->last.force[p] = of->impulse[p] / h;
 	for (int r = 0; r < RB_LINKAGE_ROWS_MAX; r++)
-		of->last.curve[r] = slack ? 0 : of->bend[r] / (h * h);
+		remember_bend(of, r, slack, h);
+	of->last.curve_s = of->halves ? h : 0;
 	of->last.rate = of->rate;
 	of->last.length_s = h;
 	of->last.reaction = rb_vec3_scale(1 / h, of->reaction);

@@ -124,9 +124,11 @@ void rb_second_half_end(struct rb_solver *solver, struct rb_world *world)
 	for (int k = 0; k < solver->joined_count; k++) {
 		struct rb_step_joint *const of = joint_due(solver, world, solver->joined[k]);
 
-		if (of)
-			rb_step_joint_rows_store(&query, solver->joined[k], of,
-			                         solver->dense.row + of->first_row);
+		if (!of)
+			continue;
+		rb_step_joint_rows_store(&query, solver->joined[k], of,
+		                         solver->dense.row + of->first_row);
+		of->halves = true;
 	}
 	for (int k = 0; k < solver->active_count; k++) {
 		const int i = solver->active[k], g = solver->island_of[i];
