@@ -12,6 +12,11 @@
 
 /* Rounds; and by how many of the deepest overlaps a body may be moved, as one pushes the next. */
 enum { CLOSINGS_MAX = 12, CHAIN_MAX = 16 };
+/*
+ * From body to body, how far from what overlaps others give way in the first round; in each further
+ * round twice as far. Most overlaps are closed by few, and a heap is one group.
+ */
+enum { FIRST_WAVES = 2 };
 
 /*
  * Overlap after a step that moving positions is for, over the smallest size, and of what turns,
@@ -60,7 +65,11 @@ struct search {
 	unsigned char *moved; /* by body: in the round before */
 	int *parent;          /* by body: groups as far as they are known */
 	unsigned char *lost;  /* by group: somebody in it is bad */
-	unsigned char *inspected; /* by pair */
+	unsigned char *inspected;    /* by pair */
+	unsigned char *anchored;     /* by body: something static is in its group of the solution */
+	unsigned char *frozen;       /* by body: gives no way in this round */
+	struct rb_solver_body *kept; /* what the solver has of those */
+	int waves, waves_max;
 	int *wave, *active,
 		*at_rest;       /* bodies: to look from; seen ones; without their velocities */
 	unsigned char *stopped; /* by body: it is without its velocity */
@@ -88,13 +97,17 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->parent = rb_arena_take(arena, n, sizeof *search->parent);
 	search->lost = rb_arena_take(arena, n, 1);
 	search->inspected = rb_arena_take(arena, pairs + 1, 1);
+	search->anchored = rb_arena_take(arena, n, 1);
+	search->frozen = rb_arena_take(arena, n, 1);
+	search->kept = rb_arena_take(arena, n, sizeof *search->kept);
 	search->wave = rb_arena_take(arena, n, sizeof *search->wave);
 	search->active = rb_arena_take(arena, n, sizeof *search->active);
 	search->at_rest = rb_arena_take(arena, n, sizeof *search->at_rest);
 	search->pair = rb_arena_take(arena, pairs + 1, sizeof *search->pair);
 	if (search->place && search->first && search->of && search->seen && search->moved &&
 	    search->stopped && search->parent && search->lost && search->inspected &&
-	    search->wave && search->active && search->at_rest && search->pair) {
+	    search->anchored && search->frozen && search->kept && search->wave && search->active &&
+	    search->at_rest && search->pair) {
 		memset(search->moved, 0, n);
 		memset(search->stopped, 0, n);
 		return RB_OK;
@@ -196,6 +209,26 @@ static void join(struct search *search, const struct rb_step_point *point)
 	inspect_from(search, point->b);
 }
 
+/*
+ * What nothing holds keeps its centre of mass, so all of it gives way; nor are joints parted. The
+ * groups are those of the solution.
+ */
+static void find_anchored(struct search *search)
+{
+	const struct rb_step_points *points = &search->cohort->points;
+	const struct rb_world *world = search->world;
+	unsigned char *const holds = search->frozen; /* by the first of a group */
+
+	for (int k = 0; k < search->count; k++)
+		holds[search->body[k]] = search->anchored[search->body[k]] = 0;
+	for (size_t k = 0; !world->model->joints && k < points->count; k++)
+		if (points->row[k].b >= world->model->body_count)
+			holds[rb_forest_root(search->lift.parent, points->row[k].a)] = 1;
+	for (int k = 0; k < search->count; k++)
+		search->anchored[search->body[k]] =
+			holds[rb_forest_root(search->lift.parent, search->body[k])];
+}
+
 /* Groups with somebody who is bad are not moved: what overlaps with one need not be looked from. */
 static void begin_round(struct search *search, const struct rb_depths *found)
 {
@@ -204,12 +237,12 @@ static void begin_round(struct search *search, const struct rb_depths *found)
 	for (int k = 0; k < search->count; k++) {
 		const int i = search->body[k];
 
-		search->seen[i] = 0;
+		search->seen[i] = search->frozen[i] = 0;
 		search->parent[i] = i;
 		search->lost[i] = bad[i];
 	}
 	memset(search->inspected, 0, search->cohort->candidates->pair_count);
-	search->wave_count = 0;
+	search->wave_count = search->waves = 0;
 	for (size_t k = 0; k < found->deep_count; k++) {
 		const int a = found->deep[k].a, b = found->deep[k].b;
 		const bool is_dynamic = rb_stepped_is_dynamic(search->world, b);
@@ -260,6 +293,10 @@ static size_t next_pairs(struct search *search)
 
 		if (search->lost[rb_forest_root(search->parent, search->wave[k])])
 			continue;
+		if (search->waves >= search->waves_max && search->anchored[search->wave[k]]) {
+			search->frozen[search->wave[k]] = 1;
+			continue;
+		}
 		for (uint32_t at = search->first[place]; at < search->first[place + 1]; at++) {
 			const uint32_t pair = search->of[at];
 
@@ -272,6 +309,7 @@ static size_t next_pairs(struct search *search)
 		}
 	}
 	search->wave_count = 0;
+	search->waves++;
 	return count;
 }
 
@@ -303,7 +341,7 @@ static enum rb_status find_points(struct search *search, const struct rb_depths 
 	candidates->live_count = live_count;
 	search->active_count = 0;
 	for (int k = 0; k < search->count; k++)
-		if (search->seen[search->body[k]])
+		if (search->seen[search->body[k]] && !search->frozen[search->body[k]])
 			search->active[search->active_count++] = search->body[k];
 	return status == RB_OK ? rb_step_points_sort(points, &world->arena[0], err) : status;
 }
@@ -347,6 +385,31 @@ static void keep_points(struct search *search, const struct rb_depths *found)
 }
 
 /* ---- moving ---- */
+
+/* Those that give no way are as static ones to the solver. */
+static void freeze(struct search *search)
+{
+	struct rb_solver *const solver = &search->world->stepped->solver;
+	struct rb_solver_body *const body = solver->dense.bodies.body;
+
+	for (int k = 0; k < search->count; k++) {
+		const int i = search->body[k];
+
+		if (!search->frozen[i])
+			continue;
+		search->kept[i] = body[i];
+		body[i] = (struct rb_solver_body){.inverse_mass = 0};
+		solver->island_of[i] = solver->local[i] = -1;
+	}
+}
+
+static void thaw(struct search *search)
+{
+	for (int k = 0; k < search->count; k++)
+		if (search->frozen[search->body[k]])
+			search->world->stepped->solver.dense.bodies.body[search->body[k]] =
+				search->kept[search->body[k]];
+}
 
 /* Moves positions by what the solver's velocities have become. */
 static void shift(struct search *search)
@@ -396,6 +459,14 @@ static void lift_joined(struct search *search, int i)
 	}
 }
 
+/* Whoever gives no way holds the others, as what is static does. */
+static void join_lift(struct search *search, int a, int b)
+{
+	rb_lift_join(&search->lift, search->world, a, b);
+	if (search->frozen[a] || (rb_stepped_is_dynamic(search->world, b) && search->frozen[b]))
+		rb_lift_join(&search->lift, search->world, a, search->world->model->body_count);
+}
+
 /* Groups are solved on their own: nobody else is asked about. */
 static enum rb_status close_once(struct search *search, const struct rb_depths *found,
                                  struct rb_error *err)
@@ -410,7 +481,7 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 		keep_points(search, found);
 	for (size_t k = 0; status == RB_OK && k < s->closing.count; k++) {
 		s->closing.row[k].friction = 0;
-		rb_lift_join(&search->lift, world, s->closing.row[k].a, s->closing.row[k].b);
+		join_lift(search, s->closing.row[k].a, s->closing.row[k].b);
 	}
 	for (int k = 0; status == RB_OK && k < search->active_count; k++)
 		lift_joined(search, search->active[k]);
@@ -421,12 +492,14 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 	}
 	s->solver.active = search->active;
 	s->solver.active_count = search->active_count + s->driven_count;
+	freeze(search);
 	if (status == RB_OK)
 		status = rb_solver_step(&s->solver, world, NULL, &s->closing, 1, err);
 	if (status == RB_OK) {
 		rb_lift_turn(&search->lift, world, &s->closing);
 		shift(search);
 	}
+	thaw(search);
 	/* ways in m and rad are no velocities: what is looked at next must not take them so */
 	for (int k = 0; k < search->resting_count; k++)
 		clear_velocity(world, search->at_rest[k]);
@@ -513,10 +586,14 @@ enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *coh
 		return status;
 	index_pairs(&search);
 	status = rb_lift_begin(&search.lift, world, &cohort->points, cohort->candidates->h_s, err);
+	if (status == RB_OK)
+		find_anchored(&search);
+	search.waves_max = FIRST_WAVES;
 	for (int round = 0; round < CLOSINGS_MAX && status == RB_OK && last.deep_count > 0;
 	     round++) {
 		status = close_once(&search, &last, err);
 		search.again = true;
+		search.waves_max *= 2;
 		/* nothing moves: all that overlap are with somebody who is bad */
 		if (status == RB_OK && s->closing.count == 0)
 			break;
