@@ -303,6 +303,8 @@ static void impossible_bodies_are_named_with_file_line_and_value(void **slot)
 	b.scene.bodies[0].position.y = 0;
 	b.scene.bodies[0].velocity.y = (double)INFINITY;
 	assert_refused(&b, "'velocity' and 'angular_velocity' must be finite");
+	b.scene.bodies[0].velocity.y = 1e154;
+	assert_refused(&b, "'velocity' 1e+154 m/s or 'angular_velocity' 0 rad/s is too fast");
 	b.scene.bodies[0].velocity.y = 0;
 	b.scene.bodies[0].shape.radius = 1e-180;
 	b.scene.bodies[0].angular_velocity.z = 1;

@@ -86,12 +86,35 @@ static void no_sample_of_random_polynomials_is_below_before_the_fall(void **stat
 	}
 }
 
+static void spheres_meet_at_any_size_and_speed(void **state)
+{
+	(void)state;
+	static const double size[] = {1e-200, 1e-60, 1, 1e60, 1e200};
+
+	for (int i = 0; i < 5; i++) {
+		for (int j = 0; j < 5; j++) {
+			const double d = size[i], v = size[j];
+
+			if (fabs(log10(d / v)) > 300)
+				continue;
+			const double met = rb_touch_time((rb_vec3){5 * d, 0, 0},
+			                                 (rb_vec3){-v, 0, 0}, 2 * d);
+			assert_true(fabs(met / (3 * (d / v)) - 1) < 1e-15);
+			assert_true(isinf(rb_touch_time((rb_vec3){5 * d, 3 * d, 0},
+			                                (rb_vec3){-v, 0, 0}, 2 * d)));
+			assert_true(isinf(
+				rb_touch_time((rb_vec3){5 * d, 0, 0}, (rb_vec3){v, 0, 0}, 2 * d)));
+		}
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_first_fall_of_known_roots_is_found),
 		cmocka_unit_test(a_double_root_is_no_fall_and_a_line_is_one),
 		cmocka_unit_test(roots_many_decades_apart_are_found),
+		cmocka_unit_test(spheres_meet_at_any_size_and_speed),
 		cmocka_unit_test(no_sample_of_random_polynomials_is_below_before_the_fall),
 	};
 

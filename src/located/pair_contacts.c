@@ -371,6 +371,8 @@ static double linear_touch(rb_vec3 d, rb_vec3 w, double sum, double noise)
 	const double square = rb_vec3_dot(w, w);
 	if (c <= 0)
 		return -b > noise * sum ? 0 : HUGE_VAL;
+	if (!rb_squares_hold(b * b))
+		return rb_touch_time(d, w, sum);
 	double discriminant = b * b - square * c;
 	if (fabs(discriminant) < 1e-4 * b * b) {
 		/* grazing: without the cancellation */

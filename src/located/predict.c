@@ -13,6 +13,7 @@
 
 #include "located/approach.h"
 #include "math/decay.h"
+#include "math/quartic.h"
 
 /* Bodies from which on arrays exceed the caches and prefetching pays. */
 enum { MANY = 4096 };
@@ -92,6 +93,13 @@ static inline void see_flight(struct seer *s, int j, rb_vec3 x, rb_vec3 v, doubl
 	 */
 	if (!(b < 0) || c * (1 - 1e-9) > -2 * b * (s->next.touch_s - s->now))
 		return;
+	if (!rb_squares_hold(b * b)) {
+		const double tau = rb_touch_time(d, w, sum);
+
+		if (isfinite(tau))
+			see(s, j, s->now + seconds(s, tau), false);
+		return;
+	}
 	const double square = rb_vec3_dot(w, w);
 	double discriminant = b * b - square * c;
 	if (discriminant < 1e-4 * b * b) {

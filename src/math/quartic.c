@@ -103,3 +103,34 @@ double rb_quartic_falls(const double c[5], double max)
 	}
 	return (double)INFINITY;
 }
+
+/* The exponent of the largest component. */
+static int exponent_of(rb_vec3 a)
+{
+	int exponent;
+
+	frexp(fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z))), &exponent);
+	return exponent;
+}
+
+static rb_vec3 shifted(rb_vec3 a, int exponent)
+{
+	return (rb_vec3){ldexp(a.x, exponent), ldexp(a.y, exponent), ldexp(a.z, exponent)};
+}
+
+double rb_touch_time(rb_vec3 d, rb_vec3 w, double sum)
+{
+	const int length = exponent_of(d), speed = exponent_of(w);
+
+	d = shifted(d, -length);
+	w = shifted(w, -speed);
+	sum = ldexp(sum, -length);
+	const double b = rb_vec3_dot(d, w), square = rb_vec3_dot(w, w);
+	const double offset = rb_vec3_length(rb_vec3_cross(d, w)), reach = sqrt(square) * sum;
+	const double discriminant = (reach - offset) * (reach + offset);
+
+	if (!(b < 0) || !(discriminant >= 0))
+		return HUGE_VAL;
+	const double c = rb_vec3_dot(d, d) - sum * sum;
+	return ldexp(c / (sqrt(discriminant) - b), length - speed);
+}

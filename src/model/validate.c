@@ -170,6 +170,11 @@ static void body_mistake(struct check *check, int id, const char *format, ...)
 	rb_mistakes_add(check->mistakes, "%s%s: %s", where, who, text);
 }
 
+static double largest_of(rb_vec3 a)
+{
+	return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
+}
+
 /* Positive and finite; false for NaN. */
 static bool positive(double x)
 {
@@ -371,6 +376,12 @@ static bool check_shape(struct check *check, int id)
 	}
 	if (!rb_vec3_finite(body->velocity) || !rb_vec3_finite(body->angular_velocity))
 		body_mistake(check, id, "'velocity' and 'angular_velocity' must be finite");
+	else if (!isfinite(4 * rb_vec3_dot(body->velocity, body->velocity)) ||
+	         !isfinite(4 * rb_vec3_dot(body->angular_velocity, body->angular_velocity)))
+		body_mistake(check, id,
+		             "'velocity' %g m/s or 'angular_velocity' %g rad/s is too fast (wanted "
+		             "speeds whose squares a double holds)",
+		             largest_of(body->velocity), largest_of(body->angular_velocity));
 	if (!rb_vec3_finite(body->center_of_mass))
 		body_mistake(check, id, "'center_of_mass' must be finite");
 	return good;

@@ -56,3 +56,26 @@ done <<'EOF'
 0 0 -31
 5 3 4
 EOF
+
+# Located, a ball meets another at any size and speed whose squares a double holds, squared twice or not.
+cat >far.lua <<'EOF'
+local size, speed = param("size", 1.0, ""), param("speed", 1.0, "")
+local m = material { restitution = 1 }
+world { duration = 10 * size / speed, frame_rate = speed / size }
+sphere { name = "a", radius = size, mass = 1, velocity = {speed, 0, 0}, material = m }
+sphere { name = "b", radius = size, mass = 1, position = {3 * size, 0, 0}, material = m }
+expect("all of the speed is handed on, in time", function()
+	return math.abs(body("b").position.x / size - 12) + math.abs(body("b").velocity.x / speed - 1), 1e-13
+end)
+EOF
+while read -r size speed; do
+	exits 0 run far.lua --no-record --method located --param size="$size" --param speed="$speed"
+done <<'EOF'
+1 1e153
+1e60 1e100
+1e9 1e150
+1e-3 1e-160
+1 1e-300
+EOF
+exits 65 run far.lua --no-record --param speed=1e154
+says err "sphere 'a': 'velocity' 1e\+154 m/s .*too fast"
