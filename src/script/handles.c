@@ -267,11 +267,24 @@ static int l_point_acceleration(lua_State *L)
 	return 1;
 }
 
+/* A velocity of the kind that scenes may give a body (model/validate). */
+static rb_vec3 speed_check(lua_State *L, const char *what)
+{
+	const rb_vec3 v = rb_vector_check(L, 2, what);
+
+	if (!isfinite(4 * rb_vec3_dot(v, v)))
+		luaL_error(L,
+		           "%s: too fast (got {%f, %f, %f}, wanted a speed whose square a double "
+		           "holds)",
+		           what, v.x, v.y, v.z);
+	return v;
+}
+
 static int l_set_velocity(lua_State *L)
 {
 	const int id = body_to_change(L, "set_velocity");
 
-	rb_world_set_velocity(rb_script_of(L)->world, id, rb_vector_check(L, 2, "set_velocity"));
+	rb_world_set_velocity(rb_script_of(L)->world, id, speed_check(L, "set_velocity"));
 	return 0;
 }
 
@@ -280,7 +293,7 @@ static int l_set_angular_velocity(lua_State *L)
 	const int id = body_to_change(L, "set_angular_velocity");
 
 	rb_world_set_angular_velocity(rb_script_of(L)->world, id,
-	                              rb_vector_check(L, 2, "set_angular_velocity"));
+	                              speed_check(L, "set_angular_velocity"));
 	return 0;
 }
 

@@ -79,3 +79,14 @@ done <<'EOF'
 EOF
 exits 65 run far.lua --no-record --param speed=1e154
 says err "sphere 'a': 'velocity' 1e\+154 m/s .*too fast"
+
+# nor may a callback set one
+for call in set_velocity set_angular_velocity; do
+	cat >fast.lua <<EOF
+world { duration = 1 }
+local a = sphere { radius = 1 }
+on_step(function() a:$call({0, 1e200, 0}) end)
+EOF
+	exits 65 run fast.lua --no-record
+	says err "fast.lua:3: $call: too fast"
+done
