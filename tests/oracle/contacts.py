@@ -7,6 +7,7 @@ points and normals may be those of its beginning, off by the way that the bodies
 import numpy as np
 
 import gaps
+from mechanics import touched
 from overlaps import PRECISION, rounding
 from recording import PLANE, Piece, dot, matrices, turn
 
@@ -180,7 +181,12 @@ def forces(rec, report, c, frame, stepped, where):
     creeps = speed <= 2e-5 * (rate + spun + np.sqrt(2 * np.linalg.norm(rec.gravity) * c.size()))
     # bodies that parted within the step: where they met, neither has at the frame the speed that it had
     parted = stepped & (rec.contacts["gap"][c.rows] > c.size())
-    rows = np.nonzero((speed > fast) & (push > 1e-6 * scale) & (friction > 0) & ~parted)[0]
+    # impacts within the step, before which slip had another direction
+    struck = np.zeros(len(speed), bool)
+    if rec.events is not None:
+        impacts = np.pad(touched(rec)[1], ((0, 0), (0, 1)))
+        struck = stepped & sum(impacts[frame, np.minimum(body, rec.bodies)] > 0 for body in (c.i, c.j)).astype(bool)
+    rows = np.nonzero((speed > fast) & (push > 1e-6 * scale) & (friction > 0) & ~parted & ~struck)[0]
     against = rub[rows] + (friction * push / speed)[rows][:, None] * slip[rows]
     if len(rows):
         report.bounds("friction against slip", np.linalg.norm(against, axis=1),
