@@ -90,7 +90,7 @@ static rb_vec3 center_of(const struct rb_world *world, int i)
 enum { BLOCK_POINTS = 16 };
 
 /* Room for twice as many; what there is stays where it is. */
-static bool add_room(struct inspection *inspection)
+static bool add_piece(struct inspection *inspection)
 {
 	const size_t capacity = inspection->all ? 2 * inspection->all : BLOCK_POINTS;
 	struct rb_step_point *out = rb_arena_take(inspection->arena, capacity, sizeof *out);
@@ -111,7 +111,7 @@ static bool add_room(struct inspection *inspection)
 
 static struct rb_step_point *add_point(struct inspection *inspection)
 {
-	if (inspection->count == inspection->capacity && !add_room(inspection)) {
+	if (inspection->count == inspection->capacity && !add_piece(inspection)) {
 		inspection->failed = true;
 		return NULL;
 	}
