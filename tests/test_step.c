@@ -557,7 +557,7 @@ static void what_cannot_be_resolved_is_said_with_names(void **slot)
 	(void)slot;
 	open_classic(&lab, 10, 10);
 	lab_surface(&lab, 0, 0);
-	struct rb_body_def def = lab_sphere_def(0.1, 1, at(0, 0, 0.11), at(0, 0, 1e300));
+	struct rb_body_def def = lab_sphere_def(0.1, 1, at(0, 0, 0.11), at(0, 0, 1e100));
 	def.name = "runaway";
 	lab_add(&lab, &def);
 	lab_plane(&lab, origin, up);
