@@ -25,7 +25,7 @@ struct rb_outcome {
 		/* RB_OK: complete; RB_ERR_INTERRUPT, RB_ERR_TERMINATE: interrupted; else failed */
 		status;
 	const char *reason;    /* never NULL, "" when complete */
-	uint64_t state_hash;   /* of the last state */
+	uint64_t state_hash;   /* of the last frame */
 	const double *results; /* [result_count] of the scene; NULL: not known, or none */
 };
 

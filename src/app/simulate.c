@@ -387,6 +387,8 @@ static enum rb_status start(struct run *run, struct rb_error *err)
 	rb_listen_has_films(run->listen, rb_films_count(run->films) > 0);
 	if (!status && run->resume)
 		status = restore(run, err);
+	if (!status)
+		run->result->state_hash = rb_world_hash(run->world);
 	if (!status && run->resume)
 		rb_listen_film(run->listen, rb_films_are_on(run->films));
 	if (!status && (run->recorder || run->films))
@@ -462,8 +464,11 @@ static enum rb_status emit(struct run *run, bool *ended, struct rb_error *err)
 	if (run->ring)
 		rb_ring_publish(run->ring);
 	const uint64_t k = rb_world_frame(run->world);
-	return rb_script_on_frame(run->loaded->script, run->world, rb_world_time(run->world), k,
-	                          err);
+	status = rb_script_on_frame(run->loaded->script, run->world, rb_world_time(run->world), k,
+	                            err);
+	/* now, as a signal or a failure may leave the world anywhere within the next frame */
+	run->result->state_hash = rb_world_hash(run->world);
+	return status;
 }
 
 /* Asked while the run is paused. */
@@ -686,7 +691,6 @@ static void finish(struct run *run)
 		result->frame_count = rb_world_frame_count(run->world);
 		result->totals = rb_world_totals(run->world);
 		result->work = rb_world_work(run->world);
-		result->state_hash = rb_world_hash(run->world);
 	}
 	run->outcome = (struct rb_outcome){
 		.status = result->status,

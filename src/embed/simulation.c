@@ -39,6 +39,7 @@ struct rbsim_simulation {
 
 	struct rb_frame frame;
 	struct rbsim_frame shown; /* of `frame` */
+	uint64_t state_hash;      /* after it */
 	struct rb_error failure;  /* of the step that failed */
 	bool recording_ended;     /* no more steps */
 };
@@ -126,7 +127,7 @@ static enum rb_status end_recording(struct rbsim_simulation *simulation, struct 
 {
 	char reason[80];
 	struct rb_outcome outcome = {.reason = "",
-	                             .state_hash = rb_world_hash(simulation->world),
+	                             .state_hash = simulation->state_hash,
 	                             .results = simulation->results};
 	enum rb_status status = RB_OK;
 
@@ -179,6 +180,7 @@ static enum rb_status emit(struct rbsim_simulation *simulation, struct rb_error 
 	if (!status)
 		status = rb_script_on_frame(simulation->script, world, rb_world_time(world),
 		                            rb_world_frame(world), err);
+	simulation->state_hash = rb_world_hash(world);
 	return status ? status : take_results(simulation, err);
 }
 
