@@ -126,9 +126,8 @@ static enum rb_status start_recording(struct rbsim_simulation *made,
 static enum rb_status end_recording(struct rbsim_simulation *simulation, struct rb_error *err)
 {
 	char reason[80];
-	struct rb_outcome outcome = {.reason = "",
-	                             .state_hash = simulation->state_hash,
-	                             .results = simulation->results};
+	struct rb_outcome outcome = {
+		.reason = "", .state_hash = simulation->state_hash, .results = simulation->results};
 	enum rb_status status = RB_OK;
 
 	if (simulation->failure.status) {
