@@ -180,6 +180,11 @@ struct rb_joint_reading {
 /* By the joint's number in the scene; changes nothing. */
 RB_CHECKED enum rb_status rb_world_joint(struct rb_world *world, int joint,
                                          struct rb_joint_reading *reading, struct rb_error *err);
+/*
+ * m: by how far its points, or its way beyond a limit, are off; 0 once it is released. `allowed`:
+ * at the start.
+ */
+double rb_world_joint_gap(const struct rb_world *world, int joint, double *allowed);
 
 int rb_world_id_count(const struct rb_world *world);
 bool rb_world_is_static(const struct rb_world *world, int id);

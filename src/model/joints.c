@@ -225,6 +225,12 @@ static bool free_fault(const struct rb_joint_def *def, char text[RB_JOINT_FAULT_
 	return key != NULL;
 }
 
+double rb_joint_allowed(double size, rb_vec3 p_a, rb_vec3 p_b)
+{
+	return closed_within * size +
+	       COORDINATE_ULP * DBL_EPSILON * fmax(rb_vec3_max_abs(p_a), rb_vec3_max_abs(p_b));
+}
+
 /* Points that do not meet, a length that is not that of the start. */
 static bool gap_fault(const struct rb_scene *scene, const struct rb_joint_def *def,
                       char text[RB_JOINT_FAULT_SIZE])
@@ -234,9 +240,7 @@ static bool gap_fault(const struct rb_scene *scene, const struct rb_joint_def *d
 
 	rb_joint_points(scene, def, &p_a, &p_b);
 	const double distance = rb_vec3_length(rb_vec3_sub(p_b, p_a));
-	const double allowed = closed_within * size +
-	                       COORDINATE_ULP * DBL_EPSILON *
-	                               fmax(rb_vec3_max_abs(p_a), rb_vec3_max_abs(p_b));
+	const double allowed = rb_joint_allowed(size, p_a, p_b);
 	char a[64], b[64];
 
 	rb_scene_body_label(scene, def->a, a);

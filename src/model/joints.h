@@ -92,6 +92,9 @@ void rb_joint_points(const struct rb_scene *scene, const struct rb_joint_def *de
 /* m: the largest of the distances of its points from the bodies' origins and of their sizes. */
 double rb_joint_size(const struct rb_scene *scene, const struct rb_joint_def *def);
 
+/* m: the most by which a joint of that size may be open at the start, or a callback opens it. */
+double rb_joint_allowed(double size, rb_vec3 p_a, rb_vec3 p_b);
+
 /* Whether a joint without `collides` is between the two bodies of the scene (ids). */
 bool rb_scene_joined(const struct rb_scene *scene, int a, int b);
 

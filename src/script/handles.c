@@ -13,6 +13,7 @@
 #include "math/quat.h"
 #include "model/validate.h"
 #include "script/call.h"
+#include "script/displaced.h"
 #include "script/handle_kind.h"
 #include "script/moment.h"
 #include "script/vector.h"
@@ -300,8 +301,10 @@ static int l_set_angular_velocity(lua_State *L)
 static int l_set_position(lua_State *L)
 {
 	const int id = body_to_change(L, "set_position");
+	const rb_vec3 position = rb_vector_check(L, 2, "set_position");
 
-	rb_world_set_position(rb_script_of(L)->world, id, rb_vector_check(L, 2, "set_position"));
+	rb_displaced_note(L, id, "set_position");
+	rb_world_set_position(rb_script_of(L)->world, id, position);
 	return 0;
 }
 

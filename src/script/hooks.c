@@ -17,6 +17,7 @@
 #include "base/memory.h"
 #include "model/validate.h"
 #include "script/call.h"
+#include "script/displaced.h"
 #include "script/expects.h"
 #include "script/functions.h"
 #include "script/handles.h"
@@ -93,6 +94,7 @@ static enum rb_status ask(struct rb_script *script, struct rb_world *world, lua_
 	RB_ASSERT(script->phase == RB_PHASE_REST);
 	script->phase = phase;
 	script->world = world;
+	script->has_displaced = false;
 	lua_pushcfunction(L, serve);
 	lua_pushlightuserdata(L, request);
 	const enum rb_status status = rb_sandbox_call(&script->sandbox, 1, 0,
@@ -119,6 +121,7 @@ static int serve_step(lua_State *L)
 	lua_pushnumber(L, request->time_s);
 	lua_pushnumber(L, request->dt_s);
 	lua_call(L, 2, 0);
+	rb_displaced_check(L);
 	return 0;
 }
 
@@ -130,6 +133,7 @@ static int serve_frame(lua_State *L)
 	lua_pushnumber(L, request->time_s);
 	lua_pushinteger(L, (lua_Integer)request->frame);
 	lua_call(L, 2, 0);
+	rb_displaced_check(L);
 	return 0;
 }
 
@@ -162,6 +166,7 @@ static int serve_transition(lua_State *L)
 	push_callback(L, request);
 	push_event(L, request->event);
 	lua_call(L, 1, 0);
+	rb_displaced_check(L);
 	return 0;
 }
 
@@ -177,6 +182,7 @@ static int serve_collision(lua_State *L)
 	lua_pushnumber(L, event->approach_speed);
 	lua_setfield(L, -2, "approach_speed");
 	lua_call(L, 1, 0);
+	rb_displaced_check(L);
 	return 0;
 }
 

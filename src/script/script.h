@@ -48,6 +48,7 @@ struct rb_script {
 	const struct rb_model *frame_model;
 	uint64_t callback_instructions;
 	bool traceback_kept;
+	bool has_displaced; /* in this call: see script/displaced.h */
 
 	/* while loading */
 	const char *

@@ -127,6 +127,26 @@ struct rb_joint_reading rb_joint_state_now(const struct rb_world *world, int k)
 	return now;
 }
 
+double rb_world_joint_gap(const struct rb_world *world, int k, double *allowed)
+{
+	RB_ASSERT(k >= 0 && k < count_of(world));
+	const struct rb_joint *const joint = &world->model->joints->joint[k];
+	const struct rb_pose a = end_of(world, joint->a), b = end_of(world, joint->b);
+	const rb_vec3 p_a = rb_linkage_point_a(&joint->link, &a);
+	const rb_vec3 p_b = rb_linkage_point_b(&joint->link, &b);
+	double gap = rb_linkage_gap(&joint->link, &a, &b);
+
+	*allowed = rb_joint_allowed(joint->size, p_a, p_b);
+	if (world->joint[k].released)
+		return 0;
+	if (joint->link.type->coordinate == RB_COORDINATE_WAY) {
+		const double way = rb_linkage_free(&joint->link, &a, &b).value;
+
+		gap = fmax(gap, fmax(joint->low - way, way - joint->high));
+	}
+	return gap;
+}
+
 void rb_world_joint_set_motor(struct rb_world *world, int k, double speed, double max)
 {
 	RB_ASSERT(k >= 0 && k < count_of(world) && !(max < 0) && world->joint[k].has_motor);

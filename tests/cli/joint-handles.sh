@@ -190,3 +190,49 @@ refused 'print(hinge.way)' "a joint of kind 'hinge' has no 'way' \(did you mean 
 refused 'hinge.angle = 1' "a joint's 'angle' can't be assigned"
 refused 'hinge.mine = 1' "a joint has no field 'mine' to assign"
 refused 'hinge.release()' 'release: called without its joint'
+
+# set_position: what opens a joint is refused, by all methods alike; along what is free, or with all that is joined, bodies go.
+cat >moved.lua <<'END'
+local what = param("what", "apart", "what is done", {choices = {"apart", "rod", "rope", "limit", "turned", "slack", "along", "both", "released", "speed"}})
+world { duration = 0.5, frame_rate = 60, gravity = {0, 0, -10} }
+local a = sphere { name = "a", radius = 0.1, mass = 2, position = {0, 0, 1} }
+local b = sphere { name = "b", radius = 0.1, mass = 2, position = {1, 0, 1} }
+local c = sphere { name = "c", radius = 0.1, mass = 2, position = {0, 5, 1} }
+local d = sphere { name = "d", radius = 0.1, mass = 2, position = {1, 5, 1} }
+local e = box { name = "e", size = {0.1, 0.1, 0.1}, mass = 2, position = {0, 9, 1} }
+local f = sphere { name = "f", radius = 0.1, mass = 2, position = {3, 5, 1} }
+local ball = joint { kind = "ball", name = "ball", a = a, b = b, at = {0.5, 0, 1} }
+joint { kind = "rope", name = "rope", a = c, b = d, length = 1.05 }
+joint { kind = "rod", name = "rod", a = d, b = f }
+joint { kind = "slider", name = "rail", a = e, axis = {1, 0, 0}, limits = {-1, 1} }
+local function by(body, x, y, z) return body.position + vec3(x, y, z) end
+on_frame(function(t, k)
+	if k ~= 10 then return end
+	if what == "apart" then b:set_position(by(b, 0.5, 0, 0)) end -- line 16
+	if what == "rod" then f:set_position(by(f, -0.25, 0, 0)) end
+	if what == "rope" then c:set_position(by(c, -0.25, 0, 0)) end
+	if what == "limit" then e:set_position(by(e, 1.5, 0, 0)) end
+	if what == "turned" then e:set_position(by(e, 0, 0.125, 0)) end
+	if what == "slack" then c:set_position(by(c, 0.25, 0, 0)) end
+	if what == "along" then e:set_position(by(e, -0.5, 0, 0)) end
+	if what == "both" then a:set_position(by(a, 0.3, 4, 0.1)) b:set_position(by(b, 0.3, 4, 0.1)) end
+	if what == "released" then b:set_position(by(b, 0.5, 0, 0)) ball:release() end
+	if what == "speed" then f:set_velocity({4, 0, 0}) end
+end)
+result("length", function() return (d.position - f.position):length() end)
+expect("momentum stays", function()
+	return what == "speed" and math.abs(c.momentum.x + d.momentum.x + f.momentum.x - 8) or 0, 1e-6
+end)
+expect("it has gone along", function() return what == "along" and math.abs(e.position.x + 0.5) or 0, 1e-6 end)
+END
+for method in located auto stepped; do
+	for case in "apart 16 b ball ball 0.5" "rod 17 f rod rod 0.25" "rope 18 c rope rope 0.2" \
+		"limit 19 e slider rail 0.5" "turned 20 e slider rail 0.125"; do
+		set -- $case
+		exits 65 moved.lua --no-record --quiet --method $method -p what=$1
+		says err "^moved.lua:$2: set_position: body $3 opens $4 '$5' by $6[0-9]* m "
+	done
+	for case in slack along both released speed; do
+		exits 0 moved.lua --no-record --quiet --method $method -p what=$case
+	done
+done
