@@ -74,3 +74,19 @@ double rb_frame_intervals(double duration_s, double frame_rate, bool *whole)
 	*whole = nearest > 0 && fabs(q - nearest) <= 4 * rb_ulp(q);
 	return *whole ? nearest : floor(q);
 }
+
+bool rb_scene_has_drive(const struct rb_scene *scene)
+{
+	const struct rb_world_def *const world = &scene->world;
+	bool has = (scene->hooks & ~(unsigned)RB_HOOK_EXPECT_ALWAYS) != 0 ||
+	           scene->field_count > 0 || scene->force_count > 0 || world->gravitation.given ||
+	           rb_vec3_max_abs(world->gravity_force) > 0 || rb_vec3_max_abs(world->gravity) > 0;
+
+	for (int k = 0; k < RB_ELEMENT_KINDS_MAX; k++)
+		has |= scene->elements[k].count > 0;
+	for (int k = 0; k < scene->joint_count; k++)
+		has |= rb_joint_has_motor(&scene->joints[k]) || scene->joints[k].stiffness > 0;
+	for (int i = 0; i < scene->body_count; i++)
+		has |= rb_body_is_driven(&scene->bodies[i]);
+	return has;
+}

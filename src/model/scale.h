@@ -21,6 +21,9 @@ struct rb_sizes {
 };
 struct rb_sizes rb_scene_sizes(const struct rb_scene *scene);
 
+/* Whether anything but their start gives bodies speed: forces, motors, motions, callbacks. */
+bool rb_scene_has_drive(const struct rb_scene *scene);
+
 /* q = duration * frame_rate as a number of intervals: whole when within a few ulp of it. */
 double rb_frame_intervals(double duration_s, double frame_rate, bool *whole);
 

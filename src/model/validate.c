@@ -461,6 +461,36 @@ static bool check_bodies(struct check *check)
 	return good;
 }
 
+/*
+ * An impulse is about the mass of the lighter body times their speed: one that is no normal double
+ * has lost digits, or is zero, which stops nothing.
+ */
+static void check_momenta(struct check *check)
+{
+	const struct rb_scene *const scene = check->scene;
+	double fastest = 0, least = HUGE_VAL;
+	int lightest = -1;
+
+	for (int i = 0; i < scene->body_count; i++) {
+		const struct rb_body_def *const body = &scene->bodies[i];
+
+		if (!rb_body_is_free(body))
+			continue;
+		const double turn = largest_of(body->angular_velocity) *
+		                    rb_shape_reach(scene->solids, &body->shape);
+		fastest = fmax(fastest, fmax(largest_of(body->velocity), turn));
+		if (rb_body_mass(scene, body) < least) {
+			least = rb_body_mass(scene, body);
+			lightest = i;
+		}
+	}
+	if (lightest >= 0 && fastest > 0 && least * fastest < DBL_MIN && !rb_scene_has_drive(scene))
+		body_mistake(check, lightest,
+		             "its mass %g kg times the largest speed of the scene, %g m/s, is too "
+		             "small for impulses (wanted a product of at least %g)",
+		             least, fastest, DBL_MIN);
+}
+
 /* Reports a feature that the chosen method does not have. */
 static void lacks(struct check *check, const char *what)
 {
@@ -749,6 +779,8 @@ enum rb_status rb_scene_check(const struct rb_scene *scene, bool turns,
 	status = check_names(&check, err);
 	if (good)
 		check_tolerance(&check);
+	if (good && check.mistakes->count == before)
+		check_momenta(&check);
 	/* an unusable tolerance would make every overlap wrong */
 	if (status == RB_OK && good && check.sizes.tolerance_m >= 0)
 		status = check_overlaps(&check, err);
