@@ -99,6 +99,7 @@ static void stepped(struct lab *lab)
 {
 	drop(lab, RB_ROLLBACK_SELECTIVE);
 	lab->scene.world.method = RB_METHOD_STEPPED;
+	lab->scene.world.tolerance_m = 1e-7; /* so close that overlaps are closed */
 }
 
 /* A stack that stands, one box that slides and tips, one that tumbles: several points a pair, under the integrator. */
