@@ -32,6 +32,28 @@ rb_core rb_core_of_half_space(void)
 	return (rb_core){.kind = RB_CORE_HALF_SPACE};
 }
 
+int rb_core_face_count(const rb_core *core)
+{
+	switch (core->kind) {
+	case RB_CORE_CYLINDER:
+		return 2;
+	case RB_CORE_POLYTOPE:
+		return core->polytope->face_count;
+	default:
+		return 0;
+	}
+}
+
+rb_vec3 rb_placed_face_normal(const rb_placed *p, int face)
+{
+	const rb_vec3 local = p->core->kind == RB_CORE_CYLINDER
+	                              ? (rb_vec3){0, 0, face ? -1 : 1}
+	                              : p->core->polytope->faces[face].normal;
+
+	RB_ASSERT_COSTLY(face >= 0 && face < rb_core_face_count(p->core));
+	return rb_mat3_apply(&p->turn, local);
+}
+
 double rb_placed_height(const rb_placed *p, rb_vec3 direction)
 {
 	const rb_core *core = p->core;

@@ -54,6 +54,10 @@ static inline rb_vec3 rb_placed_axis(const rb_placed *p)
  */
 double rb_placed_height(const rb_placed *p, rb_vec3 direction);
 
+/* Faces of a polytope, ends of a cylinder; their outward normals, unit, in the world. */
+int rb_core_face_count(const rb_core *core);
+rb_vec3 rb_placed_face_normal(const rb_placed *p, int face);
+
 /* A point of the core that is farthest along `direction`. Not for half spaces. */
 rb_vec3 rb_placed_support(const rb_placed *p, rb_vec3 direction);
 

@@ -168,6 +168,23 @@ static void search(find *f, double depth, double fine)
 	RB_ASSERT(f->count <= RB_MANIFOLD_MAX);
 }
 
+/* Points of what is found to be their separation, in f. */
+static void take(rb_manifold *manifold, find *f, const rb_placed *a, const rb_placed *b)
+{
+	const double ra = a->core->radius, rb = b->core->radius;
+
+	manifold->count = f->count;
+	for (int i = 0; i < f->count; i++) {
+		const rb_overlay_point *p = &f->point[i];
+		const rb_vec3 on_a = rb_vec3_add_scaled(p->on_a, ra, f->s.normal);
+		const rb_vec3 on_b = rb_vec3_add_scaled(p->on_b, -rb, f->s.normal);
+
+		manifold->point[i] = (rb_manifold_point){
+			rb_vec3_add(a->at, on_a), rb_vec3_add(a->at, on_b), p->gap - (ra + rb),
+			(uint64_t)p->a << 32 | p->b};
+	}
+}
+
 void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
                               double band, double fine, double max)
 {
@@ -175,25 +192,15 @@ void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const r
 
 	/* not initialised: clearing the points would cost more than all else here */
 	find f;
-	const double ra = a->core->radius, rb = b->core->radius;
 
 	start(&f, a, b);
 	manifold->normal = f.s.normal;
-	manifold->gap = f.s.gap - (ra + rb);
+	manifold->gap = f.s.gap - (a->core->radius + b->core->radius);
 	manifold->count = 0;
 	if (manifold->gap > max)
 		return;
 	search(&f, fmax(band, f.s.noise), fine);
-	manifold->count = f.count;
-	for (int i = 0; i < f.count; i++) {
-		const rb_overlay_point *p = &f.point[i];
-		const rb_vec3 on_a = rb_vec3_add_scaled(p->on_a, ra, f.s.normal);
-		const rb_vec3 on_b = rb_vec3_add_scaled(p->on_b, -rb, f.s.normal);
-
-		manifold->point[i] = (rb_manifold_point){
-			rb_vec3_add(a->at, on_a), rb_vec3_add(a->at, on_b), p->gap - (ra + rb),
-			(uint64_t)p->a << 32 | p->b};
-	}
+	take(manifold, &f, a, b);
 	if (f.count > 0)
 		return;
 	/* The patches miss each other by rounding: the gap's own points. */
@@ -201,6 +208,21 @@ void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const r
 	manifold->count = 1;
 	manifold->point[0] = (rb_manifold_point){touch.on_a, touch.on_b, touch.gap,
 	                                         (uint64_t)touch.a << 32 | touch.b};
+}
+
+void rb_manifold_along(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
+                       rb_vec3 normal, double band)
+{
+	find f;
+
+	start(&f, a, b);
+	f.s.normal = normal;
+	f.s.gap = rb_vec3_dot(normal, f.b.at) - rb_placed_height(&f.a, normal) -
+	          rb_placed_height(&f.b, rb_vec3_neg(normal));
+	manifold->normal = normal;
+	manifold->gap = f.s.gap - (a->core->radius + b->core->radius);
+	search(&f, fmax(band, f.s.noise), (double)INFINITY);
+	take(manifold, &f, a, b);
 }
 
 void rb_manifold_of(rb_manifold *manifold, const rb_placed *a, const rb_placed *b, double band)

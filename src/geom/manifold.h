@@ -36,6 +36,13 @@ typedef struct {
 void rb_manifold_of(rb_manifold *manifold, const rb_placed *a, const rb_placed *b, double band);
 
 /*
+ * The same along another direction that proves their gap, unit, from a to b: none where what is
+ * outermost of both along it does not meet.
+ */
+void rb_manifold_along(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
+                       rb_vec3 normal, double band);
+
+/*
  * For wide bands. Corners of what lies within a band need not be lowest: a disc that tilts, or
  * lines that cross at a small angle, come lower between them. Where they do by more than `fine`, m,
  * their nearest points are there too. Where the bodies are farther apart than `max`, m, no points

@@ -393,6 +393,72 @@ static void add_rim(struct search *s, const struct couple *c, const struct rb_co
 	}
 }
 
+/* m/s: how fast they part along the normal where they touch, the least of all points. */
+static double parting_speed(const struct couple *c, const rb_manifold *manifold)
+{
+	double least = (double)INFINITY;
+
+	for (int k = 0; k < manifold->count; k++) {
+		const rb_vec3 at = rb_vec3_scale(0.5, rb_vec3_add(manifold->point[k].on_a,
+		                                                  manifold->point[k].on_b));
+		const rb_vec3 of_a = rb_vec3_add(c->a.velocity,
+		                                 rb_vec3_cross(c->a.spin, rb_vec3_sub(at, c->a.at)));
+		const rb_vec3 of_b = rb_vec3_add(c->b.velocity,
+		                                 rb_vec3_cross(c->b.spin, rb_vec3_sub(at, c->b.at)));
+
+		least = fmin(least, rb_vec3_dot(rb_vec3_sub(of_b, of_a), manifold->normal));
+	}
+	return least;
+}
+
+/* m/s: what rounding makes of it. */
+static double parting_noise(const struct search *s, const rb_manifold *manifold)
+{
+	struct rb_contact_point m = {.a = s->pair->a,
+	                             .b = s->pair->b,
+	                             .pose_a = s->pair->pose_a,
+	                             .pose_b = s->pair->pose_b,
+	                             .arm_a = manifold->point[0].on_a};
+
+	m.arm_b = rb_vec3_sub(m.arm_a, rb_pose_between(&m.pose_a, &m.pose_b));
+	return rb_contact_point_noise(s->l, &m);
+}
+
+/*
+ * Bodies that touch in a line or a corner only are parted by many planes, and the overlap to come
+ * grows along the one that they approach least: what slides over flush bodies does not meet their
+ * sides. Faces are tried where the direction of the search is approached.
+ */
+static void choose_normal(const struct search *s, const struct couple *c, rb_manifold *manifold)
+{
+	const rb_placed side[2] = {rb_feature_placed(&c->a), rb_feature_placed(&c->b)};
+	const double radii = side[0].core->radius + side[1].core->radius;
+	const double noise = parting_noise(s, manifold);
+	double best = parting_speed(c, manifold);
+
+	if (!(manifold->gap >= -s->depth) || !(best < -noise) ||
+	    side[0].core->kind == RB_CORE_HALF_SPACE || side[1].core->kind == RB_CORE_HALF_SPACE)
+		return;
+	for (int k = 0; k < 2; k++)
+		for (int face = 0; face < rb_core_face_count(side[k].core); face++) {
+			const rb_vec3 n = rb_vec3_scale(k ? -1 : 1,
+			                                rb_placed_face_normal(&side[k], face));
+			const double gap = rb_vec3_dot(n, rb_vec3_sub(side[1].at, side[0].at)) -
+			                   rb_placed_height(&side[0], n) -
+			                   rb_placed_height(&side[1], rb_vec3_neg(n)) - radii;
+			rb_manifold along;
+
+			if (!(gap >= -s->depth))
+				continue;
+			rb_manifold_along(&along, &side[0], &side[1], n, s->depth);
+			const double speed = along.count > 0 ? parting_speed(c, &along) : -(double)INFINITY;
+			if (!(speed > best + noise))
+				continue;
+			best = speed;
+			*manifold = along;
+		}
+}
+
 /* Names of all points of all parts within the depth. */
 static void add_names(struct search *s, const struct rb_touch_pair *pair)
 {
@@ -418,6 +484,8 @@ static void add_names(struct search *s, const struct rb_touch_pair *pair)
 			/* an overlap must not hide the points that touch */
 			if (manifold.gap < 0)
 				rb_manifold_of(&manifold, &a, &b, s->depth - manifold.gap);
+			if (manifold.gap <= s->depth)
+				choose_normal(s, &c, &manifold);
 			s->least = fmin(s->least, manifold.gap);
 			for (int k = 0; k < manifold.count; k++) {
 				if (manifold.point[k].gap > s->depth)

@@ -93,28 +93,6 @@ static bool misses(const struct parts *parts, rb_vec3 n, double depth)
 	return rb_overlay(&a, &b, &def, point) == 0;
 }
 
-/* Faces of a polytope, ends of a cylinder. */
-static int face_count(const rb_placed *p)
-{
-	switch (p->core->kind) {
-	case RB_CORE_CYLINDER:
-		return 2;
-	case RB_CORE_POLYTOPE:
-		return p->core->polytope->face_count;
-	default:
-		return 0;
-	}
-}
-
-static rb_vec3 face_normal(const rb_placed *p, int face)
-{
-	const rb_vec3 local = p->core->kind == RB_CORE_CYLINDER
-	                              ? (rb_vec3){0, 0, face ? -1 : 1}
-	                              : p->core->polytope->faces[face].normal;
-
-	return rb_mat3_apply(&p->turn, local);
-}
-
 /* Whether a face keeps the parts apart through the step; n from a to b. */
 static bool parts_them(const struct rb_beside *beside, const struct parts *parts, rb_vec3 n,
                        bool of_a)
@@ -163,8 +141,8 @@ bool rb_beside(const struct rb_beside *beside, const rb_placed *a, const rb_plac
 	for (int k = 0; k < 2; k++) {
 		const rb_placed *const owner = k ? &parts.b : &parts.a;
 
-		for (int f = 0; f < face_count(owner); f++) {
-			const rb_vec3 m = rb_vec3_scale(k ? -1 : 1, face_normal(owner, f));
+		for (int f = 0; f < rb_core_face_count(owner->core); f++) {
+			const rb_vec3 m = rb_vec3_scale(k ? -1 : 1, rb_placed_face_normal(owner, f));
 
 			if (parts_them(beside, &parts, m, !k) &&
 			    is_aside(beside, &parts, n, m, closes))

@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# By steps, what slides or rolls over flush bodies goes on as over one; a step up by a thousandth of the size stops what slides.
+# What slides or rolls over flush bodies goes on as over one, located to rounding; a step up by a thousandth of the size stops what
+# slides.
 . tests/cli/functions
 
 over()
@@ -20,3 +21,11 @@ over -p gap=1e-3
 over -p step=1e-9
 over -p step=1e-3
 over -p step=1e-3 -p turn=0.7 -p way=0
+
+for floor in boxes union rectangles driven; do
+	over -p floor=$floor --method located -p bound=1e-12
+done
+over --method located -p bound=1e-12 -p turn=0.7 -p handed=-1 -p way=-0.5
+over --method located -p bound=1e-12 -p size=1e-3 -p way=0
+over --method located -p step=1e-3
+over --method auto -p bound=1e-6

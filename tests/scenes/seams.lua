@@ -7,6 +7,7 @@ local size = param("size", 1.0, "m: all lengths are multiples of it")
 local step = param("step", 0.0, "of the size, by which every second box stands higher")
 local gap = param("gap", 0.0, "of the size, between boxes")
 local floor = param("floor", "boxes", "what they go on", {choices = {"boxes", "union", "rectangles", "driven"}})
+local bound = param("bound", 1e-3, "of the size: how far off they may be")
 local handed = param("handed", 1, "-1: all mirrored")
 local second = math.sqrt(size)
 local g, v = 9.81, 3
@@ -89,7 +90,7 @@ if flush then
 	expect_always("place, of the size", function()
 		local worst = 0
 		for _, of in ipairs(bodies) do worst = math.max(worst, off(of)) end
-		return worst, 1e-3
+		return worst, bound
 	end)
 else
 	-- the first that is higher is less than a third of the way ahead
