@@ -133,6 +133,23 @@ static void inherit(struct rb_step_point *fresh, size_t fresh_count,
 		}
 }
 
+/*
+ * What rolls goes on from the lowest point that it began with: an impulse at the one that it ends
+ * with would find the approach of the next step.
+ */
+static void keep_arms(struct rb_step_point *fresh, const struct rb_step_point *old,
+                      size_t old_count)
+{
+	for (size_t o = 0; o < old_count; o++) {
+		if (!old[o].rolls || !is_same(fresh, &old[o]))
+			continue;
+		fresh->arm_a = old[o].arm_a;
+		fresh->arm_b = old[o].arm_b;
+		fresh->rolls = true;
+		return;
+	}
+}
+
 /* To where its impulse acts as the step begins. */
 static void turn(const struct rb_world *world, rb_vec3 between, struct rb_step_point *point)
 {
@@ -218,6 +235,7 @@ static enum rb_status merge(struct rb_world *world, struct rb_cohort *cohort,
 		if (count > 0)
 			memcpy(to, seen ? fresh->row + new_at : old + at, count * sizeof *to);
 		for (size_t p = 0; seen && p < count; p++) {
+			keep_arms(&to[p], old + at, was);
 			bend(world, &to[p]);
 			rb_impacts_seen(s, &to[p]);
 		}

@@ -13,6 +13,7 @@
 #include "step/gap.h"
 #include "stepped/beside.h"
 #include "stepped/pivot.h"
+#include "stepped/rolling.h"
 #include "stepped/clearance.h"
 
 RB_FIELDS_DEFINE(rb_named_impulse_fields, struct rb_named_impulse, RB_NAMED_IMPULSE_FIELDS);
@@ -132,15 +133,14 @@ static void gather(const struct inspection *inspection, struct rb_step_point *to
 	}
 }
 
-static rb_vec3 velocity_before(const struct rb_world *world, int i, rb_vec3 arm)
+/* m/s: of a body's point. */
+static rb_vec3 velocity_of(const struct rb_world *world, const struct rb_state *state, int i,
+                           rb_vec3 arm)
 {
-	const struct rb_state *before = &world->mark;
-
 	if (i >= world->model->body_count)
 		return (rb_vec3){0, 0, 0};
-	const rb_vec3 v = rb_world_row3(before->velocity, i);
-	return before->spin ? rb_vec3_add(v, rb_vec3_cross(rb_world_row3(before->spin, i), arm))
-	                    : v;
+	const rb_vec3 v = rb_world_row3(state->velocity, i);
+	return state->spin ? rb_vec3_add(v, rb_vec3_cross(rb_world_row3(state->spin, i), arm)) : v;
 }
 
 /* 1 + the place in `last` of this key at the point's parts; 0: it is not there. */
@@ -180,8 +180,9 @@ static void fill_point(const struct inspection *inspection, struct rb_step_point
 
 	point->friction = pair->friction;
 	point->restitution = pair->restitution;
-	point->approach = rb_vec3_dot(rb_vec3_sub(velocity_before(world, point->a, arm_a),
-	                                          velocity_before(world, point->b, arm_b)),
+	const struct rb_state *const mark = &world->mark;
+	point->approach = rb_vec3_dot(rb_vec3_sub(velocity_of(world, mark, point->a, arm_a),
+	                                          velocity_of(world, mark, point->b, arm_b)),
 	                              point->normal);
 	point->pair = inspection->pair;
 	point->from = 0;
@@ -250,18 +251,6 @@ static bool is_held(const struct inspection *inspection, int i)
 	       inspection->points->held[i];
 }
 
-/* m/s: of a body's point at `at`. */
-static rb_vec3 velocity_at(const struct rb_world *world, const struct rb_state *state, int i,
-                           rb_vec3 at)
-{
-	if (i >= world->model->body_count)
-		return (rb_vec3){0, 0, 0};
-	const rb_vec3 v = rb_world_row3(state->velocity, i);
-	return state->spin ? rb_vec3_add(v, rb_vec3_cross(rb_world_row3(state->spin, i),
-	                                                  rb_vec3_sub(at, center_of(world, i))))
-	                   : v;
-}
-
 /*
  * Of a sphere on a finite plane, as stepped/beside has it: it comes to the border from beside, and
  * the plane is between them as long as forces do not move it through that.
@@ -288,10 +277,12 @@ static bool is_beside_border(const struct inspection *inspection, struct rb_pair
 	const rb_vec3 up = rb_quat_rotate(turn, (rb_vec3){0, 0, local.z < 0 ? -1 : 1});
 	const rb_vec3 low = rb_vec3_add_scaled(origin, -model->shape[pair.a].radius, up);
 	const double height = fabs(local.z) - model->shape[pair.a].radius;
-	const rb_vec3 before = rb_vec3_sub(velocity_at(world, &world->mark, pair.a, origin),
-	                                   velocity_at(world, &world->mark, pair.b, low));
-	const rb_vec3 forced = rb_vec3_sub(velocity_at(world, &world->state, pair.a, origin),
-	                                   velocity_at(world, &world->state, pair.b, low));
+	const rb_vec3 arm_a = rb_vec3_sub(origin, center_of(world, pair.a));
+	const rb_vec3 arm_b = rb_vec3_sub(low, center_of(world, pair.b));
+	const rb_vec3 before = rb_vec3_sub(velocity_of(world, &world->mark, pair.a, arm_a),
+	                                   velocity_of(world, &world->mark, pair.b, arm_b));
+	const rb_vec3 forced = rb_vec3_sub(velocity_of(world, &world->state, pair.a, arm_a),
+	                                   velocity_of(world, &world->state, pair.b, arm_b));
 	const bool by_itself = height <= tolerance ||
 	                       (is_held(inspection, pair.a) && is_held(inspection, pair.b));
 
@@ -410,7 +401,7 @@ static bool is_real(const struct rb_model *model, int terrain, int j, const rb_m
 
 static void add_manifold(struct inspection *inspection, struct rb_pair pair,
                          const rb_manifold *manifold, double slack, uint32_t parts,
-                         const rb_placed *placed_a)
+                         const rb_placed *const placed[2])
 {
 	const struct rb_model *const model = inspection->world->model;
 	const bool terrain = rb_candidates_is_terrain(model, pair.b);
@@ -422,7 +413,7 @@ static void add_manifold(struct inspection *inspection, struct rb_pair pair,
 
 		if (!(at->gap <= slack) ||
 		    (terrain && !is_real(model, pair.b, (int)(parts & 0xffff), at, manifold->normal,
-		                         placed_a)))
+		                         placed[0])))
 			continue;
 		struct rb_step_point *point = add_point(inspection);
 		if (!point)
@@ -440,7 +431,15 @@ static void add_manifold(struct inspection *inspection, struct rb_pair pair,
 				rb_vec3_add_scaled(at->on_a, at->gap, manifold->normal), at_b),
 			.gap = at->gap,
 		};
+		const struct rb_rolling rolling = {
+			placed,        {pair.a, pair.b}, {point->arm_a, point->arm_b},
+			point->normal, at->key,          inspection->h};
+		point->bend = rb_rolling_bend(inspection->world, &rolling);
+		point->rolls = point->bend != 0;
 		fill_point(inspection, point);
+		/* of what touched, the velocity is that of the middle of the step before */
+		if (point->from > 0)
+			point->approach += fmin(0, point->bend) / inspection->h;
 	}
 }
 
@@ -576,7 +575,8 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 			                        passes(inspection, pair, pa, pb, &manifold)))
 				continue;
 			add_manifold(inspection, pair, &manifold, slack,
-			             (uint32_t)i << 16 | (uint32_t)j, pa);
+			             (uint32_t)i << 16 | (uint32_t)j,
+			             (const rb_placed *const[2]){pa, pb});
 		}
 	}
 	return least_clearance;

@@ -19,6 +19,7 @@ struct rb_step_point {
 	uint32_t parts; /* as in its name, the body of the lower index first */
 	uint64_t key;   /* the same */
 	bool central;
+	bool rolls;        /* at the lowest point of a rim, which goes round it */
 	bool after_impact; /* what the step's solution has applied has been told as an impact */
 	rb_vec3 normal;    /* unit, from a to b */
 	rb_vec3 arm_a,

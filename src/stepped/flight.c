@@ -29,10 +29,11 @@ enum { STEPS_MAX = 32, GAP_ULP = 4, SPEED_ULP = 64 };
 static const double left_share = 16;
 /*
  * Of the way in a step, a gap that counts as closed; and of how many steps forces make speeds that
- * an impact without restitution is to exceed.
+ * an impact without restitution is to exceed. BENDS: approaches that rolling makes in one step, which
+ * changes from step to step, that an impact is to exceed.
  */
 static const double whole_share = 1e-3;
-enum { SOME_STEPS = 4 };
+enum { SOME_STEPS = 4, BENDS = 2 };
 
 static double larger(double a, double b)
 {
@@ -212,7 +213,10 @@ double rb_flight_least(const struct rb_flight *flight, const struct rb_step_poin
 		                  DBL_EPSILON * speed + rb_flight_rounding(flight, ends[e]));
 	}
 	const double some = larger(closing, left_share * left_of(flight, point));
-	return larger(SPEED_ULP * rounding, some < flight->tolerance ? some : flight->tolerance);
+	const double least = some < flight->tolerance ? some : flight->tolerance;
+	/* what bends the way of a rim that rolls lets it approach by as much between two steps */
+	const double rolling = point->rolls && point->from > 0 ? BENDS * fabs(point->bend) : 0;
+	return larger(larger(SPEED_ULP * rounding, least), rolling / flight->h_s);
 }
 
 /* Joined ones are solved in steps that are cut at impacts (stepped/attempt). */

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/rolling.h"
+
+#include "math/top.h"
+
+/* Of the tolerance, by which a point may be above the lowest of its rim. */
+static const double fine_share = 0.125;
+
+/* A cylinder's part of a body i, and what touches at it: outward is towards the other body. */
+struct rim {
+	const rb_placed *part;
+	int i, end;
+	rb_vec3 outward, arm; /* unit; m, from the centre of mass */
+	double h_s;
+};
+
+/* rad: the turn of a step, with what the body's own inertia makes of its spin on the way. */
+static rb_vec3 turn_of(const struct rb_world *world, const struct rim *rim, rb_vec3 spin)
+{
+	const struct rb_model *const model = world->model;
+	const size_t i = (size_t)rim->i;
+
+	if (!isnan(model->inverse_inertia_scalar[i]) || !(model->inverse_mass[i] > 0))
+		return rb_vec3_scale(rim->h_s, spin);
+	const struct rb_top_body top = rb_top_body_of(&model->inertia[i]);
+	const rb_vec3 more = rb_top_turning(&top, &model->inertia[i],
+	                                    rb_quat_from(world->state.orientation + 4 * i), spin);
+	return rb_vec3_scale(rim->h_s, rb_vec3_add_scaled(spin, 0.5 * rim->h_s, more));
+}
+
+/* m: how far the rim about `middle` reaches along `outward`. */
+static double rim_height(const rb_core *core, rb_vec3 middle, rb_vec3 axis, rb_vec3 outward)
+{
+	return rb_vec3_dot(outward, middle) +
+	       core->round * rb_vec3_length(rb_vec3_cross(axis, outward));
+}
+
+/* m: more of a gap by the end of the step than straight ways make it. */
+static double bend_of(const struct rb_world *world, const struct rim *rim)
+{
+	const rb_placed *const part = rim->part;
+	const size_t row = 3 * (size_t)rim->i;
+	const rb_vec3 spin = rb_vec3_from(world->state.spin + row);
+
+	if (rb_vec3_max_abs(spin) == 0)
+		return 0;
+	const rb_vec3 axis = rb_placed_axis(part), outward = rim->outward;
+	const rb_vec3 turn = turn_of(world, rim, spin);
+	const rb_vec3 middle = rb_vec3_add_scaled(
+		rb_vec3_sub(part->at, rb_vec3_from(world->state.position + row)),
+		rim->end == 0 ? part->core->half_height : -part->core->half_height, axis);
+	const double before = rim_height(part->core, middle, axis, outward);
+	const double fine = fine_share * world->model->stepped_tolerance_m;
+	const double tilt = rb_vec3_length(rb_vec3_cross(axis, outward));
+
+	/* one that lies has no lowest point, and one that a step tilts as much none that stays */
+	if (!(before - rb_vec3_dot(outward, rim->arm) <= fine) ||
+	    !(2 * rb_vec3_length(rb_vec3_cross(turn, axis)) < tilt))
+		return 0;
+	const rb_quat q = rb_quat_from_turn(turn);
+	const double after = rim_height(part->core, rb_quat_rotate(q, middle),
+	                                rb_quat_rotate(q, axis), outward);
+	const rb_vec3 straight = rb_vec3_cross(spin, rim->arm);
+	return before - after + rim->h_s * rb_vec3_dot(outward, straight);
+}
+
+/* 0, 1: the end whose rim that is; -1: none. */
+static int end_of(const rb_placed *part, rb_part feature)
+{
+	const int index = (int)(feature & 0xffffff);
+
+	if (part->core->kind != RB_CORE_CYLINDER)
+		return -1;
+	switch ((rb_part_kind)(feature >> 24 & 15)) {
+	case RB_PART_RIM:
+		return index & 1;
+	case RB_PART_MANTLE:
+		return index - 1;
+	default:
+		return -1;
+	}
+}
+
+/* Whether the normal is that of a feature, and stays. */
+static bool is_flat(rb_part feature)
+{
+	const rb_part_kind kind = (rb_part_kind)(feature >> 24 & 15);
+
+	return kind == RB_PART_FACE || kind == RB_PART_SEVERAL || kind == RB_PART_END ||
+	       kind == RB_PART_SURFACE;
+}
+
+double rb_rolling_bend_of_rims(const struct rb_world *world, const struct rb_rolling *rolling)
+{
+	const rb_part feature[2] = {(rb_part)(rolling->key >> 32), (rb_part)rolling->key};
+
+	for (int e = 0; e < 2 && world->state.spin; e++) {
+		const struct rim rim = {
+			.part = rolling->part[e],
+			.i = rolling->body[e],
+			.end = end_of(rolling->part[e], feature[e]),
+			.outward = e == 0 ? rolling->normal : rb_vec3_neg(rolling->normal),
+			.arm = rolling->arm[e],
+			.h_s = rolling->h_s,
+		};
+
+		if (rim.end >= 0 && rim.i < world->model->body_count && is_flat(feature[!e]))
+			return bend_of(world, &rim);
+	}
+	return 0;
+}

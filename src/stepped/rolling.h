@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Rims that roll. The lowest point of a rim goes round it, and the gap there follows the outline of
+ * the turned rim: by the end of a step it differs in the second order from where the step's first
+ * lowest point has gone along its tangent. Without that each step leaves an approach that the next
+ * one stops, and the loss is of the first order: with it, velocities stand for the middle of a step
+ * and impulses between two of them, and it is of the second.
+ */
+#ifndef RB_STEPPED_ROLLING_H
+#define RB_STEPPED_ROLLING_H
+
+#include "geom/patch.h"
+#include "world/world.h"
+
+/* A point of two parts, a's first, at which they may touch. */
+struct rb_rolling {
+	const rb_placed *const *part;
+	int body[2];
+	rb_vec3 arm[2]; /* m, from the centres of mass */
+	rb_vec3 normal; /* unit, from a to b */
+	uint64_t key;   /* features: a's in the upper half, b's in the lower */
+	double h_s;
+};
+
+/* The same, where one of the parts is a cylinder. */
+double rb_rolling_bend_of_rims(const struct rb_world *world, const struct rb_rolling *rolling);
+
+/*
+ * m: more of a gap by the end of a step than straight ways make it; 0 unless it is the lowest point
+ * of a rim on something flat.
+ */
+static inline double rb_rolling_bend(const struct rb_world *world, const struct rb_rolling *rolling)
+{
+	return rolling->part[0]->core->kind == RB_CORE_CYLINDER ||
+	                       rolling->part[1]->core->kind == RB_CORE_CYLINDER
+	               ? rb_rolling_bend_of_rims(world, rolling)
+	               : 0;
+}
+
+#endif
