@@ -29,8 +29,8 @@ enum { STEPS_MAX = 32, GAP_ULP = 4, SPEED_ULP = 64 };
 static const double left_share = 16;
 /*
  * Of the way in a step, a gap that counts as closed; and of how many steps forces make speeds that
- * an impact without restitution is to exceed. BENDS: approaches that rolling makes in one step, which
- * changes from step to step, that an impact is to exceed.
+ * an impact without restitution is to exceed. BENDS: approaches that rolling makes in one step,
+ * which changes from step to step, that an impact is to exceed.
  */
 static const double whole_share = 1e-3;
 enum { SOME_STEPS = 4, BENDS = 2 };
