@@ -388,14 +388,10 @@ static void pack_steps(struct rb_world *world, struct rb_pack *pack)
 	bool prepared = world->groups != NULL;
 
 	rb_pack_bool(pack, &prepared);
-	(void)rb_pack_check(pack, prepared || !world->groups, "a world that was never stepped");
-	if (!prepared || pack->failed)
-		return;
-	if (pack->loading && prepare(world, NULL) != RB_OK) {
-		rb_pack_fail_memory(pack);
-		return;
-	}
-	pack_groups(world, pack);
+	/* no method locates and leaves the rest to classic steps: a world has these from its beginning */
+	(void)rb_pack_check(pack, prepared == (world->groups != NULL), "steps of another method");
+	if (prepared && !pack->failed)
+		pack_groups(world, pack);
 }
 
 static void release(struct rb_world *world)
