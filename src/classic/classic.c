@@ -388,7 +388,7 @@ static void pack_steps(struct rb_world *world, struct rb_pack *pack)
 	bool prepared = world->groups != NULL;
 
 	rb_pack_bool(pack, &prepared);
-	/* no method locates and leaves the rest to classic steps: a world has these from its beginning */
+	/* no method that locates leaves the rest to these: a world has them from its beginning */
 	(void)rb_pack_check(pack, prepared == (world->groups != NULL), "steps of another method");
 	if (prepared && !pack->failed)
 		pack_groups(world, pack);

@@ -399,12 +399,12 @@ static double parting_speed(const struct couple *c, const rb_manifold *manifold)
 	double least = (double)INFINITY;
 
 	for (int k = 0; k < manifold->count; k++) {
-		const rb_vec3 at = rb_vec3_scale(0.5, rb_vec3_add(manifold->point[k].on_a,
-		                                                  manifold->point[k].on_b));
-		const rb_vec3 of_a = rb_vec3_add(c->a.velocity,
-		                                 rb_vec3_cross(c->a.spin, rb_vec3_sub(at, c->a.at)));
-		const rb_vec3 of_b = rb_vec3_add(c->b.velocity,
-		                                 rb_vec3_cross(c->b.spin, rb_vec3_sub(at, c->b.at)));
+		const rb_vec3 at = rb_vec3_scale(
+			0.5, rb_vec3_add(manifold->point[k].on_a, manifold->point[k].on_b));
+		const rb_vec3 of_a = rb_vec3_add(
+			c->a.velocity, rb_vec3_cross(c->a.spin, rb_vec3_sub(at, c->a.at)));
+		const rb_vec3 of_b = rb_vec3_add(
+			c->b.velocity, rb_vec3_cross(c->b.spin, rb_vec3_sub(at, c->b.at)));
 
 		least = fmin(least, rb_vec3_dot(rb_vec3_sub(of_b, of_a), manifold->normal));
 	}
@@ -451,7 +451,8 @@ static void choose_normal(const struct search *s, const struct couple *c, rb_man
 			if (!(gap >= -s->depth))
 				continue;
 			rb_manifold_along(&along, &side[0], &side[1], n, s->depth);
-			const double speed = along.count > 0 ? parting_speed(c, &along) : -(double)INFINITY;
+			const double speed = along.count > 0 ? parting_speed(c, &along)
+			                                     : -(double)INFINITY;
 			if (!(speed > best + noise))
 				continue;
 			best = speed;

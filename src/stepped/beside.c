@@ -142,7 +142,8 @@ bool rb_beside(const struct rb_beside *beside, const rb_placed *a, const rb_plac
 		const rb_placed *const owner = k ? &parts.b : &parts.a;
 
 		for (int f = 0; f < rb_core_face_count(owner->core); f++) {
-			const rb_vec3 m = rb_vec3_scale(k ? -1 : 1, rb_placed_face_normal(owner, f));
+			const rb_vec3 m = rb_vec3_scale(k ? -1 : 1,
+			                                rb_placed_face_normal(owner, f));
 
 			if (parts_them(beside, &parts, m, !k) &&
 			    is_aside(beside, &parts, n, m, closes))
