@@ -618,18 +618,24 @@ static bool follow_turns(struct rb_located *l, double t)
 	return true;
 }
 
-/* Products of a step: of a body, and of a row in a sweep. */
-enum { STEP_WORK = RB_LOCATED_PRODUCTS / RB_LOCATED_BODY_STEPS, SWEEP_WORK = 32 };
+/* Products of a step: of a body, of one that stands, and of a row in a sweep. */
+enum {
+	STEP_WORK = RB_LOCATED_PRODUCTS / RB_LOCATED_BODY_STEPS,
+	STAND_WORK = STEP_WORK / 8,
+	SWEEP_WORK = 32
+};
 
 void rb_engine_count_step(const struct rb_located *l, const struct rb_counts *before)
 {
 	const struct rb_counts *now = &l->world->frame_counts;
 	const uint64_t rows = now->row_sweeps - before->row_sweeps;
+	const uint64_t stood = now->resting_body_steps - before->resting_body_steps;
 	const uint64_t all = now->body_steps - before->body_steps + now->discarded_body_steps -
 	                     before->discarded_body_steps;
 
-	/* what stands counts as well: nothing may depend on whether it is known to */
-	l->world->dense_work += STEP_WORK * all + SWEEP_WORK * rows;
+	/* local halvings count a body as often as it was moved, one that stands once */
+	l->world->dense_work += STEP_WORK * (all > stood ? all - stood : 0) + STAND_WORK * stood +
+	                        SWEEP_WORK * rows;
 }
 
 /* Bodies that count when all are brought to their contacts, and a few more. */

@@ -343,7 +343,7 @@ enum {
 	RB_LOCATED_SERIES = 1000
 };
 /* Steps of a body that take about as long as a body that counts. */
-enum { RB_LOCATED_BODY_STEPS = 128 };
+enum { RB_LOCATED_BODY_STEPS = 32 };
 
 /* What is counted, in bodies. */
 static inline uint64_t rb_located_crowd(const struct rb_located *l)

@@ -41,6 +41,7 @@ struct rb_late;
 	X(uint64_t, rollbacks, , "", "tries taken back", RB_ANY_BITS)                       \
 	X(uint64_t, substeps, , "", "kept", RB_ANY_BITS)                                    \
 	X(uint64_t, body_steps, , "", "of all substeps", RB_ANY_BITS)                       \
+	X(uint64_t, resting_body_steps, , "", "stepped: of bodies that stand", RB_ANY_BITS) \
 	X(uint64_t, discarded_body_steps, , "", "of tries taken back", RB_ANY_BITS)         \
 	X(uint64_t, plastic_ends, , "",                                                     \
 	  "clusters of impacts that had not settled after all rounds: ended with e = 0",    \

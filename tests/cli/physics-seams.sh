@@ -28,4 +28,4 @@ done
 over --method located -p bound=1e-12 -p turn=0.7 -p handed=-1 -p way=-0.5
 over --method located -p bound=1e-12 -p size=1e-3 -p way=0
 over --method located -p step=1e-3
-over --method auto -p bound=1e-5
+over --method auto -p bound=1e-6
