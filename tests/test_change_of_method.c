@@ -376,9 +376,8 @@ static struct cost cost_of(double floor_friction, bool steps_know, bool located_
 
 	tower(&lab, floor_friction);
 	lab_seal(&lab, 1);
-	struct rb_world *world = lab.world;
-	world->located->crowd_max = 1 << 20; /* whatever it costs */
 	lab_step(&lab);
+	struct rb_world *world = lab.world;
 	if (!steps_know)
 		world->contacts.count = 0;
 	change_to_steps(&lab, 1);

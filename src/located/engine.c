@@ -618,48 +618,17 @@ static bool follow_turns(struct rb_located *l, double t)
 	return true;
 }
 
-/* Products of a step: of a body, of one that stands, and of a row in a sweep. */
-enum {
-	STEP_WORK = RB_LOCATED_PRODUCTS / RB_LOCATED_BODY_STEPS,
-	STAND_WORK = STEP_WORK / 8,
-	SWEEP_WORK = 32
-};
-
-void rb_engine_count_step(const struct rb_located *l, const struct rb_counts *before)
-{
-	const struct rb_counts *now = &l->world->frame_counts;
-	const uint64_t rows = now->row_sweeps - before->row_sweeps;
-	const uint64_t stood = now->resting_body_steps - before->resting_body_steps;
-	const uint64_t all = now->body_steps - before->body_steps + now->discarded_body_steps -
-	                     before->discarded_body_steps;
-
-	/* local halvings count a body as often as it was moved, one that stands once */
-	l->world->dense_work += STEP_WORK * (all > stood ? all - stood : 0) + STAND_WORK * stood +
-	                        SWEEP_WORK * rows;
-}
-
-/* Bodies that count when all are brought to their contacts, and a few more. */
-static uint64_t least_try(const struct rb_located *l)
-{
-	return 32 + (uint64_t)l->n;
-}
-
-bool rb_engine_may_try(const struct rb_located *l)
-{
-	return l->crowd_max == UINT64_MAX || l->world->dense_steps <= RB_DENSE_STEPS_FIRST ||
-	       l->world->dense_work / RB_LOCATED_PRODUCTS >= least_try(l);
-}
-
 /*
  * Bodies that count already when locating begins: after steps an attempt may take a quarter of what
- * these have cost, but bringing all bodies to their contacts is left to each.
+ * these have taken, but bringing all bodies to their contacts is left to each.
  */
 static uint64_t debt(const struct rb_located *l)
 {
-	if (l->world->dense_steps == 0 || l->crowd_max == UINT64_MAX)
+	const uint64_t n = (uint64_t)l->n, steps = (uint64_t)l->world->dense_steps;
+
+	if (steps == 0 || l->crowd_max == UINT64_MAX)
 		return 0;
-	const uint64_t paid = l->world->dense_work / (4 * (uint64_t)RB_LOCATED_PRODUCTS);
-	const uint64_t least = least_try(l);
+	const uint64_t paid = n * steps / (4 * RB_LOCATED_BODY_STEPS), least = 32 + n;
 	const uint64_t left = paid > least ? paid : least;
 	return l->crowd_max > left ? l->crowd_max - left : 0;
 }

@@ -33,15 +33,6 @@ bool rb_engine_locates(const struct rb_located *l);
 /* s: simulated time that has been located without steps between, up to the last event. */
 double rb_engine_located(const struct rb_located *l);
 
-/* Counts what a step has cost: `before` are the world's counts before it. */
-void rb_engine_count_step(const struct rb_located *l, const struct rb_counts *before);
-
-/*
- * Whether the steps taken have cost as much as trying to locate again may. The first time that is
- * not asked: few bodies soon come apart.
- */
-bool rb_engine_may_try(const struct rb_located *l);
-
 /* Whether callbacks or a change of method need the grid of time_step. */
 bool rb_engine_wants_steps(const struct rb_located *l);
 

@@ -14,11 +14,8 @@
 
 /* Bodies from which on cells pay. */
 enum { CELLS_FROM = 48 };
-/*
- * Limit of the crowd count, in bodies: beyond it locating is too dense. Each is brought to its
- * contacts once, and once more: what is lost if steps are cheaper is no more than these take.
- */
-enum { CROWD_MAX = 32, CROWD_MAX_PER_BODY = 2 };
+/* Limit of the crowd count, in bodies: beyond it locating is too dense. */
+enum { CROWD_MAX = 512, CROWD_MAX_PER_BODY = 8 };
 
 /* A zeroed row, at least one element; sets *failed when memory is out. */
 static void *row(size_t count, size_t size, bool *failed)

@@ -329,8 +329,7 @@ static inline int rb_located_row(const struct rb_located *l)
  * boxes that move together are left to steps; and arithmetic, not a clock: the same on every
  * machine. A row of a contact's in a product of a vector with the matrix, a look at a contact on a
  * piece, and at what pulls a body in flight, a call of a field's function, a pair that attracts
- * each other, and a search for points where two convex bodies touch, or a look at two that may
- * touch next, count as so many.
+ * each other, and a search for points where two convex bodies touch, count as so many.
  */
 enum {
 	RB_LOCATED_PRODUCTS = 100000,

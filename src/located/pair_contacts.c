@@ -534,23 +534,21 @@ static double much_longer(const struct rb_located *l, const struct rb_contact_po
 }
 
 /*
- * Conservative advancement from `from` to `until`; INFINITY: no touch. Sets `again` where that is
- * not decided yet.
+ * Conservative advancement from `from` to `until`; INFINITY: no touch. `*again`: not decided yet.
  */
 static double advance(const struct rb_located *l, int a, int b, double from, double until,
-                      struct rb_approach *found)
+                      bool *again)
 {
 	struct rb_bounds of_a = {0}, of_b = {0};
 	double t = from, nearest = HUGE_VAL;
 	bool is_relative = false;
 
-	found->again = false;
+	*again = false;
 	for (int step = 0; step < STEPS_MAX; step++) {
 		const struct rb_contact_point m = rb_contact_point_at(l, a, b, t);
 		const double band = rb_contact_point_band(l, &m, t),
 			     noise = rb_contact_point_noise(l, &m);
 
-		found->products += RB_LOCATED_SEARCH;
 		if (step == 0) {
 			of_a = rb_bounds_of(l, m.a);
 			of_b = rb_bounds_of(l, m.b);
@@ -614,7 +612,7 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 			return HUGE_VAL;
 		t += h;
 	}
-	found->again = true;
+	*again = true;
 	return t;
 }
 
@@ -665,7 +663,7 @@ static bool in_flight(const struct rb_located *l, int i)
 }
 
 double rb_pair_contact_time(const struct rb_located *l, int a, int b, double from, double until,
-                            struct rb_approach *found)
+                            bool *again)
 {
 	const struct rb_model *model = l->model;
 	double s;
@@ -673,10 +671,12 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
 	RB_ASSERT_COSTLY(a != b);
 	RB_ASSERT_COSTLY(until >= from);
-	found->again = false;
+	*again = false;
 	if (rb_pair_has_features(l, a, b)) {
-		*found = rb_approach_find(l, a, b, from, until);
-		return found->touch_s;
+		const struct rb_approach found = rb_approach_find(l, a, b, from, until);
+
+		*again = found.again;
+		return found.touch_s;
 	}
 	/* the lower sphere comes first, so that the impact rounds as the prediction did */
 	if (model->shape[a].kind != RB_SHAPE_SPHERE ||
@@ -687,7 +687,7 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 		b = other;
 	}
 	if (!in_flight(l, a) || (b < l->n && !in_flight(l, b)) || slow_differently(l, a, b))
-		return advance(l, a, b, from, until, found);
+		return advance(l, a, b, from, until, again);
 	const rb_vec3 none = {0, 0, 0};
 	const double decay = rb_arc_decay(l, a);
 	const rb_vec3 acceleration_b = b < l->n ? l->arc[b].acceleration : none;
@@ -727,7 +727,7 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 		s = slowed_fall(decay, motion, band,
 		                gap <= band ? rb_contact_point_noise(l, &m) : 0, until - from);
 	} else {
-		return advance(l, a, b, from, until, found);
+		return advance(l, a, b, from, until, again);
 	}
 	return from + s <= until ? from + s : HUGE_VAL;
 }

@@ -8,7 +8,6 @@
 #ifndef RB_LOCATED_PAIR_CONTACTS_H
 #define RB_LOCATED_PAIR_CONTACTS_H
 
-#include "located/approach.h"
 #include "located/convex_contact.h"
 #include "located/relative.h"
 
@@ -68,10 +67,9 @@ bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double fr
  * spheres that fly under the same acceleration and for a sphere in flight and a plane at rest; else
  * conservative steps that end on the root: the distance of a point to a convex set is convex along
  * a straight line, so with the relative acceleration bounded by A, gap(t + h) >= gap + rate h - A
- * h^2 / 2. Of `*found`, `again` is set when the moment is not yet a touch but where to look again;
- * `products` grows by what these steps have cost, or is what features have.
+ * h^2 / 2. `*again` is set when the moment is not yet a touch but where to look again.
  */
 double rb_pair_contact_time(const struct rb_located *l, int a, int b, double from, double until,
-                            struct rb_approach *found);
+                            bool *again);
 
 #endif

@@ -224,7 +224,6 @@ static void begin_dense_steps(struct rb_world *world)
 		world->dense_steps = 0;
 	more_dense_steps(world);
 	world->dense_left = world->dense_steps;
-	world->dense_work = 0;
 }
 
 /*
@@ -305,15 +304,11 @@ static enum rb_status by_step(struct rb_world *world, double start, double stop,
 		                                                  ((double)(k + 1) / (double)count)
 		                                : stop;
 
-		const struct rb_counts before = world->frame_counts;
-
 		status = method_of(world)->steps->step(world, from, to - from, err);
 		if (status != RB_OK)
 			break;
 		world->state.time_s = to;
 		world->frame_counts.stepped_s += to - from;
-		if (world->located)
-			rb_engine_count_step(world->located, &before);
 	}
 	if (status == RB_OK)
 		forget_pushes(world);
@@ -328,7 +323,6 @@ struct restart {
 	struct rb_ledger ledger;
 	size_t event_count;
 	int64_t dense_steps, dense_left;
-	uint64_t dense_work;
 	uint64_t called;
 	bool is_known;
 };
@@ -379,7 +373,6 @@ static enum rb_status remember(struct rb_world *world, bool known, struct restar
 	begin->event_count = world->events.count;
 	begin->dense_steps = world->dense_steps;
 	begin->dense_left = world->dense_left;
-	begin->dense_work = world->dense_work;
 	return RB_OK;
 }
 
@@ -408,7 +401,6 @@ static enum rb_status go_back(struct rb_world *world, const struct restart *begi
 	world->events.count = begin->event_count;
 	world->moved_by_hand = true;
 	world->dense_steps = begin->dense_steps;
-	world->dense_work = begin->dense_work;
 	world->dense_left = 0;
 	if (begin->dense_left > 0 && by_steps)
 		return RB_OK;
@@ -416,7 +408,6 @@ static enum rb_status go_back(struct rb_world *world, const struct restart *begi
 	while (world->dense_steps < steps && world->dense_steps < DENSE_STEPS_MAX)
 		world->dense_steps *= RB_DENSE_STEPS_MORE;
 	world->dense_left = world->dense_steps > steps ? world->dense_steps : steps;
-	world->dense_work = 0;
 	return change_to_steps(world, err);
 }
 
@@ -478,11 +469,8 @@ static enum rb_status go(struct rb_world *world, double start, double stop, stru
 
 	if (!world->located || world->dense_left > 0) {
 		status = by_step(world, start, stop, err);
-		if (status != RB_OK || !world->located)
-			return status;
-		/* as many again until they have cost what a try may */
-		if (--world->dense_left == 0 && !rb_engine_may_try(world->located))
-			world->dense_left = world->dense_steps;
+		if (status == RB_OK && world->located)
+			world->dense_left--;
 		return status;
 	}
 	return located(world, start, stop, err);

@@ -386,7 +386,6 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 	if (cohort == &s->all) {
 		rb_sleep_note(world);
 		world->frame_counts.rows += s->sleep.point_count;
-		world->frame_counts.resting_body_steps += (uint64_t)s->sleep.count;
 	}
 	if (!rb_memory_reserve(&cohort->rebound, &cohort->rebound_capacity,
 	                       cohort->points.count + 1, sizeof *cohort->rebound))

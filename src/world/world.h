@@ -41,7 +41,6 @@ struct rb_late;
 	X(uint64_t, rollbacks, , "", "tries taken back", RB_ANY_BITS)                       \
 	X(uint64_t, substeps, , "", "kept", RB_ANY_BITS)                                    \
 	X(uint64_t, body_steps, , "", "of all substeps", RB_ANY_BITS)                       \
-	X(uint64_t, resting_body_steps, , "", "stepped: of bodies that stand", RB_ANY_BITS) \
 	X(uint64_t, discarded_body_steps, , "", "of tries taken back", RB_ANY_BITS)         \
 	X(uint64_t, plastic_ends, , "",                                                     \
 	  "clusters of impacts that had not settled after all rounds: ended with e = 0",    \
@@ -107,7 +106,6 @@ struct rb_events {
 	  RB_LONG_WITHIN(0, INT64_MAX))                                                      \
 	X(int64_t, dense_left, , "", "auto: of these, still to take",                        \
 	  RB_LONG_WITHIN(0, INT64_MAX))                                                      \
-	X(uint64_t, dense_work, , "", "auto: products that these have cost", RB_ANY_BITS)    \
 	X(bool, has_shown, , "", "`shown` is of this frame", RB_FLAG)                        \
 	X(bool, has_held, , "", "callbacks pushed in the step before, with `held`", RB_FLAG) \
 	X(bool, moved_by_hand, , "", "a callback has set a position", RB_FLAG)

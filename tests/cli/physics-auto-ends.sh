@@ -62,13 +62,6 @@ for scales in "0 0" "-6 0" "2 4"; do
 	first="$part $place"
 done
 
-# a crowd is left to steps before locating has cost much more than these would, and one that has come to rest is not tried again
-# before they have: steps of what stands cost little
-exits 0 "$TOP/scenes/hopper.lua" -p n=40 -p seconds=0.5 --no-record --no-render --json --quiet --threads 1
-awk -v s="$(value stepped)" 'BEGIN { exit !(s > 0.11) }' || fail "the hopper: stepped $(value stepped) s of 0.5"
-exits 0 "$TOP/scenes/arch.lua" --no-record --no-render --json --quiet --threads 1
-[ "$(value rollbacks)" -le 2 ] || fail "the arch: $(value rollbacks) frames were done again"
-
 # what is integrated a million times a second, in flight, is left to steps as well
 cat >stiff.lua <<'LUA'
 world { duration = 0.2, frame_rate = 20, gravity = {0, 0, -9.81} }
