@@ -72,7 +72,7 @@ left=$((12 - $(value "done")))
 scontrol update "NodeName=$lost" State=RESUME 2>/dev/null # unless it came back by itself
 await 600 slurm_is_idle || fail "node $lost does not come back"
 exits 0 sweep slurm-ed --slurm
-says err "$left points to be run"
+says err "$left points? to be run"
 wait_for_slurm
 exits 0 sweep slurm-ed --status
 says out '12 points of s.lua: 12 done'
