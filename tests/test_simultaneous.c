@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/constraint/simultaneous.c, cone.c, exact_sum.h */
+#include "patience.h"
 #include "piles.h"
 
 #include "base/hash.h"
@@ -722,19 +723,6 @@ static void want_of_memory_is_reported_and_changes_nothing(void **state)
 			assert_vec(velocity(&p, i), i == 1, 0, 0, 0);
 		pile_close(&p);
 	}
-}
-
-/* Answers of `asked`: how often, and from which time on it says yes. */
-struct patience {
-	int calls, last; /* last 0: never */
-};
-
-static bool count_calls(void *user)
-{
-	struct patience *const patience = user;
-
-	patience->calls++;
-	return patience->last > 0 && patience->calls >= patience->last;
 }
 
 /* One solution may take minutes: it asks as often as its work says, and ends when it is told to. */

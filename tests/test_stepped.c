@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/stepped: one step of dense groups, from the outside. */
+#include "patience.h"
 #include "solids.h"
 #include "worlds.h"
 
@@ -390,19 +391,6 @@ static void a_heap_that_is_restored_goes_on_in_the_same_bits(void **state)
 	lab_close(&again);
 	lab_close(&lab);
 	rb_pack_release(&saved);
-}
-
-/* Answers of rb_world_options.stop: how often, and from which time on it says yes. */
-struct patience {
-	int calls, last; /* last 0: never */
-};
-
-static bool count_calls(void *user)
-{
-	struct patience *const patience = user;
-
-	patience->calls++;
-	return patience->last > 0 && patience->calls >= patience->last;
 }
 
 /* Wherever within a step the run is to end: bodies are where a whole step has brought them. */

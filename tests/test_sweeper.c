@@ -3,6 +3,7 @@
 #include "stepped/sweeper.h"
 
 #include "stepped/direct.h"
+#include "patience.h"
 #include "support.h"
 
 #include "math/random.h"
@@ -350,19 +351,6 @@ static void what_is_squeezed_is_not_called_solved(void **slot)
 			assert_true(heap->row[k].impulse.n <= SWEEPS * 0.4 * 3 * (1 + 1e-9));
 		unmake(heap);
 	}
-}
-
-/* Answers of `asked`: how often, and from which time on it says yes. */
-struct patience {
-	int calls, last; /* last 0: never */
-};
-
-static bool count_calls(void *user)
-{
-	struct patience *const patience = user;
-
-	patience->calls++;
-	return patience->last > 0 && patience->calls >= patience->last;
 }
 
 /* What takes long asks as often as its work says whether to go on, and ends when it is told to. */
