@@ -387,15 +387,15 @@ static bool improve(struct newton *s, double *value, double *rounding)
 	return false;
 }
 
-/* By how much velocities were off, m/s: of the constraints; of the cones' shifts. */
+/* By how much velocities were off, m/s: of contacts; of joints; of the cones' shifts. */
 struct off {
-	double closed, shifted;
+	double closed, joined, shifted;
 };
 
 /* Impulses take what the cones have come to. */
 static struct off follow(struct newton *s, double relax)
 {
-	struct off off = {0, 0};
+	struct off off = {0};
 
 	for (int k = 0; k < s->dense->row_count; k++) {
 		const struct rb_constraint *row = &s->dense->row[k];
@@ -404,7 +404,8 @@ static struct off follow(struct newton *s, double relax)
 
 		if (face->soft)
 			continue;
-		off.closed = fmax(off.closed, sqrt(rb_vec3_dot(d, d)) / face->weight);
+		double *const most = row->set == RB_CONSTRAINT_CONE ? &off.closed : &off.joined;
+		*most = fmax(*most, sqrt(rb_vec3_dot(d, d)) / face->weight);
 		face->impulse = face->now;
 		if (row->friction > 0) {
 			const double shift = row->friction *
@@ -546,25 +547,27 @@ static struct rb_direct_result solve(struct newton *s)
 		const double balance = imbalance(s);
 		const struct off off = follow(s, relax);
 
-		result.residual = fmax(balance, fmax(off.closed, off.shifted));
-		if (fmax(balance, off.closed) <= tolerance &&
-		    off.shifted <= s->direct->slip_tolerance)
+		/* what is still to be closed, as a multiple of what may be left */
+		const double open = fmax(off.closed / tolerance,
+		                         off.joined / fmax(s->direct->joint_tolerance, tolerance));
+
+		result.residual = fmax(fmax(balance, off.shifted), fmax(off.closed, off.joined));
+		if (balance <= tolerance && open <= 1 && off.shifted <= s->direct->slip_tolerance)
 			break;
-		if (off.closed > tolerance && off.closed > 0.1 * before &&
-		    grown < weight_max * s->ratio) {
+		if (open > 1 && open > 0.1 * before && grown < weight_max * s->ratio) {
 			grown *= weight_growth;
 			for (int k = 0; k < s->dense->row_count; k++)
 				if (!s->face[k].soft)
 					s->face[k].weight *= weight_growth;
 		}
 		/* who stood slips after all */
-		if (relax == 0 && off.closed <= s->direct->slip_tolerance &&
+		if (relax == 0 && fmax(off.closed, off.joined) <= s->direct->slip_tolerance &&
 		    off.shifted > s->direct->slip_tolerance)
 			relax = 1;
 		/* the shifts' own iteration may swing to and fro */
 		else if (relax > 0 && off.shifted > 0.9 * shifted)
 			relax = fmax(relax_least, 0.6 * relax);
-		before = off.closed;
+		before = open;
 		shifted = off.shifted;
 	}
 	return result;

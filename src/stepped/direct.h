@@ -25,6 +25,11 @@ struct rb_direct {
 	int *local;            /* by body: scratch, -1 for what does not yield */
 	double tolerance;      /* m/s */
 	double slip_tolerance; /* m/s: of the shift by sliding, which only ever opens gaps */
+	/*
+	 * m/s: of rows of joints, where it is larger. Redundant ones are in drift at odds with each
+	 * other by its second order: to be closed farther than that costs impulses without end.
+	 */
+	double joint_tolerance;
 	int steps_max;         /* factorizations */
 	bool holds;            /* to begin with, as if nothing slipped: right where bodies stand */
 	double max;            /* multiplications that one factorization may take */

@@ -11,7 +11,7 @@
 enum { ROUNDS_MAX = 48, ROUNDS_TOGETHER = 8, REFINEMENTS_MAX = 10 };
 
 /* Blocks that share a body with a block, in the mean: more are not tried. */
-enum { NEIGHBOURS_MAX = 48 };
+enum { NEIGHBOURS_MAX = 96 };
 
 /*
  * Of its diagonal, the pivot up to which a row is redundant: far above rounding and what drift

@@ -29,6 +29,12 @@ enum { FACTORS_STIFF = 400, FACTORS_AT_REST = 120, FACTORS_STALLED = 30, FACTORS
  */
 static const double factor_share = 4e3, factors_max = 1e8, stalled_share = 4e2;
 
+/*
+ * The same of joints, whose redundant rows are told by factors alone: what a body of some seventy
+ * hinges takes.
+ */
+static const double joints_share = 4e4;
+
 /* Of the tolerance, what sweeps may leave of a gap's closing in one step. */
 static const double sweep_share = RB_STRATEGY_SWEEP_SHARE, direct_share = 1e-2, close_share = 1e-7;
 /*
@@ -94,6 +100,8 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 		.holds = purpose == AT_REST,
 		.steps_max = steps_max[purpose],
 		.slip_tolerance = solver->tolerance,
+		/* polish_joints follows all but this one */
+		.joint_tolerance = purpose == CLOSE ? 0 : solver->tolerance,
 		.max = fmin(share * (double)dense->row_count, factors_max),
 		.interrupt = solver->interrupt,
 		.arena = arena};
@@ -573,7 +581,7 @@ static double solve_joints(const struct rb_solver *solver, struct rb_island *isl
 		.dense = &joints,
 		/* as close as rounding lets it: that costs no more */
 		.tolerance = close_share * solver->tolerance,
-		.max = fmin(factor_share * (double)rows->row_count, factors_max),
+		.max = fmin(joints_share * (double)rows->row_count, factors_max),
 		.interrupt = solver->interrupt,
 		.arena = arena};
 

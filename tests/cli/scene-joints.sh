@@ -144,3 +144,10 @@ for with in 'way=motor light=1e-12' 'way=friction thin=1e-12'; do
 	exits 0 light.lua --no-record --json --param "${with% *}" --param "${with#* }"
 	value unexplained_share | awk '{exit !($1 >= 0 && $1 < 1e-12)}' || fail "light links, $with: $(value unexplained_share)"
 done
+
+# Twelve legs of eleven bars on one shaft and body, on the ground, by steps: hundreds of rows, of which loops make many redundant.
+# Forces of joints against each other would take as heat what the motor gives.
+{ cat "$TOP/scenes/walker.lua"; echo 'record { ledger = true }'; } >walker.lua
+exits 0 walker.lua --no-record --no-render --json --duration 0.5 --param mu=0
+value unexplained_share | awk '{exit !($1 >= 0 && $1 < 0.03)}' || fail "walker: $(value unexplained_share) of the energy unexplained"
+value factorizations | awk '{exit !($1 < 6000)}' || fail "walker: $(value factorizations) factorizations"

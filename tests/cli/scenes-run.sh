@@ -13,6 +13,7 @@ for scene in "$scenes"/*.lua "$scenes"/examples/*.lua; do
 	*/hourglass.lua) set -- "$@" --param n=60 --param seconds=0.6 ;;
 	*/silo.lua) set -- "$@" --param n=150 ;;
 	*/angle_of_repose.lua) set -- "$@" --param R=0.06 --param seconds=1 ;;
+	*/walker.lua) set -- "$@" --param turns=0.15 ;;
 	*/hopper.lua) set -- "$@" --param n=30 --param seconds=1 ;;
 	esac
 	"$RBSIM" "$scene" "$@" || {
