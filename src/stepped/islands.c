@@ -16,14 +16,8 @@
 #include "base/memory.h"
 #include "constraint/effective_mass.h"
 #include "stepped/pivot.h"
+#include "stepped/stiffening.h"
 #include "world/joint_state.h"
-
-/*
- * (h w)^2 of turning under the pull of joints, up to which steps are stable: 4, over what inertia
- * is overestimated by (geometric_stiffness) in a chain of rods whose links turn to and fro by
- * turns, 2.2.
- */
-static const double resolved_max = 4 / 2.2;
 
 /* ---- bodies ---- */
 
@@ -257,49 +251,16 @@ static void place_joints(struct rb_solver *solver, const struct rb_world *world)
 	}
 }
 
-static double trace(const rb_mat3 *x)
-{
-	return x->m[0][0] + x->m[1][1] + x->m[2][2];
-}
-
-/* Adds that to the inertia of bodies of which it is a larger share than steps resolve. */
+/* Bodies whose turning joints stiffen. */
 static void stiffen(struct rb_solver *solver, const struct rb_world *world, int i)
 {
 	struct rb_solver_body *const body = &solver->dense.bodies.body[i];
 
 	solver->given[i] = *body;
-	solver->stiff[i] = 0;
-	if (!solver->before || !(body->inverse_mass > 0) || body->inverse_inertia == 0 ||
-	    world->model->joints->first[i] == world->model->joints->first[i + 1])
-		return;
-	rb_mat3 whole = {{{0}}}, inertia, stiffened, inverse_whole;
-	const rb_mat3 stiffness = rb_step_joint_rows_stiffness(world, solver->joint, i, solver->h_s,
-	                                                       &whole);
-	const double scalar = body->inverse_inertia;
-	const rb_mat3 inverse = isnan(scalar) ? solver->tensor[i]
-	                                      : rb_mat3_diagonal(scalar, scalar, scalar);
-
-	if (!(trace(&inverse) * trace(&stiffness) > resolved_max) ||
-	    !rb_mat3_inverse(&inverse, &inertia))
-		return;
-	for (int k = 0; k < 9; k++)
-		whole.m[k / 3][k % 3] += inertia.m[k / 3][k % 3];
-	if (!rb_mat3_inverse(&whole, &inverse_whole))
-		return;
-	/* the trace bounds the largest eigenvalue */
-	const rb_mat3 share = rb_mat3_multiply(&inverse_whole, &stiffness);
-	if (!(trace(&share) > resolved_max))
-		return;
-	const rb_vec3 momentum = rb_mat3_apply(&inertia, body->angular);
-	for (int k = 0; k < 9; k++)
-		inertia.m[k / 3][k % 3] += stiffness.m[k / 3][k % 3];
-	if (!rb_mat3_inverse(&inertia, &stiffened))
-		return;
-	solver->stiff[i] = 1;
-	solver->tensor[i] = stiffened;
-	body->inverse_inertia = (double)NAN;
-	body->angular = rb_mat3_apply(&stiffened, momentum);
-	solver->free[i] = *body;
+	solver->stiff[i] = solver->before && rb_stiffening_add(world, solver->joint, i, solver->h_s,
+	                                                       body, &solver->tensor[i]);
+	if (solver->stiff[i])
+		solver->free[i] = *body;
 }
 
 static void fill_joints_block(void *user, int block, int worker)

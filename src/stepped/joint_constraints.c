@@ -670,62 +670,6 @@ bool rb_step_joint_rows_rebound(const struct rb_joint_query *query, int k,
 	return any;
 }
 
-/* ---- stiffness ---- */
-
-/* Adds `scale` times what a unit of mass at r has of inertia: r.r - r r^T. */
-static void add_about(rb_mat3 *sum, double scale, rb_vec3 r)
-{
-	const double x[3] = {r.x, r.y, r.z}, square = rb_vec3_dot(r, r);
-
-	for (int k = 0; k < 9; k++)
-		sum->m[k / 3][k % 3] += scale * ((k % 4 == 0) * square - x[k / 3] * x[k % 3]);
-}
-
-static double trace(const rb_mat3 *x)
-{
-	return x->m[0][0] + x->m[1][1] + x->m[2][2];
-}
-
-/* 1/kg: a bound of how a body yields at a point `arm` m from its centre of mass; -1: the world. */
-static double inverse_mass_at(const struct rb_model *model, int i, double arm)
-{
-	if (i < 0 || i >= model->body_count)
-		return 0;
-	const double scalar = model->inverse_inertia_scalar[i];
-
-	return model->inverse_mass[i] +
-	       arm * arm * (isnan(scalar) ? trace(&model->inverse_inertia[i]) : scalar);
-}
-
-rb_mat3 rb_step_joint_rows_stiffness(const struct rb_world *world, const struct rb_step_joint *all,
-                                     int i, double h, rb_mat3 *joined)
-{
-	const struct rb_joints *joints = world->model->joints;
-	const rb_quat q = rb_world_orientation_at(world, &world->state, i);
-	rb_mat3 sum = {{{0}}};
-
-	for (int e = joints->first[i]; e < joints->first[i + 1]; e++) {
-		const struct rb_joint *joint = &joints->joint[joints->of[e]];
-		const double *force = all[joints->of[e]].last.force;
-		const bool is_a = joint->a == i;
-		const rb_vec3 arm = is_a ? joint->link.at_a : joint->link.at_b;
-		const rb_vec3 other = is_a ? joint->link.at_b : joint->link.at_a;
-		const double inverse_mass = inverse_mass_at(
-			world->model, is_a ? joint->b : joint->a, rb_vec3_length(other));
-		const rb_vec3 r = rb_quat_rotate(q, arm);
-		const rb_vec3 f = {force[0], force[1], force[2]};
-		const double along = (is_a ? -1 : 1) * rb_vec3_dot(f, r);
-		const double square = rb_vec3_dot(r, r);
-
-		if (!rb_linkage_has_point(&joint->link) || !(square > 0))
-			continue;
-		add_about(joined, 1 / (world->model->inverse_mass[i] + inverse_mass), r);
-		if (along > 0)
-			add_about(&sum, h * h * along / square, r);
-	}
-	return sum;
-}
-
 /* ---- drift ---- */
 
 double rb_step_joint_rows_miss(const struct rb_world *world, int k, struct rb_step_joint *of)

@@ -167,16 +167,6 @@ bool rb_step_joint_rows_rebound(const struct rb_joint_query *query, int k,
                                 const struct rb_step_joint *of, struct rb_constraint *row,
                                 double tolerance);
 
-/*
- * What the pull of a body's joints does to its turning in the step: a point at r that is pulled by
- * F goes on being pulled by it where turning by t has brought it, with a torque of -(F.r) t across
- * r. At the end of the step that is h^2 F.r of inertia, where the step does not resolve it: light
- * links that carry heavy bodies (Tournier, Nesme, Gilles, Faure, ACM TOG 34(4):132 (2015)). Turning
- * also moves what is joined at r, or the body about it: `joined`, kg m^2, the mass of both there.
- */
-rb_mat3 rb_step_joint_rows_stiffness(const struct rb_world *world, const struct rb_step_joint *all,
-                                     int body, double h_s, rb_mat3 *joined);
-
 /* m: the largest error of the joint as bodies stand, into `miss` too. */
 double rb_step_joint_rows_miss(const struct rb_world *world, int k, struct rb_step_joint *of);
 
