@@ -50,13 +50,6 @@ void rb_islands_fill_body(struct rb_solver *solver, const struct rb_world *world
 	solver->free[i] = *body;
 }
 
-void rb_islands_store_body(const struct rb_solver *solver, struct rb_world *world, int i)
-{
-	rb_vec3_to(world->state.velocity + 3 * (size_t)i, solver->dense.bodies.body[i].linear);
-	if (world->state.spin)
-		rb_vec3_to(world->state.spin + 3 * (size_t)i, solver->dense.bodies.body[i].angular);
-}
-
 static rb_vec3 mean(rb_vec3 x, rb_vec3 y)
 {
 	return rb_vec3_scale(0.5, rb_vec3_add(x, y));
@@ -87,15 +80,6 @@ static void fill_bodies_block(void *user, int block, int worker)
 	(void)worker;
 	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++)
 		rb_islands_fill_body(pass->solver, pass->world, pass->solver->active[k]);
-}
-
-static void store_bodies_block(void *user, int block, int worker)
-{
-	const struct pass *pass = user;
-
-	(void)worker;
-	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++)
-		rb_islands_store_body(pass->solver, pass->world, pass->solver->active[k]);
 }
 
 static void run_pass(struct pass *pass, size_t count, rb_team_work *work)
@@ -278,26 +262,6 @@ static void fill_joints_block(void *user, int block, int worker)
 		if (of->first_row >= 0)
 			rb_step_joint_rows_fill(&query, solver->joined[k], of,
 			                        solver->dense.row + of->first_row);
-	}
-}
-
-static void store_joints_block(void *user, int block, int worker)
-{
-	const struct pass *pass = user;
-	struct rb_solver *solver = pass->solver;
-	struct rb_joint_query query = rb_islands_joints(solver, pass->world);
-
-	(void)worker;
-	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
-		struct rb_step_joint *of = &solver->joint[solver->joined[k]];
-		const struct rb_island *const island = group_of_joint(solver, pass->world,
-		                                                      solver->joined[k]);
-
-		query.lasts_s = rb_islands_lasts(solver, island);
-		/* of groups that keep what an earlier look has found, rows have not been solved */
-		if (of->first_row >= 0 && !island->kept)
-			rb_step_joint_rows_store(&query, solver->joined[k], of,
-			                         solver->dense.row + of->first_row);
 	}
 }
 
@@ -601,23 +565,6 @@ static void fill_rows_block(void *user, int block, int worker)
 	}
 }
 
-static void store_rows_block(void *user, int block, int worker)
-{
-	const struct pass *pass = user;
-
-	(void)worker;
-	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
-		const struct rb_constraint *row = &pass->solver->dense.row[k];
-
-		if (row->set != RB_CONSTRAINT_CONE)
-			continue;
-		struct rb_step_point *point = &pass->points->row[pass->solver->point[k]];
-
-		point->normal_impulse = row->impulse.n;
-		point->friction_impulse = row->impulse.t;
-	}
-}
-
 static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struct rb_error *err)
 {
 	const struct rb_step_points *points = pass->points;
@@ -662,76 +609,4 @@ enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
 	const enum rb_status status = prepare(solver, &pass, err);
 	rb_arena_back(arena, here); /* a step may have many tries */
 	return status;
-}
-
-/* ---- the end of a step ---- */
-
-/* Marks bodies with an impulse on them. */
-static void find_pushed(struct rb_solver *solver, const struct rb_joints *joints,
-                        const struct rb_step_points *points)
-{
-	for (int k = 0; k < solver->active_count; k++)
-		solver->pushed[solver->active[k]] = 0;
-	for (size_t k = 0; k < points->count; k++) {
-		const struct rb_step_point *point = &points->row[k];
-		const int b = point->b < solver->body_count ? point->b : solver->body_count;
-
-		if (point->normal_impulse > 0)
-			solver->pushed[point->a] = solver->pushed[b] = 1;
-	}
-	for (int k = 0; k < solver->joined_count; k++) {
-		const struct rb_joint *joint = &joints->joint[solver->joined[k]];
-		const int ends[2] = {joint->a, joint->b};
-
-		for (int e = 0; e < 2; e++)
-			if (ends[e] >= 0 && is_dynamic(solver, ends[e]))
-				solver->pushed[ends[e]] = 1;
-	}
-}
-
-/*
- * A body whose impulses all ended at zero gets its free velocity back exactly: the sum has rounding
- * in it, and a top without torque should take the closed form.
- */
-static void free_unpushed(struct rb_solver *solver)
-{
-	for (int k = 0; k < solver->active_count; k++) {
-		const int i = solver->active[k];
-
-		if (solver->island_of[i] >= 0 && !solver->pushed[i])
-			solver->dense.bodies.body[i] = solver->free[i];
-	}
-}
-
-/*
- * Residuals that the next step takes into account; not after the projection, which has no
- * velocities.
- */
-static void note_left(struct rb_solver *solver)
-{
-	for (int k = 0; solver->before && k < solver->active_count; k++) {
-		const int i = solver->active[k], g = solver->island_of[i];
-
-		/* written so that NaN is not good */
-		solver->left[i] = g < 0 ? 0
-		                  : solver->island[g].residual < solver->tolerance
-		                          ? solver->island[g].residual
-		                          : solver->tolerance;
-	}
-}
-
-void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_step_points *points)
-{
-	struct pass pass = {.solver = solver, .world = world, .points = points};
-
-	RB_ASSERT_COSTLY(rb_row_system_is_sound(&solver->dense, solver->body_count + 1));
-	run_pass(&pass, (size_t)solver->dense.row_count, store_rows_block);
-	if (solver->before && solver->joined_count > 0) /* else positions are moved */
-		run_pass(&pass, (size_t)solver->joined_count, store_joints_block);
-	note_left(solver);
-	if (solver->before) { /* else positions are moved */
-		find_pushed(solver, world->model->joints, points);
-		free_unpushed(solver);
-	}
-	run_pass(&pass, (size_t)solver->active_count, store_bodies_block);
 }
