@@ -18,6 +18,7 @@
 #include "stepped/impact_pass.h"
 #include "stepped/joint_steps.h"
 #include "stepped/projection.h"
+#include "stepped/spring_steps.h"
 
 /* Bodies and candidate pairs of the islands that are solved again. */
 struct view {
@@ -268,24 +269,6 @@ static enum rb_status find_points(struct rb_world *world, struct rb_candidates *
 
 /* ---- the whole ---- */
 
-/* The beginning of the step, with the velocities that its forces have made. */
-static void go_back(struct rb_world *world, const struct rb_cohort *cohort)
-{
-	const struct rb_solver *solver = &world->stepped->solver;
-
-	rb_state_copy_rows(&world->state, &world->mark, cohort->body, cohort->body_count);
-	for (int k = 0; k < cohort->body_count; k++) {
-		const size_t i = (size_t)cohort->body[k];
-
-		const struct rb_solver_body *const given = solver->given ? &solver->given[i]
-		                                                         : &solver->free[i];
-
-		rb_vec3_to(world->state.velocity + 3 * i, given->linear);
-		if (world->state.spin)
-			rb_vec3_to(world->state.spin + 3 * i, given->angular);
-	}
-}
-
 /* Overlaps of the cohort where they can be measured; marks groups in which one is deep. */
 static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort,
                                 unsigned char *of_group, bool *deep, struct rb_error *err)
@@ -325,8 +308,12 @@ enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, bool o
 	memset(of_group, 0, s->solver.island_count + 1);
 	if (overlaps)
 		status = find_deep(world, cohort, of_group, &deep, err);
-	if (status != RB_OK || (!rb_joints_mark(world, of_group) && !deep))
+	if (status != RB_OK)
 		return status;
+	const bool joints = rb_joints_mark(world, of_group);
+	const bool springs = rb_springs_mark(world, of_group);
+	if (!joints && !springs && !deep)
+		return RB_OK;
 	cohort->is_measured = false;
 	if (!take_view(world, cohort, of_group, &view))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the points of a step");
@@ -339,7 +326,9 @@ enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, bool o
 	if (status != RB_OK)
 		return status;
 	rb_joints_bend(world, of_group);
-	go_back(world, cohort);
+	rb_springs_bend(world, of_group);
+	rb_solver_go_back(&s->solver, world);
 	*again = true;
-	return rb_solver_again(&s->solver, world, &cohort->points, view.again, err);
+	status = rb_solver_again(&s->solver, world, &cohort->points, view.again, err);
+	return status == RB_OK ? rb_springs_join_pushed(world, cohort, err) : status;
 }

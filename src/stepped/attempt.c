@@ -22,6 +22,7 @@
 #include "stepped/impact_pass.h"
 #include "stepped/joint_steps.h"
 #include "stepped/sleep.h"
+#include "stepped/spring_steps.h"
 #include "stepped/strategies.h"
 #include "stepped/tally.h"
 
@@ -266,7 +267,8 @@ static enum rb_status move_and_inspect(struct rb_world *world, struct rb_cohort 
 		rb_drive_end(world);
 		again = false;
 		if ((world->broadphase && inspections < INSPECTIONS_MAX) ||
-		    (world->model->joints && inspections < JOINT_INSPECTIONS_MAX))
+		    ((world->model->joints || world->stepped->solver.sprung_count > 0) &&
+		     inspections < JOINT_INSPECTIONS_MAX))
 			status = rb_again(world, cohort, inspections < INSPECTIONS_MAX, &again,
 			                  err);
 	}
@@ -324,7 +326,7 @@ static void find_impacts(const struct rb_world *world, const struct rb_cohort *c
 
 		island->impact_s = (double)INFINITY;
 		if (island->rests || island->contact_count == 0 ||
-		    island->row_count == island->contact_count)
+		    island->row_count == island->contact_count + island->spring_count)
 			continue;
 		const double least = IMPACT_STEPS *
 		                     sqrt(rb_strategies_external(solver, member,
@@ -371,16 +373,23 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 	s->solver.active_count = cohort->body_count;
 	s->solver.kick = s->kicked_count > 0 ? s->kick : NULL;
 	if (status == RB_OK)
+		status = rb_springs_join(world, cohort, err);
+	if (status == RB_OK)
 		status = rb_solver_step(&s->solver, world, &world->mark, &cohort->points, h, err);
+	if (status == RB_OK)
+		status = rb_springs_join_pushed(world, cohort, err);
 	if (status != RB_OK)
 		return status;
 	status = move_and_inspect(world, cohort, h, err);
+	rb_springs_measure(world);
 	if (status == RB_OK && world->model->joints)
 		find_impacts(world, cohort, h);
 	if (status == RB_OK)
 		status = rb_solver_end(&s->solver, world, err);
 	if (status != RB_OK)
 		return status;
+	if (s->tally)
+		rb_springs_note(world);
 	if (s->tally)
 		rb_tally_solved(world, cohort);
 	if (cohort == &s->all) {

@@ -8,7 +8,8 @@
  *
  * The alternative, one implicit system of all springs (Baraff and Witkin 1998), needs a sparse
  * solve in every step. Here each spring is solved alone, for bodies lighter by the number of their
- * springs (add_inverse_mass).
+ * springs (add_inverse_mass); where joints or contacts hold these it is not: springs then are rows
+ * of their groups (stepped/spring_steps).
  */
 #include "stepped/force.h"
 
@@ -99,6 +100,9 @@ static void add_inverse_mass(const struct rb_world *world, const struct rb_eleme
 	}
 }
 
+/* h^2 k |Y| up to which semi-implicit Euler is stable. */
+static const double stable_max = 4;
+
 /* Frobenius norm, an upper bound of the largest eigenvalue. */
 static double size_of(const rb_mat3 *a)
 {
@@ -110,44 +114,94 @@ static double size_of(const rb_mat3 *a)
 	return sqrt(square);
 }
 
+/* As the step begins; false: it has no direction to pull in. */
+static bool measure(const struct rb_spring_def *spring, const struct end end[2],
+                    struct rb_step_spring *of)
+{
+	const rb_vec3 d = rb_vec3_sub(end[1].at, end[0].at);
+	const double length = rb_vec3_length(d);
+
+	*of = (struct rb_step_spring){.end = {end[0].i, end[1].i},
+	                              .arm = {end[0].arm, end[1].arm},
+	                              .stiffness = spring->stiffness,
+	                              .damping = length > 0 ? spring->damping : 0,
+	                              .rest = spring->rest_length_m,
+	                              .stretch = length - spring->rest_length_m,
+	                              .missed = {(double)INFINITY, 0, 0},
+	                              .first_row = -1};
+	/* ends that are to be at one point, and are, part in any direction */
+	of->along = rb_vec3_unit(d, (rb_vec3){0, 0, 1});
+	of->across = spring->stiffness * (length > 0 ? fmax(0, of->stretch / length) : 1);
+	return length > 0 || spring->rest_length_m == 0;
+}
+
+/* m: what its way is bent by, as its ends move and turn before forces act. */
+static rb_vec3 predict_bend(const struct rb_world *world, const struct rb_step_spring *of, double h)
+{
+	struct rb_pose pose[2];
+	rb_vec3 v[2];
+
+	for (int e = 0; e < 2; e++) {
+		const bool moves = rb_stepped_is_dynamic(world, of->end[e]);
+
+		pose[e] = rb_world_pose(world, moves ? &world->mark : &world->state, of->end[e]);
+		v[e] = rb_vec3_add(pose[e].velocity, rb_vec3_cross(pose[e].spin, of->arm[e]));
+		pose[e].position = rb_vec3_add_scaled(pose[e].position, h, pose[e].velocity);
+		pose[e].orientation = rb_quat_turned(pose[e].orientation,
+		                                     rb_vec3_scale(h, pose[e].spin));
+	}
+	return rb_vec3_sub(rb_step_spring_way(of, pose),
+	                   rb_step_spring_straight(of, rb_vec3_sub(v[1], v[0]), h));
+}
+
 /*
- * Impulse of a spring on its end b, N s. With f the force now, K = -df/dx (without the negative
- * stiffness across a compressed spring), C = -df/dv, Y the inverse effective mass and A = h (h K +
- * C): implicit Euler gives (1 + A Y) p = h f - h^2 K v. A spring with (h^2 k + h c) |Y| <= 1 is
- * resolved and acts explicitly: semi-implicit Euler, stable up to h^2 k |Y| = 4, keeps its
- * oscillation.
+ * Impulse of a spring on its end b, N s, if bodies are free. With f the force now, Y the inverse
+ * effective mass and A = h (h K + C), where K = -df/dx (without the negative stiffness across a
+ * compressed spring) and C = -df/dv: implicit Euler gives (1 + A Y) p = h f - h^2 K v. A spring
+ * with (h^2 k + h c) |Y| <= 1 is resolved and acts explicitly: semi-implicit Euler, stable up to
+ * h^2 k |Y| = 4, keeps its oscillation. Where joints or contacts hold bodies they yield less: such
+ * a spring stays resolved, and one that is not is listed for its group (stepped/spring_steps).
  */
-static rb_vec3 impulse_of(const struct rb_world *world, const struct rb_elements *springs,
-                          int number, double h, const struct end end[2])
+static rb_vec3 impulse_of(struct rb_world *world, const struct rb_elements *springs, int number,
+                          double h, const struct end end[2], int element)
 {
 	const struct rb_spring_def *spring = rb_elements_row(springs, number);
-	const rb_vec3 d = rb_vec3_sub(end[1].at, end[0].at);
+	struct rb_solver *solver = &world->stepped->solver;
 	const rb_vec3 v = rb_vec3_sub(end[1].velocity, end[0].velocity);
-	const double length = rb_vec3_length(d), k = spring->stiffness, c = spring->damping;
+	struct rb_step_spring of;
 	rb_mat3 inverse_effective_mass = {{{0}}}, stiff, system, inverse;
 
-	if (!(length > 0)) /* no direction to pull in */
+	if (!measure(spring, end, &of))
 		return (rb_vec3){0, 0, 0};
-	const rb_vec3 n = rb_vec3_scale(1 / length, d);
-	const double stretch = length - spring->rest_length_m;
-	const double external = h * (k * stretch + c * rb_vec3_dot(v, n));
+	const rb_vec3 n = of.along;
+	const double across = h * h * of.across, along = h * (h * of.stiffness + of.damping);
+	const double tension = h * of.stiffness * of.stretch;
+	const double external = tension + h * of.damping * rb_vec3_dot(v, n);
 	add_inverse_mass(world, springs, &end[0], &inverse_effective_mass);
 	add_inverse_mass(world, springs, &end[1], &inverse_effective_mass);
-	if ((h * h * k + h * c) * size_of(&inverse_effective_mass) <= 1)
+	const double size = size_of(&inverse_effective_mass);
+	if (along * size <= 1)
 		return rb_vec3_scale(-external, n);
-	const double across = h * h * k * fmax(0, stretch / length);
-	const double along = h * h * k + h * c - across;
 	const double x[3] = {n.x, n.y, n.z};
 	for (int r = 0; r < 3; r++)
 		for (int s = 0; s < 3; s++)
-			stiff.m[r][s] = along * (x[r] * x[s]) + (r == s ? across : 0);
+			stiff.m[r][s] = (along - across) * (x[r] * x[s]) + (r == s ? across : 0);
 	system = rb_mat3_multiply(&stiff, &inverse_effective_mass);
 	for (int r = 0; r < 3; r++)
 		system.m[r][r] += 1;
-	const rb_vec3 right = rb_vec3_add_scaled(rb_mat3_apply(&stiff, v), h * k * stretch, n);
+	const rb_vec3 right = rb_vec3_add_scaled(rb_mat3_apply(&stiff, v), tension, n);
 	if (!rb_mat3_inverse(&system, &inverse))
 		return rb_vec3_scale(-external, n);
-	return rb_vec3_neg(rb_mat3_apply(&inverse, right));
+	of.impulse = rb_vec3_neg(rb_mat3_apply(&inverse, right));
+	of.row = number;
+	of.number = element;
+	of.local[0] = rb_element_arm(world->model, end[0].i, rb_quat_identity, spring->at_a);
+	of.local[1] = rb_element_arm(world->model, end[1].i, rb_quat_identity, spring->at_b);
+	if (across * size <= stable_max)
+		of.across = 0;
+	of.bend = predict_bend(world, &of, h);
+	solver->spring[solver->spring_count++] = of;
+	return of.impulse;
 }
 
 /* Impulses of an element on the bodies at its ends, N s and N m s. */
@@ -156,13 +210,13 @@ struct external {
 	bool acts;
 };
 
-static void spring_impulses(const struct rb_world *world, const struct rb_elements *springs, int k,
-                            double h, struct rb_wrench on[2])
+static void spring_impulses(struct rb_world *world, const struct rb_elements *springs, int k,
+                            double h, int element, struct rb_wrench on[2])
 {
 	const struct rb_spring_def *spring = rb_elements_row(springs, k);
 	const struct end end[2] = {end_of(world, springs->end[k][0], spring->at_a),
 	                           end_of(world, springs->end[k][1], spring->at_b)};
-	const rb_vec3 p = impulse_of(world, springs, k, h, end);
+	const rb_vec3 p = impulse_of(world, springs, k, h, end, element);
 
 	on[0].force = rb_vec3_neg(p);
 	on[1].force = p;
@@ -195,14 +249,14 @@ static struct rb_wrench even_impulse(const struct rb_world *world,
 
 /* Springs may be implicit; every other kind acts with its wrench at the beginning. */
 static struct external impulses_of(const struct flow *flow, const struct rb_elements *elements,
-                                   int k)
+                                   int k, int number)
 {
-	const struct rb_world *world = flow->world;
+	struct rb_world *world = flow->world;
 	const int *const end = elements->end[k];
 	struct external external = {.acts = true};
 
 	if (elements->kind == &rb_force_spring)
-		spring_impulses(world, elements, k, flow->h_s, external.on);
+		spring_impulses(world, elements, k, flow->h_s, number, external.on);
 	else
 		for (int e = 0; e < 2; e++)
 			external.on[e] = even_impulse(world, elements, k, end[e], flow);
@@ -256,7 +310,7 @@ static enum rb_status add_between(const struct flow *flow, const unsigned char *
 
 			external[n] = (struct external){0};
 			if (is_here(world, here, end[0]) || is_here(world, here, end[1]))
-				external[n] = impulses_of(flow, elements, k);
+				external[n] = impulses_of(flow, elements, k, n);
 		}
 	}
 	n = 0;
@@ -463,6 +517,7 @@ enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *coho
 	enum rb_status status = RB_OK;
 
 	RB_ASSERT(h > 0);
+	world->stepped->solver.spring_count = world->stepped->solver.sprung_count = 0;
 	rb_team_run(world->team,
 	            (cohort->member_count + RB_BODIES_PER_BLOCK - 1) / RB_BODIES_PER_BLOCK,
 	            run_stages, &flow);

@@ -15,6 +15,7 @@
 #include "base/forest.h"
 #include "base/memory.h"
 #include "constraint/effective_mass.h"
+#include "force/spring.h"
 #include "stepped/pivot.h"
 #include "stepped/stiffening.h"
 #include "world/joint_state.h"
@@ -265,6 +266,112 @@ static void fill_joints_block(void *user, int block, int worker)
 	}
 }
 
+/* ---- springs ---- */
+
+/* Whether it is among the rows of the step; positions are moved without. */
+static bool has_rows(const struct rb_solver *solver, const struct rb_step_spring *spring)
+{
+	return spring->joined && solver->before;
+}
+
+static int owner_of_spring(const struct rb_solver *solver, const struct rb_step_spring *spring)
+{
+	return rb_step_spring_owner(spring, &solver->dense.bodies, solver->body_count);
+}
+
+static struct rb_island *group_of_spring(const struct rb_solver *solver,
+                                         const struct rb_step_spring *spring)
+{
+	return &solver->island[solver->island_of[owner_of_spring(solver, spring)]];
+}
+
+struct rb_spring_query rb_islands_springs(const struct rb_solver *solver,
+                                          const struct rb_step_spring *spring)
+{
+	struct rb_spring_query query = {
+		.bodies = &solver->dense.bodies,
+		.fixed = solver->body_count,
+		.lasts_s = rb_islands_lasts(solver, group_of_spring(solver, spring)),
+		.ahead_s = solver->h_s};
+
+	for (int e = 0; solver->kick && e < 2; e++)
+		if (spring->end[e] < solver->body_count)
+			query.shift = rb_vec3_add_scaled(query.shift, e == 0 ? -1 : 1,
+			                                 solver->kick[spring->end[e]].shift);
+	return query;
+}
+
+/* Whether a body that is not dynamic moves at it. */
+static bool is_drawn(const struct rb_solver *solver, const struct rb_step_spring *spring)
+{
+	const int owner = owner_of_spring(solver, spring);
+	const int other = spring->end[spring->end[0] == owner];
+
+	if (other >= solver->body_count || is_dynamic(solver, other))
+		return false;
+	const struct rb_solver_body *body = &solver->dense.bodies.body[other];
+
+	return rb_vec3_max_abs(body->linear) > 0 || rb_vec3_max_abs(body->angular) > 0;
+}
+
+static int count_spring_rows(const struct rb_solver *solver)
+{
+	int count = 0;
+
+	for (int k = 0; k < solver->spring_count; k++)
+		if (has_rows(solver, &solver->spring[k]))
+			count += rb_step_spring_row_count(&solver->spring[k]);
+	return count;
+}
+
+static void count_springs(struct rb_solver *solver)
+{
+	for (int k = 0; k < solver->spring_count; k++) {
+		const struct rb_step_spring *spring = &solver->spring[k];
+
+		if (!has_rows(solver, spring))
+			continue;
+		struct rb_island *island = group_of_spring(solver, spring);
+
+		island->row_count += rb_step_spring_row_count(spring);
+		island->carried = island->carried || is_drawn(solver, spring);
+	}
+}
+
+/* After the rows of joints. */
+static void place_springs(struct rb_solver *solver)
+{
+	for (int k = 0; k < solver->spring_count; k++) {
+		struct rb_step_spring *spring = &solver->spring[k];
+
+		spring->first_row = -1;
+		if (!has_rows(solver, spring))
+			continue;
+		struct rb_island *island = group_of_spring(solver, spring);
+		const int rows = rb_step_spring_row_count(spring);
+		const int at = island->first_row + island->row_count;
+
+		island->row_count += rows;
+		island->spring_count += rows;
+		spring->first_row = island->rests ? -1 : at;
+		for (int r = 0; r < rows && !island->rests; r++)
+			solver->point[at + r] = -1;
+	}
+}
+
+static void fill_springs(struct rb_solver *solver)
+{
+	for (int k = 0; k < solver->spring_count; k++) {
+		const struct rb_step_spring *spring = &solver->spring[k];
+
+		if (spring->first_row < 0)
+			continue;
+		const struct rb_spring_query query = rb_islands_springs(solver, spring);
+
+		rb_step_spring_fill(&query, spring, solver->dense.row + spring->first_row);
+	}
+}
+
 /* ---- groups ---- */
 
 /* The dynamic body of a point, whose island it belongs to. */
@@ -304,6 +411,13 @@ static void join_all(struct rb_solver *solver, const struct rb_world *world,
 		if (joint->b >= 0 && is_dynamic(solver, joint->a) && is_dynamic(solver, joint->b))
 			join(solver, joint->a, joint->b);
 	}
+	for (int k = 0; k < solver->spring_count; k++) {
+		const int *end = solver->spring[k].end;
+
+		if (has_rows(solver, &solver->spring[k]) && is_dynamic(solver, end[0]) &&
+		    is_dynamic(solver, end[1]))
+			join(solver, end[0], end[1]);
+	}
 }
 
 /*
@@ -322,6 +436,10 @@ static enum rb_status number_groups(struct rb_solver *solver, const struct rb_wo
 	for (int k = 0; k < solver->joined_count; k++)
 		solver->island_of[rb_forest_root(solver->parent,
 		                                 holder_of(world, solver->joined[k]))] = 0;
+	for (int k = 0; k < solver->spring_count; k++)
+		if (has_rows(solver, &solver->spring[k]))
+			solver->island_of[rb_forest_root(
+				solver->parent, owner_of_spring(solver, &solver->spring[k]))] = 0;
 	for (int k = 0; k < solver->active_count; k++) {
 		const int i = solver->active[k], root = rb_forest_root(solver->parent, i);
 
@@ -356,6 +474,7 @@ static void lay_out(struct rb_solver *solver, const struct rb_world *world,
 		island->carried = island->carried || is_moved(solver, &points->row[k]);
 	}
 	count_joints(solver, world);
+	count_springs(solver);
 	for (size_t g = 0; g < solver->island_count; g++) {
 		solver->island[g].first_member = member;
 		member += solver->island[g].member_count;
@@ -393,26 +512,63 @@ static void lay_out(struct rb_solver *solver, const struct rb_world *world,
 	}
 	RB_ASSERT(row >= 0);
 	place_joints(solver, world);
+	place_springs(solver);
 	solver->dense.row_count = row;
 }
 
+static bool is_joined(const struct rb_solver *solver, int row)
+{
+	int low = 0, end = solver->spring_count;
+
+	while (low < end) {
+		const int middle = (low + end) / 2;
+
+		if (solver->spring[middle].row < row)
+			low = middle + 1;
+		else
+			end = middle;
+	}
+	return low < solver->spring_count && solver->spring[low].row == row &&
+	       solver->spring[low].joined;
+}
+
+/* Whether a spring without rows pulls the body. */
+static bool is_pulled(const struct rb_solver *solver, const struct rb_elements *springs, int i)
+{
+	bool pulled = false;
+
+	for (int e = springs ? springs->first[i] : 0; springs && e < springs->first[i + 1]; e++) {
+		const struct rb_spring_def *def = rb_elements_row(springs, springs->of[e]);
+
+		pulled = pulled || ((def->stiffness > 0 || def->damping > 0) &&
+		                    !is_joined(solver, springs->of[e]));
+	}
+	return pulled;
+}
+
 /*
- * Groups that take impulses in halves, since joints and constant forces alone act on them within
- * what the step resolves; of forces their bodies get one half now.
+ * Groups that take impulses in halves, since joints, springs with rows and constant forces alone
+ * act on them within what the step resolves; of forces their bodies get one half now.
  */
 static void find_halves(struct rb_solver *solver, const struct rb_world *world)
 {
 	const struct rb_joint_query query = rb_islands_joints(solver, world);
-	const bool varies = world->model->features & RB_FEATURES_VARIED;
+	const struct rb_elements *springs = rb_model_elements(world->model, &rb_force_spring);
+	const rb_features others = RB_FEATURES_VARIED & ~(rb_features)RB_FEATURE_SPRINGS;
+	const bool varies = world->model->features & others;
 
 	for (size_t g = 0; g < solver->island_count; g++) {
 		struct rb_island *const island = &solver->island[g];
 
 		island->halves = solver->before && !varies && !island->rests &&
 		                 island->contact_count == 0;
-		for (int k = 0; k < island->member_count; k++)
-			island->halves = island->halves &&
-			                 !solver->stiff[solver->member[island->first_member + k]];
+		for (int k = 0; island->halves && k < island->member_count; k++) {
+			const int i = solver->member[island->first_member + k];
+
+			/* what a spring joins to a mechanism may have been in an impact */
+			island->halves = !solver->stiff[i] && !is_pulled(solver, springs, i) &&
+			                 !(solver->kick && solver->kick[i].is_set);
+		}
 	}
 	for (int k = 0; k < solver->joined_count; k++) {
 		const int number = solver->joined[k];
@@ -572,7 +728,8 @@ static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struc
 	int *place = rb_arena_take(&pass->world->arena[0], points->count, sizeof *place);
 
 	list_joints(solver, world);
-	const size_t rows = points->count + (size_t)count_joint_rows(solver, world);
+	const size_t rows = points->count + (size_t)count_joint_rows(solver, world) +
+	                    (size_t)count_spring_rows(solver);
 	if (!place ||
 	    !rb_memory_reserve(&solver->dense.row, &solver->row_capacity, rows,
 	                       sizeof *solver->dense.row) ||
@@ -590,6 +747,7 @@ static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struc
 	run_pass(pass, points->count, fill_rows_block);
 	if (solver->joined_count > 0)
 		run_pass(pass, (size_t)solver->joined_count, fill_joints_block);
+	fill_springs(solver);
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&solver->dense, solver->body_count + 1));
 	return RB_OK;
 }

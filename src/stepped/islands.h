@@ -14,18 +14,20 @@
 #include "stepped/contact_points.h"
 #include "stepped/joint_constraints.h"
 #include "stepped/levers.h"
+#include "stepped/spring_rows.h"
 
 #include <float.h>
 
 struct rb_island {
 	int first_row, row_count;
-	int contact_count; /* of these rows, the first ones; the others are of joints */
+	int contact_count; /* of these rows, the first ones; the others are of joints, then springs */
+	int spring_count; /* of these rows, the last ones */
 	int first_member, member_count;
 	bool rebounds;
 	bool carried; /* what does not yield moves under or against it */
 	bool rests;   /* still: it has no rows */
 	bool kept;    /* as an earlier look at the step has solved it */
-	/* joints and constant forces alone act: in halves, at both ends (joint_constraints) */
+	/* joints, springs with rows and constant forces act: in halves, at both ends */
 	bool halves;
 	/* s: when the first impact of a mechanism is due within the step; INFINITY: none is */
 	double impact_s;
@@ -86,7 +88,10 @@ struct rb_solver {
 	struct rb_solver_body *given;
 	int *joined; /* owned: joints of the bodies of the step, in order of their owners */
 	int joined_count;
-	struct rb_island *island; /* owned */
+	/* owned: those that the step does not resolve; NULL: the scene has no springs */
+	struct rb_step_spring *spring;
+	int spring_count, sprung_count; /* of them that are joined */
+	struct rb_island *island;       /* owned */
 	size_t island_count, island_capacity, row_capacity, point_capacity;
 	const struct rb_state
 		*before; /* borrowed: at the beginning of the step; NULL: positions are closed */
@@ -151,6 +156,10 @@ static inline struct rb_constraint rb_islands_row_of(const struct rb_solver *sol
 
 /* m: b's centre of mass from a's where the impulses of the step act; `position`: as it began. */
 rb_vec3 rb_islands_between(const struct rb_solver *solver, const double *position, int a, int b);
+
+/* How a spring of the step under way is asked for its rows. */
+struct rb_spring_query rb_islands_springs(const struct rb_solver *solver,
+                                          const struct rb_step_spring *spring);
 
 /* How joints of the step under way are asked for their rows. */
 struct rb_joint_query rb_islands_joints(const struct rb_solver *solver,

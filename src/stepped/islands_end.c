@@ -2,6 +2,8 @@
 /* The end of a step's solution: what rows have come to goes to points, joints and bodies. */
 #include "stepped/islands.h"
 
+#include <string.h>
+
 #include "base/error.h"
 
 /* A parallel pass over bodies, joints or rows; each writes only its own. */
@@ -91,6 +93,27 @@ static void store_joints_block(void *user, int block, int worker)
 	}
 }
 
+/* Of what rests it is the pull that it rests with. */
+static void store_springs(struct rb_solver *solver)
+{
+	for (int k = 0; k < solver->spring_count; k++) {
+		struct rb_step_spring *spring = &solver->spring[k];
+		const struct rb_constraint *row = solver->dense.row + spring->first_row;
+
+		if (!spring->joined || (spring->first_row >= 0 && group_of(solver, row)->kept))
+			continue;
+		const struct rb_spring_query query = rb_islands_springs(solver, spring);
+
+		memset(spring->on, 0, sizeof spring->on);
+		if (spring->first_row >= 0)
+			rb_step_spring_store(&query, spring, row);
+		else
+			rb_step_spring_add(spring, rb_vec3_scale(-solver->h_s * spring->stiffness *
+			                                                 spring->stretch,
+			                                         spring->along));
+	}
+}
+
 /* Marks bodies with an impulse on them. */
 static void find_pushed(struct rb_solver *solver, const struct rb_joints *joints,
                         const struct rb_step_points *points)
@@ -112,6 +135,10 @@ static void find_pushed(struct rb_solver *solver, const struct rb_joints *joints
 			if (ends[e] >= 0 && is_dynamic(solver, ends[e]))
 				solver->pushed[ends[e]] = 1;
 	}
+	for (int k = 0; k < solver->spring_count; k++)
+		for (int e = 0; e < 2 && solver->spring[k].joined; e++)
+			if (is_dynamic(solver, solver->spring[k].end[e]))
+				solver->pushed[solver->spring[k].end[e]] = 1;
 }
 
 /*
@@ -153,6 +180,8 @@ void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_
 	run_pass(&pass, (size_t)solver->dense.row_count, store_rows_block);
 	if (solver->before && solver->joined_count > 0) /* else positions are moved */
 		run_pass(&pass, (size_t)solver->joined_count, store_joints_block);
+	if (solver->before)
+		store_springs(solver);
 	note_left(solver);
 	if (solver->before) { /* else positions are moved */
 		find_pushed(solver, world->model->joints, points);

@@ -19,13 +19,14 @@
  * come in halves, on a straight line through the last two, as they were measured), and found by
  * looking at the step again (stepped/again).
  *
- * SHAKE's velocities are half a step late. A group that nothing but joints and constant forces acts
- * on takes its impulses in two halves, at both ends of the step: RATTLE (Andersen, J. Comput. Phys.
- * 52 (1983) 24), which is of second order and reversible. The first half is the table above with
- * h / 2 for the time of an impulse; the second one, at the poses that it has led to, gives the rows
- * of the linkage the target 0, motors the speed at the end of the step, and repeats what springs
- * and dampers, taken at the middle of the step, gave in the first. Springs that the step does not
- * resolve act in the first half alone, at the end of the step as in other groups.
+ * SHAKE's velocities are half a step late. A group that nothing but joints, springs with rows of
+ * their own (spring_rows) and constant forces acts on takes its impulses in two halves, at both
+ * ends of the step: RATTLE (Andersen, J. Comput. Phys. 52 (1983) 24), which is of second order and
+ * reversible. The first half is the table above with h / 2 for the time of an impulse; the second
+ * one, at the poses that it has led to, gives the rows of the linkage the target 0, motors the
+ * speed at the end of the step, and repeats what springs and dampers, taken at the middle of the
+ * step, gave in the first. Springs of joints that the step does not resolve act in the first half
+ * alone, at the end of the step as in other groups.
  *
  * A motor that follows is asked for (wanted - q) / h, but where it is further off than it can brake
  * within the step. There it is asked to come back on a parabola, as located (located/follow.h):

@@ -17,6 +17,7 @@
 #include "stepped/impact_pass.h"
 #include "stepped/joint_steps.h"
 #include "stepped/projection.h"
+#include "stepped/spring_steps.h"
 #include "stepped/sleep.h"
 
 /*
@@ -132,6 +133,8 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 	blame_wild(world, cohort, outcome);
 	blame_residuals(world, h, outcome);
 	rb_joints_blame(world, cohort, outcome);
+	if (world->model->rollback != RB_ROLLBACK_NONE && h > shortest_share * s->solver.whole_s)
+		rb_springs_blame(world);
 	blame_impacts(world, h, outcome);
 	if (!world->broadphase)
 		return RB_OK;

@@ -76,6 +76,55 @@ static struct rb_joint_query query_of(const struct rb_solver *solver, const stru
 	return query;
 }
 
+/* The group of a spring that has rows, if it takes halves; NULL: it does not. */
+static const struct rb_island *halved(const struct rb_solver *solver,
+                                      const struct rb_step_spring *spring)
+{
+	if (!spring->joined || spring->first_row < 0)
+		return NULL;
+	const int owner = rb_step_spring_owner(spring, &solver->dense.bodies, solver->body_count);
+	const struct rb_island *const island = &solver->island[solver->island_of[owner]];
+
+	return island->halves ? island : NULL;
+}
+
+static struct rb_spring_query query_of_spring(const struct rb_solver *solver,
+                                              const struct rb_step_spring *spring)
+{
+	struct rb_spring_query query = rb_islands_springs(solver, spring);
+
+	query.ahead_s = query.lasts_s;
+	return query;
+}
+
+/* Springs as they stand now; of groups that rest they do the same again. */
+static void make_springs(struct rb_solver *solver, const struct rb_world *world)
+{
+	for (int k = 0; k < solver->spring_count; k++) {
+		struct rb_step_spring *const spring = &solver->spring[k];
+		const struct rb_island *const island = halved(solver, spring);
+		struct rb_pose pose[2];
+		rb_vec3 way[2];
+
+		if (!island)
+			continue;
+		if (!rb_second_half_is_due(solver, island)) {
+			rb_step_spring_add(spring, spring->impulse);
+			continue;
+		}
+		for (int e = 0; e < 2; e++) {
+			const struct rb_pose was = rb_world_pose(world, solver->before,
+			                                         spring->end[e]);
+
+			pose[e] = rb_world_pose(world, &world->state, spring->end[e]);
+			way[e] = rb_pose_between(&was, &pose[e]);
+		}
+		const struct rb_spring_query query = query_of_spring(solver, spring);
+		rb_step_spring_turn(spring, pose, way);
+		rb_step_spring_fill(&query, spring, solver->dense.row + spring->first_row);
+	}
+}
+
 bool rb_second_half_make(struct rb_solver *solver, const struct rb_world *world)
 {
 	bool any = false;
@@ -109,6 +158,7 @@ bool rb_second_half_make(struct rb_solver *solver, const struct rb_world *world)
 			rb_step_joint_rows_fill(&query, solver->joined[k], of,
 			                        solver->dense.row + of->first_row);
 	}
+	make_springs(solver, world);
 	return any;
 }
 
@@ -129,6 +179,16 @@ void rb_second_half_end(struct rb_solver *solver, struct rb_world *world)
 		rb_step_joint_rows_store(&query, solver->joined[k], of,
 		                         solver->dense.row + of->first_row);
 		of->halves = true;
+	}
+	for (int k = 0; k < solver->spring_count; k++) {
+		struct rb_step_spring *const spring = &solver->spring[k];
+		const struct rb_island *const island = halved(solver, spring);
+
+		if (!island || !rb_second_half_is_due(solver, island))
+			continue;
+		const struct rb_spring_query again = query_of_spring(solver, spring);
+
+		rb_step_spring_store(&again, spring, solver->dense.row + spring->first_row);
 	}
 	for (int k = 0; k < solver->active_count; k++) {
 		const int i = solver->active[k], g = solver->island_of[i];

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "constraint/effective_mass.h"
+#include "force/spring.h"
 #include "stepped/energy.h"
 #include "stepped/second_half.h"
 #include "stepped/strategies.h"
@@ -37,6 +38,21 @@ static enum rb_status create_joints(struct rb_solver *solver, const struct rb_mo
 		                        model->joints->joint[k].restitution > 0;
 	}
 	return RB_OK;
+}
+
+/* Springs that a step does not resolve, as many as there may be. */
+static enum rb_status create_springs(struct rb_solver *solver, const struct rb_model *model,
+                                     struct rb_error *err)
+{
+	const struct rb_elements *springs = rb_model_elements(model, &rb_force_spring);
+
+	if (!springs)
+		return RB_OK;
+	solver->spring = rb_memory_take((size_t)springs->count, sizeof *solver->spring);
+	if (solver->spring)
+		return RB_OK;
+	rb_solver_release(solver);
+	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %d springs", springs->count);
 }
 
 static void note_plastic(struct rb_solver *solver, const struct rb_pair_material *pair)
@@ -82,7 +98,8 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 			else
 				note_plastic(solver, &model->pair_materials[k]);
 		solver->mixed = solver->mixed && solver->bounces;
-		return create_joints(solver, model, err);
+		const enum rb_status status = create_springs(solver, model, err);
+		return status == RB_OK ? create_joints(solver, model, err) : status;
 	}
 	rb_solver_release(solver);
 	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the solver of %zu bodies", n - 1);
@@ -111,6 +128,7 @@ void rb_solver_release(struct rb_solver *solver)
 	rb_memory_free(solver->joined);
 	rb_memory_free(solver->stiff);
 	rb_memory_free(solver->given);
+	rb_memory_free(solver->spring);
 	*solver = (struct rb_solver){0};
 }
 
@@ -281,6 +299,20 @@ enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_world *world,
 	return status;
 }
 
+void rb_solver_go_back(const struct rb_solver *solver, struct rb_world *world)
+{
+	const struct rb_solver_body *given = solver->given ? solver->given : solver->free;
+
+	rb_state_copy_rows(&world->state, &world->mark, solver->active, solver->active_count);
+	for (int k = 0; k < solver->active_count; k++) {
+		const int i = solver->active[k];
+
+		rb_vec3_to(world->state.velocity + 3 * (size_t)i, given[i].linear);
+		if (world->state.spin)
+			rb_vec3_to(world->state.spin + 3 * (size_t)i, given[i].angular);
+	}
+}
+
 enum rb_status rb_solver_end(struct rb_solver *solver, struct rb_world *world, struct rb_error *err)
 {
 	struct work work = {.solver = solver, .world = world, .second = true};
@@ -351,6 +383,21 @@ static bool joints_rebound(struct rb_solver *solver, const struct rb_world *worl
 	return any;
 }
 
+/* Rows of springs have given what they give. */
+static void silence_springs(struct rb_solver *solver)
+{
+	for (int k = 0; k < solver->spring_count; k++) {
+		const struct rb_step_spring *spring = &solver->spring[k];
+		struct rb_constraint *row = solver->dense.row + spring->first_row;
+
+		for (int r = 0; spring->first_row >= 0 && r < rb_step_spring_row_count(spring);
+		     r++) {
+			rb_constraint_clear(&row[r]);
+			row[r].low = row[r].high = row[r].softness = row[r].target.n = 0;
+		}
+	}
+}
+
 static void store_joints(struct rb_solver *solver, const struct rb_joint_query *asked)
 {
 	struct rb_joint_query query = *asked;
@@ -407,6 +454,7 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 	any = joints_rebound(solver, world) || any;
 	if (!any)
 		return RB_OK;
+	silence_springs(solver);
 	RB_ASSERT(rebound != NULL);
 	const struct rb_joint_query joints = rb_islands_joints(solver, world);
 	solver->before = NULL; /* who rebounds does not rest */

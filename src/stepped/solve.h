@@ -35,6 +35,9 @@ RB_CHECKED enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_wo
                                           struct rb_step_points *points, const unsigned char *again,
                                           struct rb_error *err);
 
+/* The beginning of the step, with the velocities that its forces have made. */
+void rb_solver_go_back(const struct rb_solver *solver, struct rb_world *world);
+
 /* Positions have moved: groups that take impulses in halves get the second one (second_half). */
 RB_CHECKED enum rb_status rb_solver_end(struct rb_solver *solver, struct rb_world *world,
                                         struct rb_error *err);

@@ -161,4 +161,4 @@ try A03 A03.lua located '' rad
 for h in 1e-5 1e-6; do try A03 A03.lua stepped $h rad; done
 set -- --param angle=0.390073701844645086 --param height=0.619622917061365655 --param spin=5.54820362265492661
 try A05 A05.lua located '' 'm, rad/s' "$@"
-for h in 1e-3 1e-4; do try A05 A05.lua stepped $h 'm, rad/s' "$@"; done
+for h in 1e-2 1e-3 1e-4; do try A05 A05.lua stepped $h 'm, rad/s' "$@"; done
