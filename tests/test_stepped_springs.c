@@ -25,14 +25,20 @@ static int add_hook(struct lab *lab, rb_vec3 at)
 	return lab_add(lab, &def);
 }
 
-static void spring_of(struct lab *lab, int a, int b, double stiffness, double rest)
+/* `at`: NULL: centres of mass. */
+static void add_spring(struct lab *lab, const int end[2], const rb_vec3 *at, double stiffness,
+                       double damping)
 {
 	struct rb_spring_def def = rb_spring_def_default();
 
-	def.a = a;
-	def.b = b;
+	def.a = end[0];
+	def.b = end[1];
 	def.stiffness = stiffness;
-	def.rest_length_m = rest;
+	def.damping = damping;
+	if (at) {
+		def.at_a = at[0];
+		def.at_b = at[1];
+	}
 	assert_int_equal(rb_scene_add_spring(&lab->scene, &def, &lab->error), RB_OK);
 }
 
@@ -56,19 +62,6 @@ static double gain(struct lab *lab)
 		most = fmax(most, energy(lab) - start);
 	}
 	return most;
-}
-
-static void pin(struct lab *lab, int a, int b, double k, double damping, rb_vec3 at_a, rb_vec3 at_b)
-{
-	struct rb_spring_def def = rb_spring_def_default();
-
-	def.a = a;
-	def.b = b;
-	def.stiffness = k;
-	def.damping = damping;
-	def.at_a = at_a;
-	def.at_b = at_b;
-	assert_int_equal(rb_scene_add_spring(&lab->scene, &def, &lab->error), RB_OK);
 }
 
 static const double link_length = 0.7;
@@ -101,7 +94,7 @@ static int lay_chain(struct lab *lab, double k, double damping, bool looped)
 		hinge.at = at;
 		hinge.axis = (rb_vec3){0, 1, 0};
 		if (i == 2 && looped)
-			pin(lab, link[1], link[2], k, 0, end, rb_vec3_neg(end));
+			add_spring(lab, &link[1], (rb_vec3[2]){end, rb_vec3_neg(end)}, k, 0);
 		else
 			assert_int_equal(
 				rb_scene_add_joint(&lab->scene, &hinge, &joint, &lab->error),
@@ -110,8 +103,9 @@ static int lay_chain(struct lab *lab, double k, double damping, bool looped)
 	}
 	const int hook = add_hook(lab, (rb_vec3){1.5, 0.2, 1});
 	if (!looped)
-		pin(lab, link[0], link[2], k, damping, (rb_vec3){0.1, 0, 0}, (rb_vec3){0, 0, 0.02});
-	pin(lab, hook, link[1], k, damping, origin, (rb_vec3){0.2, 0, 0});
+		add_spring(lab, (int[2]){link[0], link[2]}, (rb_vec3[2]){{0.1, 0, 0}, {0, 0, 0.02}},
+		           k, damping);
+	add_spring(lab, (int[2]){hook, link[1]}, (rb_vec3[2]){{0, 0, 0}, {0.2, 0, 0}}, k, damping);
 	return link[2];
 }
 
@@ -186,8 +180,8 @@ static void a_spring_of_what_touches_gains_nothing_however_stiff(void **state)
 			const int one = lab_sphere(&lab, 0.1, 1, (rb_vec3){2, 0, 0.1}, origin);
 			const int two = lab_sphere(&lab, 0.1, 10, (rb_vec3){2, 0, 0.5},
 			                           (rb_vec3){0, 0, -3});
-			spring_of(&lab, box, hook, k, (double)NAN);
-			spring_of(&lab, one, two, k, (double)NAN);
+			add_spring(&lab, (int[2]){box, hook}, NULL, k, 0);
+			add_spring(&lab, (int[2]){one, two}, NULL, k, 0);
 			lab_seal(&lab, 1);
 			const double start = energy(&lab), most = gain(&lab);
 			assert_true(most <= 0.01 * start);

@@ -373,7 +373,7 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 	s->solver.active_count = cohort->body_count;
 	s->solver.kick = s->kicked_count > 0 ? s->kick : NULL;
 	if (status == RB_OK)
-		status = rb_springs_join(world, cohort, err);
+		status = rb_springs_join(world, cohort, h, err);
 	if (status == RB_OK)
 		status = rb_solver_step(&s->solver, world, &world->mark, &cohort->points, h, err);
 	if (status == RB_OK)

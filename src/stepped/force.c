@@ -135,25 +135,6 @@ static bool measure(const struct rb_spring_def *spring, const struct end end[2],
 	return length > 0 || spring->rest_length_m == 0;
 }
 
-/* m: what its way is bent by, as its ends move and turn before forces act. */
-static rb_vec3 predict_bend(const struct rb_world *world, const struct rb_step_spring *of, double h)
-{
-	struct rb_pose pose[2];
-	rb_vec3 v[2];
-
-	for (int e = 0; e < 2; e++) {
-		const bool moves = rb_stepped_is_dynamic(world, of->end[e]);
-
-		pose[e] = rb_world_pose(world, moves ? &world->mark : &world->state, of->end[e]);
-		v[e] = rb_vec3_add(pose[e].velocity, rb_vec3_cross(pose[e].spin, of->arm[e]));
-		pose[e].position = rb_vec3_add_scaled(pose[e].position, h, pose[e].velocity);
-		pose[e].orientation = rb_quat_turned(pose[e].orientation,
-		                                     rb_vec3_scale(h, pose[e].spin));
-	}
-	return rb_vec3_sub(rb_step_spring_way(of, pose),
-	                   rb_step_spring_straight(of, rb_vec3_sub(v[1], v[0]), h));
-}
-
 /*
  * Impulse of a spring on its end b, N s, if bodies are free. With f the force now, Y the inverse
  * effective mass and A = h (h K + C), where K = -df/dx (without the negative stiffness across a
@@ -193,13 +174,12 @@ static rb_vec3 impulse_of(struct rb_world *world, const struct rb_elements *spri
 	if (!rb_mat3_inverse(&system, &inverse))
 		return rb_vec3_scale(-external, n);
 	of.impulse = rb_vec3_neg(rb_mat3_apply(&inverse, right));
+	if (!world->model->joints && !world->broadphase) /* nothing holds a body */
+		return of.impulse;
 	of.row = number;
 	of.number = element;
-	of.local[0] = rb_element_arm(world->model, end[0].i, rb_quat_identity, spring->at_a);
-	of.local[1] = rb_element_arm(world->model, end[1].i, rb_quat_identity, spring->at_b);
 	if (across * size <= stable_max)
 		of.across = 0;
-	of.bend = predict_bend(world, &of, h);
 	solver->spring[solver->spring_count++] = of;
 	return of.impulse;
 }

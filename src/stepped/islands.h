@@ -20,8 +20,8 @@
 
 struct rb_island {
 	int first_row, row_count;
-	int contact_count; /* of these rows, the first ones; the others are of joints, then springs */
-	int spring_count; /* of these rows, the last ones */
+	int contact_count; /* of these rows, the first ones; joints follow, then springs */
+	int spring_count;  /* of these rows, the last ones */
 	int first_member, member_count;
 	bool rebounds;
 	bool carried; /* what does not yield moves under or against it */

@@ -5,8 +5,8 @@
  * (stepped/force). With x the stretch, T the tension, l the length, u what the ends part with, at
  * the end of the step:
  *
- *     along the spring   INTERVAL (-inf, inf), soft   p = -h (k (x + h u + bend) + c (u + bend / h))
- *     across it, twice   INTERVAL (-inf, inf), soft   p = -h (T / l) h u
+ *     along the spring   INTERVAL, soft   p = -h (k (x + h u + bend) + c (u + bend / h))
+ *     across it, twice   INTERVAL, soft   p = -h (T / l) (h u + bend)
  *
  * The latter only where it is taut and the step does not resolve that either. `bend` is by how much
  * it gets longer in the step than its rate says, since ways of points are bent: what is found to be
@@ -77,7 +77,7 @@ void rb_step_spring_store(const struct rb_spring_query *query, struct rb_step_sp
                           const struct rb_constraint *row);
 void rb_step_spring_add(struct rb_step_spring *spring, rb_vec3 impulse);
 
-/* m: how it stretches, and where it has rows across it turns, on the way to such poses of its ends. */
+/* m: how it stretches, and turns where it has rows across it, on the way to these poses. */
 rb_vec3 rb_step_spring_way(const struct rb_step_spring *spring, const struct rb_pose pose[2]);
 /* m: the same of ends that part with u for h_s. */
 rb_vec3 rb_step_spring_straight(const struct rb_step_spring *spring, rb_vec3 u, double h_s);

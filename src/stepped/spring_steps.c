@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/forest.h"
+#include "force/spring.h"
 #include "model/joints.h"
 #include "stepped/tally.h"
 #include "world/joint_state.h"
@@ -28,6 +29,16 @@ static bool is_held_by_joints(const struct rb_world *world, int i)
 		if (!world->joint[joints->of[e]].released)
 			return true;
 	return false;
+}
+
+/* Whether anything holds a body at all. */
+static bool may_hold(const struct rb_world *world, const struct rb_cohort *cohort)
+{
+	bool any = world->model->joints || world->stepped->kicked_count > 0;
+
+	for (size_t k = 0; k < cohort->points.count && !any; k++)
+		any = cohort->points.row[k].normal_impulse > 0;
+	return any;
 }
 
 static void hold(struct web *web, int i)
@@ -142,8 +153,42 @@ static bool any_due(const struct rb_world *world, struct web *web)
 	return any;
 }
 
+/* m: what its way is bent by, as its ends move and turn before forces act. */
+static rb_vec3 predict_bend(const struct rb_world *world, const struct rb_step_spring *spring,
+                            double h)
+{
+	struct rb_pose pose[2];
+	rb_vec3 v[2];
+
+	for (int e = 0; e < 2; e++) {
+		const bool moves = rb_stepped_is_dynamic(world, spring->end[e]);
+
+		pose[e] = rb_world_pose(world, moves ? &world->mark : &world->state,
+		                        spring->end[e]);
+		v[e] = rb_vec3_add(pose[e].velocity, rb_vec3_cross(pose[e].spin, spring->arm[e]));
+		pose[e].position = rb_vec3_add_scaled(pose[e].position, h, pose[e].velocity);
+		pose[e].orientation = rb_quat_turned(pose[e].orientation,
+		                                     rb_vec3_scale(h, pose[e].spin));
+	}
+	return rb_vec3_sub(rb_step_spring_way(spring, pose),
+	                   rb_step_spring_straight(spring, rb_vec3_sub(v[1], v[0]), h));
+}
+
+/* What only its rows need. */
+static void prepare(const struct rb_world *world, struct rb_step_spring *spring, double h)
+{
+	const struct rb_elements *springs = rb_model_elements(world->model, &rb_force_spring);
+	const struct rb_spring_def *def = rb_elements_row(springs, spring->row);
+	const rb_vec3 at[2] = {def->at_a, def->at_b};
+
+	for (int e = 0; e < 2; e++)
+		spring->local[e] = rb_element_arm(world->model, spring->end[e], rb_quat_identity,
+		                                  at[e]);
+	spring->bend = predict_bend(world, spring, h);
+}
+
 /* Joins those that are due; sets `fresh`, where it is given, of their bodies. */
-static void join_due(struct rb_world *world, struct web *web, unsigned char *fresh)
+static void join_due(struct rb_world *world, struct web *web, double h, unsigned char *fresh)
 {
 	struct rb_solver *solver = &world->stepped->solver;
 
@@ -153,6 +198,7 @@ static void join_due(struct rb_world *world, struct web *web, unsigned char *fre
 		if (!is_due(world, web, spring))
 			continue;
 		spring->joined = true;
+		prepare(world, spring, h);
 		solver->sprung_count++;
 		take_back(world, spring->end[0], rb_vec3_neg(spring->impulse), spring->arm[0]);
 		take_back(world, spring->end[1], spring->impulse, spring->arm[1]);
@@ -162,17 +208,17 @@ static void join_due(struct rb_world *world, struct web *web, unsigned char *fre
 	}
 }
 
-enum rb_status rb_springs_join(struct rb_world *world, const struct rb_cohort *cohort,
+enum rb_status rb_springs_join(struct rb_world *world, const struct rb_cohort *cohort, double h,
                                struct rb_error *err)
 {
 	struct web web;
 	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
 
-	if (world->stepped->solver.spring_count == 0)
+	if (world->stepped->solver.spring_count == 0 || !may_hold(world, cohort))
 		return RB_OK;
 	const enum rb_status status = weave(world, cohort, &web, err);
 	if (status == RB_OK)
-		join_due(world, &web, NULL);
+		join_due(world, &web, h, NULL);
 	rb_arena_back(&world->arena[0], here);
 	return status;
 }
@@ -229,7 +275,7 @@ static enum rb_status join_pushed_once(struct rb_world *world, struct rb_cohort 
 	if (!*again)
 		return RB_OK;
 	rb_solver_go_back(solver, world);
-	join_due(world, &web, fresh);
+	join_due(world, &web, solver->h_s, fresh);
 	spread(solver, cohort, fresh, of_group);
 	return rb_solver_again(solver, world, &cohort->points, fresh, err);
 }

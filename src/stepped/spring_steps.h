@@ -15,9 +15,9 @@
 
 #include "stepped/inside.h"
 
-/* Forces, points and impacts of a try are known. */
+/* Forces, points and impacts of a try of h_s are known. */
 RB_CHECKED enum rb_status rb_springs_join(struct rb_world *world, const struct rb_cohort *cohort,
-                                          struct rb_error *err);
+                                          double h_s, struct rb_error *err);
 /* It is solved: what springs that contacts push now join is solved again. */
 RB_CHECKED enum rb_status rb_springs_join_pushed(struct rb_world *world, struct rb_cohort *cohort,
                                                  struct rb_error *err);
