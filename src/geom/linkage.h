@@ -66,10 +66,23 @@ enum rb_linkage_coordinate {
 	RB_COORDINATE_LENGTH /* of the line between its points, m */
 };
 
+/*
+ * What all rows of a kind together leave free, as motions of b against a. About both: about
+ * the axes of a and of b, at right angles to each other.
+ */
+enum rb_linkage_freedom {
+	RB_FREE_NOTHING = 1,
+	RB_FREE_ALONG = 2, /* the axis */
+	RB_FREE_ABOUT = 4, /* the axis */
+	RB_FREE_ABOUT_BOTH = 8,
+	RB_FREE_TURNING = 16 /* about the point */
+};
+
 /* The geometry of a kind of joint. At most RB_LINKAGE_ROWS_MAX rows, a point's before others. */
 struct rb_linkage_type {
 	const struct rb_linkage_condition *condition[2]; /* the second may be NULL */
 	enum rb_linkage_coordinate coordinate;
+	unsigned free;  /* of enum rb_linkage_freedom; 0: none of these says it */
 	bool one_sided; /* its only row, no couple, holds C <= 0: it pulls and never pushes */
 };
 

@@ -5,6 +5,6 @@
 const struct rb_joint_type rb_joint_type_ball = {
 	.name = "ball",
 	.noun = "ball joint",
-	.linkage = {.condition = {&rb_linkage_same_point}},
+	.linkage = {.condition = {&rb_linkage_same_point}, .free = RB_FREE_TURNING},
 	.form = RB_JOINT_KNOB,
 };

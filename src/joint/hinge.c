@@ -6,7 +6,8 @@ const struct rb_joint_type rb_joint_type_hinge = {
 	.name = "hinge",
 	.noun = "hinge",
 	.linkage = {.condition = {&rb_linkage_same_point, &rb_linkage_same_axis},
-                    .coordinate = RB_COORDINATE_ANGLE},
+                    .coordinate = RB_COORDINATE_ANGLE,
+                    .free = RB_FREE_ABOUT},
 	.has_axis = true,
 	.form = RB_JOINT_PIN,
 };

@@ -14,7 +14,7 @@ static const struct rb_linkage_condition axes_cross = {.count = 1, .couples = tr
 const struct rb_joint_type rb_joint_type_universal = {
 	.name = "universal",
 	.noun = "universal joint",
-	.linkage = {.condition = {&rb_linkage_same_point, &axes_cross}},
+	.linkage = {.condition = {&rb_linkage_same_point, &axes_cross}, .free = RB_FREE_ABOUT_BOTH},
 	.has_axis = true,
 	.has_axis_b = true,
 	.form = RB_JOINT_CROSS,

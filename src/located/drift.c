@@ -330,7 +330,7 @@ static void correct_together(struct rb_drift *drift, bool places, bool velocitie
 	struct errors e = {.drift = drift};
 
 	/* without memory the drift stays, and is put right another time */
-	if (take(&e)) {
+	if (drift->count > 0 && take(&e)) {
 		contact_points_of(drift);
 		if (places)
 			move_places(&e);

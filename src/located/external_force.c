@@ -321,7 +321,8 @@ void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pos
 	*angular = (rb_vec3){0, 0, 0};
 	if (!l->top)
 		return;
-	*angular = rb_inverse_inertia_apply(l, i, pose->orientation, load.torque);
+	if (load.torque.x != 0 || load.torque.y != 0 || load.torque.z != 0)
+		*angular = rb_inverse_inertia_apply(l, i, pose->orientation, load.torque);
 	if (l->top_body[i].kind != RB_TOP_CONSTANT)
 		*angular = rb_vec3_add(*angular,
 		                       rb_top_turning(&l->top_body[i], &l->model->inertia[i],

@@ -676,6 +676,11 @@ static void run(struct rb_modes *w, const struct columns *columns)
 	                                w->origin_s + drifts_within(w)),
 	                           fmax(l->end_s * (1 + 1e-9), w->origin_s + guess)) -
 	                      w->origin_s;
+	if (!rb_rates_take_trees(w, c->piece.start, &problem.rate_noise)) {
+		if (l->status == RB_OK)
+			l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a cluster");
+		return;
+	}
 	const double length = follow(w, columns, &problem, left_s);
 
 	l->world->frame_counts.body_steps += calls * (uint64_t)c->member_count;

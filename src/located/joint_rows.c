@@ -47,6 +47,7 @@ bool rb_joint_rows_collect(struct rb_joint_rows *rows)
 	size_t ends = 0;
 
 	rows->joint_count = rows->count = 0;
+	rows->sprung = false;
 	if (!joints)
 		return true;
 	for (int p = 0; p < rows->body_count; p++)
@@ -65,6 +66,8 @@ bool rb_joint_rows_collect(struct rb_joint_rows *rows)
 			if ((other >= 0 && other < p) || !rb_joint_rows_holds(l, joints->of[e]))
 				continue;
 			rows->joint[rows->joint_count++] = joints->of[e];
+			rows->sprung = rows->sprung || joint->stiffness > 0 || joint->damping > 0 ||
+			               rb_joint_rows_has_drive(l, joints->of[e]);
 			rows->count += rb_linkage_row_count(&joint->link);
 		}
 	}
@@ -239,6 +242,12 @@ bool rb_joint_rows_drive(const struct rb_joint_rows *rows)
 	return false;
 }
 
+static bool keeps(const struct rb_joint_rows *rows, int which, int kind)
+{
+	return rb_joint_rows_drive_now(rows->l, which, kind).max > 0 &&
+	       *mode_of(rows, which, kind) == RB_DRIVE_HELD;
+}
+
 /* Rows of what keeps its speed, or follows. */
 static void fill_drives(struct rb_joint_rows *rows, int which, double t)
 {
@@ -247,8 +256,7 @@ static void fill_drives(struct rb_joint_rows *rows, int which, double t)
 	const double scale = rb_linkage_turns(&joint->link) ? joint->size : 1;
 
 	for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
-		if (!(rb_joint_rows_drive_now(l, which, kind).max > 0) ||
-		    *mode_of(rows, which, kind) != RB_DRIVE_HELD)
+		if (!keeps(rows, which, kind))
 			continue;
 		const struct rb_linkage_free free = free_of(rows, which, t);
 		const struct rb_follow_point to = kept_by(l, which, kind, t);
@@ -293,6 +301,19 @@ static void fill_stops(struct rb_joint_rows *rows, int which, double t)
 		                               .restitution = joint->restitution},
 		        &now.row, t);
 	}
+}
+
+bool rb_joint_rows_adds(const struct rb_joint_rows *rows, int which)
+{
+	const struct rb_joint *joint = &rows->l->model->joints->joint[which];
+	bool adds = false;
+
+	for (int kind = 0; kind < RB_JOINT_DRIVES; kind++)
+		adds = adds || keeps(rows, which, kind);
+	for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++)
+		adds = adds || (rb_joint_rows_has_stop(joint, stop) &&
+		                *mode_of(rows, which, stop) == RB_DRIVE_HELD);
+	return adds;
 }
 
 void rb_joint_rows_fill(struct rb_joint_rows *rows, double t)
@@ -355,7 +376,7 @@ void rb_joint_rows_add_springs(const struct rb_joint_rows *rows, double t, rb_ve
 	const struct rb_coupled system = {.l = rows->l, .pose = rows->pose, .body = rows->body};
 	struct rb_joint_spring_row spring;
 
-	for (int k = 0; k < rows->joint_count; k++) {
+	for (int k = 0; k < rows->joint_count && rows->sprung; k++) {
 		if (!rb_joint_rows_spring(rows, k, t, &spring))
 			continue;
 		struct rb_coupled_row row = rb_joint_rows_coupled(&spring.row);
@@ -378,6 +399,8 @@ void rb_joint_rows_enter_springs(const struct rb_joint_rows *rows, const double 
 {
 	struct rb_joint_spring_row spring;
 
+	if (!rows->sprung)
+		return;
 	for (int k = 0; k < rows->count; k++)
 		rb_entries_energy(rate, RB_ENERGY_DRIVEN,
 		                  rb_joint_rows_power(rows, &rows->row[k], multiplier[k], t));
@@ -585,41 +608,50 @@ struct projection {
 	struct rb_pose *pose;
 	rb_vec3 *linear, *angular; /* scratch, by place */
 	bool enters;               /* the ledger is told */
+	bool near;                 /* no joint is off by more than it may be, nor in a ring */
 };
 
-/* One round; the motion is in the arrays. */
-static bool correct_once(const struct projection *p, bool places)
+/* One round; the motion is in the arrays. `known`: the system is that of poses next to these. */
+static bool correct_once(const struct projection *p, bool places, bool known,
+                         struct rb_coupled *system, struct rb_dense *dense)
 {
 	struct rb_joint_rows *const rows = p->rows;
-	struct rb_coupled system;
-	struct rb_dense dense;
 
-	if (!assemble(rows, &system, &dense))
+	if (!known && !assemble(rows, system, dense))
 		return fail_memory(rows);
 	memset(p->linear, 0, (size_t)rows->body_count * sizeof *p->linear);
 	memset(p->angular, 0, (size_t)rows->body_count * sizeof *p->angular);
 	for (int k = 0; k < rows->count; k++)
-		dense.right[k] = places ? -rows->row[k].error : -rows->row[k].velocity;
-	rb_coupled_solve(&system, &dense);
+		dense->right[k] = places ? -rows->row[k].error : -rows->row[k].velocity;
+	if (known)
+		rb_coupled_again(system, dense);
+	else
+		rb_coupled_solve(system, dense);
 	for (int k = 0; k < rows->count; k++)
-		rb_coupled_add(&system.row[k], dense.right[k], p->linear, p->angular);
+		rb_coupled_add(&system->row[k], dense->right[k], p->linear, p->angular);
 	if (!places && p->enters)
-		enter(rows, dense.right, p->t);
+		enter(rows, dense->right, p->t);
 	return true;
 }
 
-/* Positions, then velocities; rows are filled. */
+/*
+ * Positions, then velocities; rows are filled. Where joints have drifted by less than the share of
+ * their size that they may, one system will do: it is off by that share, unless rows depend on each
+ * other.
+ */
 static void project(const struct projection *p)
 {
+	struct rb_coupled system;
+	struct rb_dense dense;
 	bool good = true;
 
 	for (int round = 0; round < POSITION_ROUNDS && good; round++) {
-		good = correct_once(p, true);
+		good = correct_once(p, true, p->near && round > 0, &system, &dense);
 		if (good)
 			move(p->rows, p->pose, p->linear, p->angular);
 		rb_joint_rows_fill(p->rows, p->t);
 	}
-	good = good && correct_once(p, false);
+	good = good && correct_once(p, false, p->near, &system, &dense);
 	for (int k = 0; k < p->rows->body_count && good; k++) {
 		p->pose[k].velocity = rb_vec3_add(p->pose[k].velocity, p->linear[k]);
 		p->pose[k].spin = rb_vec3_add(p->pose[k].spin, p->angular[k]);
@@ -722,7 +754,8 @@ void rb_joint_rows_correct(struct rb_joint_rows *rows, double t, struct rb_pose 
 		                             .pose = pose,
 		                             .linear = linear,
 		                             .angular = linear + bodies,
-		                             .enters = true});
+		                             .enters = true,
+		                             .near = !moved && !rb_joint_rows_is_closed(rows)});
 	rb_joint_rows_fill(rows, t);
 	for (int k = 0; k < rows->joint_count; k++) {
 		const int which = rows->joint[k];

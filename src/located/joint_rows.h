@@ -36,6 +36,7 @@ struct rb_joint_rows {
 	int *joint, joint_count; /* those with an end among the bodies */
 	struct rb_joint_row *row;
 	int count;     /* 0: none of the bodies has a joint, or none holds */
+	bool sprung;   /* one has a spring, a damper, a motor or friction */
 	bool touching; /* stops that touch have rows, held or not, as in impacts */
 };
 
@@ -122,6 +123,9 @@ double rb_joint_rows_bound(const struct rb_joint_rows *rows, const struct rb_joi
 
 /* Is one of the rows that of a motor, of friction or of a stop? */
 bool rb_joint_rows_drive(const struct rb_joint_rows *rows);
+
+/* Has the joint other rows than its own: of a motor, of friction or of a stop that holds? */
+bool rb_joint_rows_adds(const struct rb_joint_rows *rows, int joint);
 
 /* Fills the rows at the poses as they are, and at `t` of ends that do not yield. */
 void rb_joint_rows_fill(struct rb_joint_rows *rows, double t);

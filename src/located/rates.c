@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "located/account.h"
+#include "located/articulated.h"
 #include "located/external_force.h"
 #include "located/set.h"
 #include "located/work.h"
@@ -241,6 +242,65 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 	return count_inspection(w);
 }
 
+/* The same by trees of joints. */
+static bool evaluate_trees(struct rb_modes *w, double t, const double *value)
+{
+	double external;
+
+	w->time_s = t;
+	rb_rates_poses(w, value);
+	if (!rb_rates_external(w, t, &external))
+		return false;
+	rb_articulated_accelerate(w->articulated, t, w->linear, w->angular);
+	are_at_rest(w, external);
+	return count_inspection(w);
+}
+
+/* 1/s: by so much they are others than those known, of scale: what both round. */
+static double noise_of(const struct rb_modes *w, const rb_vec3 *known)
+{
+	double max = 0;
+
+	for (int k = 0; k < w->c->member_count; k++) {
+		const double *const scale = w->scale + (size_t)k * (size_t)w->row;
+		const rb_vec3 a = rb_vec3_sub(w->linear[k], known[2 * k]);
+		const rb_vec3 b = rb_vec3_sub(w->angular[k], known[2 * k + 1]);
+
+		max = fmax(max, fmax(rb_vec3_max_abs(a) / scale[RB_PIECE_VELOCITY],
+		                     rb_vec3_max_abs(b) / scale[RB_PIECE_SPIN]));
+	}
+	return max;
+}
+
+bool rb_rates_take_trees(struct rb_modes *w, const double *value, double *noise)
+{
+	const size_t count = (size_t)w->c->member_count;
+	rb_vec3 *const known = rb_arena_take(w->l->arena, 2 * count, sizeof *known);
+	const uint64_t products = w->l->products;
+
+	if (!known)
+		return false;
+	if (w->c->held_count == 0 && !rb_articulated_take(&w->joints, &w->articulated))
+		return false;
+	if (!w->articulated)
+		return true;
+	for (size_t k = 0; k < count; k++) {
+		known[2 * k] = w->linear[k];
+		known[2 * k + 1] = w->angular[k];
+	}
+	if (!evaluate_trees(w, w->origin_s, value))
+		return false;
+	if (!rb_articulated_agrees(&w->joints, w->max, w->linear, w->angular, known))
+		w->articulated = NULL;
+	*noise = w->articulated ? noise_of(w, known) : 0;
+	w->l->products = products; /* it decides nothing */
+	for (size_t k = 0; k < count; k++) {
+		w->linear[k] = known[2 * k];
+		w->angular[k] = known[2 * k + 1];
+	}
+	return true;
+}
+
 void rb_rates_turning(void *user, const double *value, double *rate)
 {
 	const struct rb_modes *w = user;
@@ -307,7 +367,9 @@ static enum rb_status all_rates(void *user, double t, const double *value, doubl
 	struct rb_modes *w = user;
 	const uint64_t products = w->l->products;
 
-	const bool good = !rb_rates_are_stopped(w) && rb_rates_evaluate(w, t, value);
+	const bool good = !rb_rates_are_stopped(w) &&
+	                  (w->articulated ? evaluate_trees(w, t, value)
+	                                  : rb_rates_evaluate(w, t, value));
 	if (*w->calls == w->counted) /* for the ledger alone */
 		w->l->products = products;
 	w->counted = *w->calls;

@@ -29,6 +29,13 @@ void rb_rates_poses(struct rb_modes *w, const double *value);
  */
 bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value);
 
+/*
+ * At the beginning of a piece, after rb_rates_evaluate there: from now on its rates are those of
+ * trees of joints (located/articulated), where these have no other accelerations but for rounding:
+ * that, 1/s, of w->scale, or nothing, is left in `noise`. False: as above.
+ */
+bool rb_rates_take_trees(struct rb_modes *w, const double *value, double *noise);
+
 /* rb_gauss_rates of a piece that begins, user being the struct rb_modes. */
 rb_gauss_rates *rb_rates_of(const struct rb_modes *w);
 

@@ -11,6 +11,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "located/articulated.h"
 #include "located/joint_problem.h"
 #include "located/mechanics.h"
 
@@ -184,12 +185,26 @@ static bool solve_joints(struct rb_resolution *s)
 {
 	const size_t count = (size_t)s->l->set_count;
 	rb_vec3 *const linear = rb_slips_take(s, 2 * s->l->set_count, sizeof *linear);
+	struct rb_articulated *tree = NULL;
+	bool finite = true;
 
 	if (!linear)
 		return false;
 	memcpy(linear, s->linear, count * sizeof *linear);
 	memcpy(linear + count, s->angular, count * sizeof *linear);
-	if (!rb_joint_rows_accelerate(&s->joints, linear, linear + count))
+	/* of what moves they are only asked whether it does */
+	if (s->moves && !rb_articulated_take(&s->joints, &tree))
+		return rb_slips_take(s, -1, SIZE_MAX / 2) != NULL;
+	if (tree)
+		rb_articulated_accelerate(tree, s->t, linear, linear + count);
+	for (size_t k = 0; k < 2 * count; k++)
+		finite = finite && rb_vec3_finite(linear[k]);
+	if (tree && !finite) {
+		memcpy(linear, s->linear, count * sizeof *linear);
+		memcpy(linear + count, s->angular, count * sizeof *linear);
+		tree = NULL;
+	}
+	if (!tree && !rb_joint_rows_accelerate(&s->joints, linear, linear + count))
 		return false;
 	for (size_t k = 0; k < count; k++) {
 		s->joint.body[k].linear = linear[k];

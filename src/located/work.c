@@ -7,6 +7,7 @@
 #include "located/work.h"
 
 #include "base/error.h"
+#include "located/articulated.h"
 
 /* Cause of momentum for a fixed body. */
 static enum rb_ledger_momentum cause_of(const struct rb_located *l, int body)
@@ -247,7 +248,9 @@ void rb_work_rates(const struct rb_modes *w, const struct rb_external_parts *par
 		rb_entries_energy(rate, RB_ENERGY_SLIDING, -rb_vec3_dot(w->force[k], m->velocity));
 		add_sides(w->l, m, w->force[k], rate);
 	}
-	for (int k = 0; k < w->joints.count; k++)
+	if (w->articulated)
+		rb_articulated_enter(w->articulated, rate);
+	for (int k = 0; k < w->joints.count && !w->articulated; k++)
 		rb_joint_rows_enter(&w->joints, &w->joints.row[k], w->multiplier[k], t, rate);
 	rb_joint_rows_enter_springs(&w->joints, w->multiplier, t, rate);
 }

@@ -124,9 +124,30 @@ RB_LANES_INLINE void store(const rb_lanes *x, size_t count, double *to)
 		to[2] = (*x)[2];
 }
 
+/* The largest change of the rows of a group, or `max`; where one is not finite. */
+static double largest(const rb_lanes *off, const rb_lanes *next, size_t count, double max)
+{
+	for (size_t m = 0; m < count; m++) {
+		double size = fabs((*off)[m]);
+
+		/* against a tiny scale it may overflow all the same */
+		if (size > DBL_MAX && isfinite((*next)[m]))
+			size = DBL_MAX;
+		if (!(size <= max)) /* NaN comes through */
+			max = size;
+	}
+	return max;
+}
+
 /* Puts rates into `row`; the largest change of an entry, or `max`, if that is larger. */
 RB_LANES_INLINE double taken(const struct attempt *a, const double *rate, double *row, double max)
 {
+	static const rb_lanes_mask used[RB_LANES + 1] = {
+		{0}, {-1}, {-1, -1}, {-1, -1, -1}, {-1, -1, -1, -1}};
+	static const rb_lanes_mask sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
+	rb_lanes peak = {0, 0, 0, 0};
+	const rb_lanes finite_max = {DBL_MAX, DBL_MAX, DBL_MAX, DBL_MAX};
+
 	for (const struct group *group = a->group; group < a->group_end; group++) {
 		const size_t first = group->first;
 		rb_lanes next, before;
@@ -140,16 +161,18 @@ RB_LANES_INLINE double taken(const struct attempt *a, const double *rate, double
 		if (!group->is_rate)
 			continue;
 		const rb_lanes off = (next - before) / *(const rb_lanes *)(a->size + first);
-		for (size_t m = 0; m < group->count; m++) {
-			double size = fabs(off[m]);
+		const rb_lanes size = (rb_lanes)((rb_lanes_mask)off & ~sign & used[group->count]);
+		const rb_lanes_mask finite = size <= finite_max, more = size > peak;
 
-			/* against a tiny scale it may overflow all the same */
-			if (size > DBL_MAX && isfinite(next[m]))
-				size = DBL_MAX;
-			if (!(size <= max)) /* NaN comes through */
-				max = size;
-		}
+		if (finite[0] & finite[1] & finite[2] & finite[3])
+			peak = (rb_lanes)(((rb_lanes_mask)size & more) |
+			                  ((rb_lanes_mask)peak & ~more));
+		else
+			max = largest(&off, &next, group->count, max);
 	}
+	for (size_t m = 0; m < RB_LANES; m++)
+		if (peak[m] > max)
+			max = peak[m];
 	return max;
 }
 
@@ -209,8 +232,8 @@ RB_LANES_INLINE void weighted(const double w[NODES], double *const g[NODES], siz
 #undef RB_GAUSS_ROW
 }
 
-/* The small ones first. */
-RB_LANES_INLINE void values_at(const struct attempt *a, int at)
+/* The small ones first. `all`: those too whose rates are rows. */
+RB_LANES_INLINE void values_at(const struct attempt *a, int at, bool all)
 {
 	const double h = a->h_s, part = node[at], low_part = node_low[at];
 
@@ -219,6 +242,8 @@ RB_LANES_INLINE void values_at(const struct attempt *a, int at)
 		const rb_lanes *const rest = (const rb_lanes *)(a->rest + group->first);
 		rb_lanes sum;
 
+		if (!group->is_rate && !all)
+			continue;
 		weighted(group->is_rate ? matrix[at] : square[at], &a->g[1], group->rate, &sum);
 		if (!group->is_rate) {
 			const rb_lanes way = h * *(const rb_lanes *)(a->start + group->rate);
@@ -233,17 +258,17 @@ RB_LANES_INLINE void values_at(const struct attempt *a, int at)
 	}
 }
 
-RB_LANES_AVX2 static void values_at_avx2(const struct attempt *a, int at)
+RB_LANES_AVX2 static void values_at_avx2(const struct attempt *a, int at, bool all)
 {
-	values_at(a, at);
+	values_at(a, at, all);
 }
 
-static void value_at(const struct attempt *a, int at)
+static void value_at(const struct attempt *a, int at, bool all)
 {
 	if (rb_lanes_avx2())
-		values_at_avx2(a, at);
+		values_at_avx2(a, at, all);
 	else
-		values_at(a, at);
+		values_at(a, at, all);
 }
 
 /* Quick rates at all nodes, from values by the newest rates. */
@@ -252,11 +277,15 @@ static void quicken(const struct attempt *a, double *rate)
 	const struct rb_gauss_problem *p = a->problem;
 
 	for (int j = 0; j < NODES && p->quick_rates; j++) {
-		value_at(a, j);
+		value_at(a, j, false);
 		p->quick_rates(p->user, a->value, rate);
-		for (size_t i = 0; i < (size_t)p->n; i++)
-			if (rate_row(p, i) == RB_GAUSS_QUICK)
-				a->g[1 + j][i] = a->h_s * rate[i];
+		for (const struct group *group = a->group; group < a->group_end; group++) {
+			const size_t end = group->first + group->count;
+
+			for (size_t i = group->first; i < end && group->is_rate; i++)
+				if (p->rate_row[i] == RB_GAUSS_QUICK)
+					a->g[1 + j][i] = a->h_s * rate[i];
+		}
 	}
 }
 
@@ -273,7 +302,7 @@ static enum rb_status sweep(const struct attempt *a, bool first, double *rate, d
 			value_ahead(a, i);
 			memset(a->g[1 + i], 0, (size_t)a->problem->n * sizeof(double));
 		} else {
-			value_at(a, i);
+			value_at(a, i, true);
 		}
 		const enum rb_status status = rates_at(a, node[i], a->g[1 + i], rate, change);
 		if (status != RB_OK)
@@ -286,20 +315,24 @@ static enum rb_status sweep(const struct attempt *a, bool first, double *rate, d
 	return RB_OK;
 }
 
-/* Four rates that a guess has where its polynomials are `weight`, x the length. */
-RB_LANES_INLINE void guessed(const struct attempt *a, const double *weight,
-                             const struct group *group, rb_lanes *to)
+/* Coefficients that a guess has of four rates. */
+RB_LANES_INLINE void guess_rows(const struct attempt *a, const struct group *group, rb_lanes *to)
 {
 	const size_t n = (size_t)a->problem->n;
 	const double *const c = a->guess.coefficient + group->first;
+
+	for (size_t k = 0; k < NODES; k++)
+		load(c + k * n, group->count, &to[k]);
+}
+
+/* Four rates that a guess has where its polynomials are `weight`, x the length. */
+RB_LANES_INLINE void guessed(const struct attempt *a, const double *weight, const rb_lanes *row,
+                             rb_lanes *to)
+{
 	rb_lanes sum = {0, 0, 0, 0};
 
-	for (size_t k = NODES; k-- > 0;) {
-		rb_lanes own;
-
-		load(c + k * n, group->count, &own);
-		sum += weight[k] * own;
-	}
+	for (size_t k = NODES; k-- > 0;)
+		sum += weight[k] * row[k];
 	*to = a->h_s / a->guess.length_s * sum;
 }
 
@@ -314,45 +347,42 @@ RB_LANES_INLINE bool guess_any(const struct attempt *a)
 	const long long goes_on = from->from_s >= from->length_s ? -1 : 0;
 	const rb_lanes ones = {1, 1, 1, 1};
 	const double smooth = guess_smooth * a->problem->tolerance;
-	double weight[NODES + 1];
+	double weight[1 + NODES][NODES + 1]; /* at the beginning, at nodes */
+	rb_lanes row[NODES];
 
 	if (!from->coefficient || !(from->from_s + a->h_s <= guess_reach * from->length_s))
 		return false;
-	rb_gauss_polynomials(NODES + 1, from->from_s / from->length_s, weight);
-	const double last = weight[NODES];
+	for (int j = 0; j <= NODES; j++)
+		rb_gauss_polynomials(NODES + 1,
+		                     j == 0 ? from->from_s / from->length_s
+		                            : (from->from_s + node[j - 1] * a->h_s) /
+		                                      from->length_s,
+		                     weight[j]);
 	for (const struct group *group = a->group; group < a->group_end; group++) {
 		rb_lanes value;
 
 		if (!group->is_rate)
 			continue;
-		guessed(a, weight, group, &value);
+		guess_rows(a, group, row);
+		guessed(a, weight[0], row, &value);
 		value = *(const rb_lanes *)(a->g[0] + group->first) - value;
-		store(&value, group->count, a->value + group->first);
-		for (size_t i = group->first; i < group->first + group->count; i++)
-			if (!(fabs(a->value[i]) <= guess_misses * a->size[i]))
+		for (size_t i = 0; i < group->count; i++)
+			if (!(fabs(value[i]) <= guess_misses * a->size[group->first + i]))
 				return false;
-	}
-	for (int j = 0; j < NODES; j++) {
-		rb_gauss_polynomials(NODES + 1, (from->from_s + node[j] * a->h_s) / from->length_s,
-		                     weight);
-		const double share = weight[NODES] / last;
-		const rb_lanes shares = {share, share, share, share};
-		for (const struct group *group = a->group; group < a->group_end; group++) {
+		const rb_lanes max = smooth * *(const rb_lanes *)(a->size + group->first);
+		const rb_lanes_mask same = goes_on & (rb_lanes_mask)(value <= max) &
+		                           (rb_lanes_mask)(value >= -max);
+
+		for (int j = 1; j <= NODES; j++) {
+			const double share = weight[j][NODES] / weight[0][NODES];
+			const rb_lanes shares = {share, share, share, share};
 			rb_lanes rates;
 
-			if (!group->is_rate)
-				continue;
-			guessed(a, weight, group, &rates);
-			rb_lanes off;
-			load(a->value + group->first, group->count, &off);
-			const rb_lanes max = smooth * *(const rb_lanes *)(a->size + group->first);
-			const rb_lanes_mask same = goes_on & (rb_lanes_mask)(off <= max) &
-			                           (rb_lanes_mask)(off >= -max);
-
+			guessed(a, weight[j], row, &rates);
 			rates += (rb_lanes)(((rb_lanes_mask)shares & same) |
 			                    ((rb_lanes_mask)ones & ~same)) *
-			         off;
-			store(&rates, group->count, a->g[1 + j] + group->first);
+			         value;
+			store(&rates, group->count, a->g[j] + group->first);
 		}
 	}
 	return true;
@@ -376,6 +406,7 @@ static bool guess(const struct attempt *a)
  */
 static enum rb_status converge(struct attempt *a, double *rate, int *sweeps, double *left)
 {
+	const double nothing = 0x1p-4 * fmax(DBL_EPSILON, a->h_s * a->problem->rate_noise);
 	double change, before, least;
 	int stalled = 0;
 
@@ -397,15 +428,14 @@ static enum rb_status converge(struct attempt *a, double *rate, int *sweeps, dou
 		if (status != RB_OK || !isfinite(change))
 			return status;
 		const double ratio = change / before;
-		if (change == 0 ||
-		    (count > 1 && (change < 0x1p-2 * DBL_EPSILON ||
-		                   (ratio < 0.5 && change * ratio < 0x1p-4 * DBL_EPSILON)))) {
+		if (change == 0 || (count > 1 && (change < 0x1p-2 * DBL_EPSILON ||
+		                                  (ratio < 0.5 && change * ratio < nothing)))) {
 			*sweeps = count;
 			return RB_OK;
 		}
 		stalled = change < 0.5 * least ? 0 : stalled + 1;
 		/* as the changes fall, the next one may be small enough */
-		a->shows = stalled > 0 || (count > 1 ? change * ratio * ratio < 0x1p10 * DBL_EPSILON
+		a->shows = stalled > 0 || (count > 1 ? change * ratio * ratio < 0x1p14 * nothing
 		                                     : near && change < guess_near);
 		least = fmin(least, change);
 		before = change;
@@ -517,7 +547,7 @@ static enum rb_status show(const struct attempt *a, double *rate)
 	const struct rb_gauss_problem *p = a->problem;
 
 	for (int i = 0; i < NODES && p->visited && !a->shows; i++) {
-		value_at(a, i);
+		value_at(a, i, true);
 		const enum rb_status status = p->rates(p->user, a->time_s + node[i] * a->h_s,
 		                                       a->value, rate, a->err);
 

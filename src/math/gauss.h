@@ -39,7 +39,8 @@ typedef enum rb_status rb_gauss_rates(void *user, double time_s, const double *v
 
 /*
  * Rates of rows that follow from values alone, with next to no cost (RB_GAUSS_QUICK), as those of
- * orientations from spins: into `rate`, of which nothing else is written.
+ * orientations from spins: into `rate`, of which nothing else is written. Values of rows whose rate
+ * is a row are of another moment.
  */
 typedef void rb_gauss_quick_rates(void *user, const double *value, double *rate);
 
@@ -80,8 +81,13 @@ struct rb_gauss_problem {
 	struct rb_gauss_guess guess;
 	const double *scale; /* [n]: sizes that the errors are relative to, > 0 */
 	double tolerance;    /* of scale, per step, >= a few ulp */
-	double *scratch;     /* [rb_gauss_scratch_size(n)] */
-	uint64_t *calls;     /* grows by the calls of rates */
+	/*
+	 * 1/s, of scale: rounding of rates, where it is known and more than theirs alone. Visits
+	 * end where another one would change rates by less than a part of it.
+	 */
+	double rate_noise;
+	double *scratch; /* [rb_gauss_scratch_size(n)] */
+	uint64_t *calls; /* grows by the calls of rates */
 	/*
 	 * Called after the rates at node 0 .. RB_GAUSS_NODES - 1, in visits that may be the last;
 	 * after those of an accepted step nothing is called before rb_gauss_step returns. May be
