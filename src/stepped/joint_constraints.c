@@ -398,14 +398,24 @@ static void set_ends(const struct filling *f, struct rb_constraint *row)
 	RB_ASSERT_COSTLY(is_dynamic(model, a));
 }
 
+/* Its poses alone. */
+static struct filling begin_poses(const struct rb_joint_query *query, int k,
+                                  struct rb_step_joint *of)
+{
+	const struct rb_joint *joint = &query->world->model->joints->joint[k];
+
+	return (struct filling){.query = query,
+	                        .joint = joint,
+	                        .of = of,
+	                        .a = pose_of(query->world, query->before, joint->a),
+	                        .b = pose_of(query->world, query->before, joint->b)};
+}
+
 static struct filling begin(const struct rb_joint_query *query, int k, struct rb_step_joint *of)
 {
-	struct filling f = {.query = query, .joint = &query->world->model->joints->joint[k]};
+	struct filling f = begin_poses(query, k, of);
 	const struct rb_joint *joint = f.joint;
 
-	f.of = of;
-	f.a = pose_of(query->world, query->before, joint->a);
-	f.b = pose_of(query->world, query->before, joint->b);
 	(void)rb_linkage_rows(&joint->link, &f.a, &f.b, f.link);
 	if (rb_linkage_has_free(&joint->link)) {
 		f.free = rb_linkage_free(&joint->link, &f.a, &f.b);
@@ -564,7 +574,7 @@ static void go_straight(const struct filling *f)
 void rb_step_joint_rows_store(const struct rb_joint_query *query, int k, struct rb_step_joint *of,
                               const struct rb_constraint *row)
 {
-	const struct filling f = begin(query, k, of);
+	struct filling f = begin_poses(query, k, of);
 	int part[RB_JOINT_PARTS];
 	const int rows = list_parts(f.joint, part);
 
@@ -573,8 +583,10 @@ void rb_step_joint_rows_store(const struct rb_joint_query *query, int k, struct 
 		memset(of->impulse, 0, sizeof of->impulse);
 		of->reaction = of->twist = none;
 		of->work = (struct rb_joint_work){0};
-		if (query->lasts_s < query->h_s)
+		if (query->lasts_s < query->h_s) {
+			(void)rb_linkage_rows(&f.joint->link, &f.a, &f.b, f.link);
 			go_straight(&f);
+		}
 	}
 	for (int r = 0; r < rows; r++)
 		note_row(&f, part[r], &row[r]);
@@ -583,6 +595,11 @@ void rb_step_joint_rows_store(const struct rb_joint_query *query, int k, struct 
 bool rb_step_joint_rows_are_smooth(const struct rb_joint_query *query, int k,
                                    const struct rb_step_joint *of)
 {
+	const struct rb_joint *joint = &query->world->model->joints->joint[k];
+
+	if (!joint->link.type->one_sided && !has_part(joint, RB_JOINT_LOW) &&
+	    !has_part(joint, RB_JOINT_HIGH))
+		return true;
 	const struct filling f = begin(query, k, (struct rb_step_joint *)of);
 	const double reach = 2 * query->h_s;
 
