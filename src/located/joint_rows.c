@@ -636,8 +636,8 @@ static bool correct_once(const struct projection *p, bool places, bool known,
 
 /*
  * Positions, then velocities; rows are filled. Where joints have drifted by less than the share of
- * their size that they may, one system will do: it is off by that share, unless rows depend on each
- * other.
+ * their size that they may, one round and one system will do: these are off by that share, whose
+ * square is nothing, unless rows depend on each other.
  */
 static void project(const struct projection *p)
 {
@@ -645,8 +645,8 @@ static void project(const struct projection *p)
 	struct rb_dense dense;
 	bool good = true;
 
-	for (int round = 0; round < POSITION_ROUNDS && good; round++) {
-		good = correct_once(p, true, p->near && round > 0, &system, &dense);
+	for (int round = 0; round < (p->near ? 1 : POSITION_ROUNDS) && good; round++) {
+		good = correct_once(p, true, false, &system, &dense);
 		if (good)
 			move(p->rows, p->pose, p->linear, p->angular);
 		rb_joint_rows_fill(p->rows, p->t);

@@ -232,14 +232,15 @@ static bool solve(struct rb_resolution *s)
 	s->joint.joint_row = rb_slips_take(s, s->joints.count, sizeof *s->joint.joint_row);
 	if (!s->joint.joint_row)
 		return false;
-	s->joint.joint_count = rb_joint_rows_pose_problem(&s->joints, true, s->joint.joint_row,
-	                                                  s->joint.body, &s->joint.body_count);
 	s->joint.interrupt = &s->l->world->interrupt;
 	s->joint.products_max = s->moves ? rb_located_products(s->l, s->contact_point_count) : 0;
-	if (s->contact_point_count > 0 || rb_joint_rows_drive(&s->joints))
+	if (s->contact_point_count > 0 || rb_joint_rows_drive(&s->joints)) {
+		s->joint.joint_count = rb_joint_rows_pose_problem(
+			&s->joints, true, s->joint.joint_row, s->joint.body, &s->joint.body_count);
 		rb_simultaneous_forces(&s->joint);
-	else if (s->joints.count > 0 && !solve_joints(s))
+	} else if (s->joints.count > 0 && !solve_joints(s)) {
 		return false;
+	}
 	if (s->moves)
 		rb_located_count(s->l, s->joint.products, s->contact_point_count);
 	if (rb_simultaneous_is_over(&s->joint)) {

@@ -192,10 +192,15 @@ static enum rb_status rates_at(const struct attempt *a, double part, double *row
 {
 	const struct rb_gauss_problem *p = a->problem;
 	const double *const value = a->value;
+	rb_lanes nothing = {0, 0, 0, 0};
 	double none = 0;
+	int i = 0;
 
-	for (int i = 0; i < p->n; i++)
+	for (; i + RB_LANES <= p->n; i += RB_LANES)
+		nothing += 0 * *(const rb_lanes *)(value + i);
+	for (; i < p->n; i++)
 		none += 0 * value[i];
+	none += rb_lanes_sum(&nothing);
 	if (none != 0) { /* NaN: one is not finite */
 		*change = (double)INFINITY;
 		return RB_OK;
