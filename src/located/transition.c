@@ -88,8 +88,8 @@ double rb_transition_next(const struct rb_located *l, int cluster)
 	for (int k = 0; k < c->held_count; k++)
 		if (c->held[k].recorded_s > c->anchor_s)
 			next = fmin(next, c->held[k].recorded_s);
-	if (c->integrated)
-		return fmin(next, l->piece[c->member[0]].until_s);
+	if (c->integrated) /* no memory for pieces: l->status */
+		return l->piece ? fmin(next, l->piece[c->member[0]].until_s) : next;
 	for (int k = 0; k < c->held_count && !c->at_rest; k++) {
 		const struct rb_held *held = &c->held[k];
 		double s = keeps_in_band(l, held, c->anchor_s);
