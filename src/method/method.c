@@ -227,8 +227,8 @@ static void begin_dense_steps(struct rb_world *world)
 }
 
 /*
- * Largest acceleration, m/s^2, by gravity, gravity_force, fields and gravitation on any body at
- * `t`.
+ * Largest acceleration, m/s^2, by gravity, gravity_force, fields and gravitation on any body that
+ * is not driven at `t`.
  */
 static enum rb_status largest_external(const struct rb_world *world, double t, double *max,
                                        struct rb_error *err)
@@ -248,6 +248,8 @@ static enum rb_status largest_external(const struct rb_world *world, double t, d
 		rb_gravitation_find(world->gravitation);
 	}
 	for (int i = 0; i < model->body_count && status == RB_OK; i++) {
+		if (model->driven && model->driven[i])
+			continue;
 		const rb_vec3 at[2] = {rb_world_row3(world->state.position, i),
 		                       rb_world_row3(world->state.velocity, i)};
 		rb_vec3 fields[2] = {{0, 0, 0}, {0, 0, 0}};
