@@ -408,6 +408,7 @@ struct rb_world_def {
 	enum rb_method_kind method;     /* how motion is computed */
 	uint64_t seed;                  /* of the scene's random numbers */
 	bool pause_on_collision;        /* the player waits there */
+	int line;                       /* of the call in the scene's source, 0: unknown */
 };
 
 /* Seconds, from `steps` where no duration stands; NAN: neither was given. */

@@ -211,6 +211,10 @@ static void override(struct rb_world_def *world, const struct rb_options *option
 			world->rollback = (enum rb_rollback_kind)i;
 	if (options->has_seed)
 		world->seed = options->seed;
+	/* a number of the command line stands on no line of the scene */
+	if (!isnan(options->duration_s) || options->step_count > 0 ||
+	    !isnan(options->time_step_s) || !isnan(options->tolerance_m) || options->method)
+		world->line = 0;
 }
 
 /*
@@ -259,7 +263,7 @@ static enum rb_status check_size(const struct rb_loaded *loaded, struct rb_error
 	const double frames = (double)model->frame_count;
 	double bytes = (double)rb_frame_bytes(model, record->fields) /
 	               (record->single_precision ? 2 : 1);
-	char needed[32], there[32], years[64] = "";
+	char needed[32], there[32], years[64] = "", line[16] = "";
 
 	/* compressed, its time at least */
 	bytes = (record->compression > 0 ? 0 : bytes) + sizeof(double);
@@ -273,10 +277,12 @@ static enum rb_status check_size(const struct rb_loaded *loaded, struct rb_error
 		         frames * frame_s / wait_s);
 	rb_text_bytes((uint64_t)fmin(bytes, 1e19), needed);
 	rb_text_bytes((uint64_t)disk, there);
+	if (loaded->scene.world.line > 0)
+		snprintf(line, sizeof line, ":%d", loaded->scene.world.line);
 	return RB_FAIL(err, RB_ERR_SCENE,
-	               "%s: world: 'duration' %g s times 'frame_rate' %g makes %g frames, which "
+	               "%s%s: world: 'duration' %g s times 'frame_rate' %g makes %g frames, which "
 	               "would take at least %s of disk%s%s%s%s",
-	               loaded->scene.file, model->duration_s, model->frame_rate, frames, needed,
+	               loaded->scene.file, line, model->duration_s, model->frame_rate, frames, needed,
 	               years, disk > 0 ? " (all of this disk: " : "", disk > 0 ? there : "",
 	               disk > 0 ? ")" : "");
 }

@@ -129,6 +129,7 @@ static void title(const struct rb_scene *scene, int id, char out[128])
 		snprintf(out, 128, "%.20s #%d", body->call, id);
 }
 
+/* A mistake of world, or of what the command line says instead. */
 static void world_mistake(struct check *check, const char *format, ...) RB_PRINTF(2, 3);
 static void world_mistake(struct check *check, const char *format, ...)
 {
@@ -138,7 +139,7 @@ static void world_mistake(struct check *check, const char *format, ...)
 	va_start(arguments, format);
 	vsnprintf(text, sizeof text, format, arguments);
 	va_end(arguments);
-	place(check->scene, 0, where);
+	place(check->scene, check->scene->world.line, where);
 	rb_mistakes_add(check->mistakes, "%s%s", where, text);
 }
 
@@ -728,7 +729,7 @@ static enum rb_status check_boxes(struct check *check, const struct start_boxes 
 	}
 	rb_grid_release(&grid);
 	if (found > OVERLAPS_SHOWN)
-		world_mistake(check, "%d more pairs of bodies overlap at the start",
+		line_mistake(check, 0, "%d more pairs of bodies overlap at the start",
 		              found - OVERLAPS_SHOWN);
 	return status;
 }

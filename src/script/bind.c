@@ -91,6 +91,7 @@ static int l_world(lua_State *L)
 	         world.seed != script->sandbox.seed)
 		rb_call_mistake(&call, "'seed' must come before the first random number is drawn");
 	script->sandbox.seed = world.seed;
+	world.line = call.line;
 	script->scene->world = world;
 	return 0;
 }

@@ -77,9 +77,14 @@ done
 printf 'world { steps = 3, time_step = -1 }\nsphere { radius = 1 }\n' >m.lua
 exits 65 m.lua
 says err "'time_step' must be positive"
+printf 'sphere { radius = 1 }\nworld { frame_rate = 10 }\n' >m.lua
+exits 65 m.lua
+says err "^m.lua:2: world: 'duration' is missing"
+exits 65 m.lua --duration 1e300
+says err "^m.lua: world: 'duration' 1e\+300 s times"
 printf 'sphere { radius = 1 }\n' >m.lua
 exits 65 m.lua
-says err "'duration' is missing .*'steps'"
+says err "^m.lua: world: 'duration' is missing .*'steps'"
 exits 0 m.lua --steps 4 --no-record
 exits 64 n.lua --steps 4 --duration 1
 says err "'--steps' contradicts '--duration'"
