@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "app/json.h"
 #include "app/plot.h"
 #include "app/quantity.h"
 #include "base/error.h"
@@ -251,17 +252,52 @@ static enum rb_status read_all(struct graph *graph, struct rb_error *err)
 	return status;
 }
 
+/* Writes a column with its name. */
+static void print_column(struct rb_json *json, const struct graph *graph, const char *key, int k)
+{
+	const double *const values = k < 0 ? graph->x : graph->y[k];
+
+	rb_json_open(json, key, '{');
+	rb_json_text(json, "name", k < 0 ? graph->x_name : quantity(graph, k));
+	rb_json_text(json, "unit", k < 0 ? graph->x_units : graph->units[k]);
+	rb_json_open(json, "values", '[');
+	for (uint64_t i = 0; i < graph->count; i++)
+		rb_json_number(json, NULL, values[i]);
+	rb_json_close(json, ']');
+	rb_json_close(json, '}');
+}
+
+/* Prints what is drawn as numbers. */
+static void print_json(const struct graph *graph)
+{
+	struct rb_json json = {.file = stdout};
+
+	rb_json_open(&json, NULL, '{');
+	rb_json_text(&json, "file", graph->file);
+	print_column(&json, graph, "against", -1);
+	rb_json_open(&json, "quantities", '[');
+	for (int k = 0; k < graph->quantity_count; k++)
+		print_column(&json, graph, NULL, k);
+	rb_json_close(&json, ']');
+	rb_json_text(&json, "picture", graph->options->output);
+	rb_json_count(&json, "exit_status", 0);
+	rb_json_close(&json, '}');
+}
+
 int rb_graph_main(const struct rb_options *options)
 {
 	struct graph graph = {.options = options, .file = options->words[0]};
+	const bool draws = !options->json || options->output;
 	struct rb_error err;
-	enum rb_status status = rb_plot_available("", &err);
+	enum rb_status status = draws ? rb_plot_available("", &err) : RB_OK;
 
 	graph.quantity_count = options->word_count - 1;
 	if (!status)
 		status = read_all(&graph, &err);
-	if (!status)
+	if (!status && draws)
 		status = draw(&graph, &err);
+	if (!status && options->json)
+		print_json(&graph);
 	for (int k = 0; graph.y && k < graph.quantity_count; k++)
 		rb_memory_free(graph.y[k]);
 	rb_memory_free(graph.y);

@@ -14,6 +14,12 @@ for name, z in pairs {a1 = 1, a2 = 5, a21 = 9, a22 = 13} do
 end
 END
 exits 0 two.lua -q -o two.h5
+# with --json the same as numbers, for which nothing need be installed
+exits 0 plot run.h5 left.z kinetic_energy --json
+says out '^\{"file":"run.h5","against":\{"name":"time","unit":"s","values":\[0,0.0166'
+says out '"quantities":\[\{"name":"left.z","unit":"m","values":\[0.2999.*\{"name":"kinetic_energy","unit":"J".*"picture":null,"exit_status":0\}$'
+exits 0 plot d/sweep.h5 e --against index --json
+says out '"against":\{"name":"index","unit":"","values":\[0,1,2\]\},"quantities":\[\{"name":"e","unit":"","values":\[0.1.*,0.5,0.9'
 if ! command -v gnuplot >/dev/null; then
 	exits 69 plot run.h5 energy
 	says err "no 'gnuplot' in PATH .install the package gnuplot-nox)"
