@@ -362,9 +362,16 @@ static void print_text(const char *path, const struct rb_reading *reading,
 }
 
 /* Prints the scene's text; to the byte into files and pipes, where it is run again. */
-static void print_scene(const char *text, size_t size)
+static void print_scene(const struct rb_options *options, const char *text, size_t size)
 {
-	if (isatty(STDOUT_FILENO))
+	struct rb_json json = {.file = stdout};
+
+	if (options->json) {
+		rb_json_open(&json, NULL, '{');
+		rb_json_text(&json, "file", options->operand[0]);
+		rb_json_text(&json, "scene", text);
+		rb_json_close(&json, '}');
+	} else if (isatty(STDOUT_FILENO))
 		rb_print_lines(stdout, text, size);
 	else
 		(void)!fwrite(text, 1, size, stdout);
@@ -386,7 +393,7 @@ static enum rb_status look(const struct rb_options *options, struct rb_error *er
 	const struct rb_reading *reading = module->reader_reading(reader);
 	if (options->scene_text) {
 		if (reading->file_count > 0)
-			print_scene(reading->file_texts[0], reading->file_sizes[0]);
+			print_scene(options, reading->file_texts[0], reading->file_sizes[0]);
 		else
 			status = RB_FAIL(err, RB_ERR_INPUT, "'%s' holds no scene",
 			                 options->operand[0]);
