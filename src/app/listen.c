@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/thread.h"
 #include "control/history.h"
 #include "control/server.h"
 
@@ -76,12 +77,8 @@ static enum rb_status open_ways(struct rb_listen *listen, struct rb_error *err)
 /* Blocks the signals that the progress thread takes, before any other thread is started. */
 static void block_signals(sigset_t *before)
 {
-	sigset_t signals;
+	const sigset_t signals = rb_thread_stops();
 
-	sigemptyset(&signals);
-	sigaddset(&signals, SIGINT);
-	sigaddset(&signals, SIGTERM);
-	sigaddset(&signals, SIGUSR1);
 	pthread_sigmask(SIG_BLOCK, &signals, before);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * One thread does two things that must not disturb the simulation: it draws the bar, and it is the
- * only one that takes SIGINT, SIGTERM and SIGUSR1, by sigtimedwait, so there are no handlers at
+ * only one that takes the signals of rb_thread_stops, by sigtimedwait, so there are no handlers at
  * all. The simulator stores the time that it has reached in an atomic; a double goes through its
  * bits.
  *
@@ -273,10 +273,7 @@ enum rb_status rb_progress_start(struct rb_progress **progress,
 	p->leave_user = options->leave_user;
 	p->redraw = rb_terminal_is_capable(STDERR_FILENO);
 	p->start_ns = rb_clock_now_ns();
-	sigemptyset(&p->signals);
-	sigaddset(&p->signals, SIGINT);
-	sigaddset(&p->signals, SIGTERM);
-	sigaddset(&p->signals, SIGUSR1);
+	p->signals = rb_thread_stops();
 
 	/*
 	 * Blocked here and so in every thread that is started from here; only sigtimedwait takes

@@ -2,8 +2,8 @@
 /*
  * The thread beside a simulation: takes the signals and says how far the run is.
  *
- * Owned by the simulator's thread, which starts and stops it. From start to stop SIGINT, SIGTERM
- * and SIGUSR1 go to this thread alone: the first one asks the simulator to stop
+ * Owned by the simulator's thread, which starts and stops it. From start to stop the signals of
+ * rb_thread_stops go to this thread alone: the first one asks the simulator to stop
  * (rb_progress_signal), a SIGINT after that ends the process at once with 130.
  */
 #ifndef RB_APP_PROGRESS_H

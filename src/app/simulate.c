@@ -16,6 +16,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/team.h"
+#include "base/thread.h"
 #include "flow/frame.h"
 #include "flow/pump.h"
 #include "math/vec3.h"
@@ -600,7 +601,7 @@ static enum rb_status tell_signal(struct rb_run_result *result, int signal, cons
 		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted by SIGINT at %g s%s", time_s,
 		               why);
 	return RB_FAIL(err, RB_ERR_TERMINATE, "terminated by %s at %g s%s",
-	               signal == SIGUSR1 ? "SIGUSR1" : "SIGTERM", time_s, why);
+	               rb_thread_stop_name(signal), time_s, why);
 }
 
 /* The run has ended by a signal: what can be gone on from. */
@@ -615,10 +616,8 @@ static enum rb_status leave(struct run *run, int signal, struct rb_error *err)
 		run->result->signal = signal;
 		return RB_FAIL(err, RB_ERR_AGAIN,
 		               "interrupted by %s at %g s: --resume goes on from frame %llu",
-		               signal == SIGINT    ? "SIGINT"
-		               : signal == SIGUSR1 ? "SIGUSR1"
-		                                   : "SIGTERM",
-		               run->result->time_s, (unsigned long long)kept);
+		               rb_thread_stop_name(signal), run->result->time_s,
+		               (unsigned long long)kept);
 	}
 	snprintf(why, sizeof why, ", without a checkpoint: %s", own.text);
 	return tell_signal(run->result, signal, why, err);

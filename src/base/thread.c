@@ -6,7 +6,6 @@
  */
 #include "base/thread.h"
 
-#include <signal.h>
 #include <stdbool.h>
 #include <string.h>
 
@@ -52,4 +51,27 @@ void rb_thread_name(const char *what)
 	name[size] = '\0';
 	/* a thread without its name works as well */
 	(void)pthread_setname_np(pthread_self(), name);
+}
+
+sigset_t rb_thread_stops(void)
+{
+	struct sigaction usual = {.sa_handler = SIG_DFL};
+	sigset_t signals;
+
+	sigemptyset(&signals);
+	sigaddset(&signals, SIGINT);
+	sigaddset(&signals, SIGTERM);
+	sigaddset(&signals, SIGUSR1);
+	/* a blocked signal waits even if it is ignored, so who waits for it would get it */
+	if (sigaction(SIGHUP, NULL, &usual) == 0 && usual.sa_handler != SIG_IGN)
+		sigaddset(&signals, SIGHUP);
+	return signals;
+}
+
+const char *rb_thread_stop_name(int signal)
+{
+	return signal == SIGINT    ? "SIGINT"
+	       : signal == SIGUSR1 ? "SIGUSR1"
+	       : signal == SIGHUP  ? "SIGHUP"
+	                           : "SIGTERM";
 }

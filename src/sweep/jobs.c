@@ -31,6 +31,7 @@
 #include "base/memory.h"
 #include "base/place.h"
 #include "base/program.h"
+#include "base/thread.h"
 #include "sweep/usage.h"
 
 enum { DUE = 1, ELSEWHERE };
@@ -72,21 +73,9 @@ struct jobs {
 
 /* ---- signals ---- */
 
-/* The signals that stop a sweep. */
-static sigset_t heard(void)
-{
-	sigset_t signals;
-
-	sigemptyset(&signals);
-	sigaddset(&signals, SIGINT);
-	sigaddset(&signals, SIGTERM);
-	sigaddset(&signals, SIGUSR1);
-	return signals;
-}
-
 void rb_jobs_hold_signals(sigset_t *mask_before)
 {
-	const sigset_t signals = heard();
+	const sigset_t signals = rb_thread_stops();
 
 	sigprocmask(SIG_BLOCK, &signals, mask_before);
 }
@@ -620,7 +609,7 @@ static enum rb_status prepare(struct jobs *jobs, struct rb_error *err)
 	if (!jobs->places || !jobs->due || !jobs->words || !jobs->text)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot run %" PRIu64 " points: out of memory",
 		               jobs->tally->total);
-	jobs->signals = heard();
+	jobs->signals = rb_thread_stops();
 	sigaddset(&jobs->signals, SIGCHLD);
 	sigprocmask(SIG_BLOCK, &jobs->signals, NULL);
 	return RB_OK;

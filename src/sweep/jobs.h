@@ -4,9 +4,9 @@
  * program again, without a shell in between, in a process group of its own, so that what a terminal
  * sends reaches it through us alone.
  *
- * Main thread, which must be the only one. Inside the call SIGINT, SIGTERM and SIGUSR1 are taken:
- * the first one goes on to the runs as what it asks for, to stop properly, and no other run is
- * started; a SIGINT after that stops them at once. Should this process die, its runs are stopped
+ * Main thread, which must be the only one. Inside the call the signals of rb_thread_stops are
+ * taken: the first one goes on to the runs as what it asks for, to stop properly, and no other run
+ * is started; a SIGINT after that stops them at once. Should this process die, its runs are stopped
  * properly by the system. Processes that are not ours are never waited for.
  */
 #ifndef RB_SWEEP_JOBS_H
@@ -46,7 +46,7 @@ struct rb_jobs_order {
 };
 
 /*
- * SIGINT, SIGTERM and SIGUSR1 wait for rb_jobs_run from here on: before anything is there that a
+ * The signals that stop a sweep wait for rb_jobs_run from here on: before anything is there that a
  * later call goes on with. `mask_before`: as it was.
  */
 void rb_jobs_hold_signals(sigset_t *mask_before);

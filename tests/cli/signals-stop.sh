@@ -1,14 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# SIGINT, SIGTERM and SIGUSR1 close everything properly; another SIGINT stops at once.
+# SIGINT, SIGTERM, SIGUSR1 and SIGHUP close everything properly; another SIGINT stops at once.
 . tests/cli/functions
 
 long_scene >s.lua
 pid=
 trap '[ -n "$pid" ] && kill -9 $pid 2>/dev/null' EXIT
-for case in "INT 75" "TERM 75" "USR1 75"; do
+for case in "INT 75" "TERM 75" "USR1 75" "HUP 75"; do
 	signal=${case% *} wanted=${case#* }
-	"$RBSIM" s.lua --force -o $signal.h5 >out 2>err &
+	# whoever runs this may have SIGHUP ignored
+	env --default-signal=HUP "$RBSIM" s.lua --force -o $signal.h5 >out 2>err &
 	pid=$!
 	until_true [ -s $signal.h5 ]
 	sleep 0.3
@@ -30,6 +31,18 @@ pid=$!
 sleep 0.3
 kill -TERM $pid
 ended 143 "--no-record"
+
+# one that is ignored, as nohup(1) does, stays ignored
+env --ignore-signal=HUP "$RBSIM" s.lua --force -q -o ignored.h5 >out 2>err &
+pid=$!
+until_true [ -s ignored.h5 ]
+kill -HUP $pid
+sleep 0.3
+kill -0 $pid 2>/dev/null || fail "SIGHUP ends a run that ignores it"
+kill -TERM $pid
+ended 75 "after SIGHUP"
+exits 0 info ignored.h5
+says out 'status +interrupted: interrupted by SIGTERM'
 
 # a body whose turn until the next frame takes ages to follow
 cat >fast.lua <<'END'
