@@ -269,10 +269,7 @@ static enum rb_status set_up(struct rb_press *press, int png_threads, struct rb_
 	char name[NAME_SIZE];
 	enum rb_status status = RB_OK;
 
-	for (int i = 0; i < press->slot_count && !status; i++)
-		status = rb_pixmap_init(&press->slot[i].pixmap, options->width, options->height,
-		                        err);
-	if (!status && options->png) {
+	if (options->png) {
 		status = name_of(options, 0, name, err);
 		if (!status)
 			status = rb_outfile_folders(name, options->how, err);
@@ -331,7 +328,16 @@ enum rb_status rb_press_print(struct rb_press *press, const struct rb_pixmap *pi
 	if (status)
 		return status;
 
-	/* a free slot is its filler's alone until it is counted as pushed */
+	/*
+	 * A free slot is its filler's alone until it is counted as pushed. It gets its memory when
+	 * it is needed: stills and films that are cut need few.
+	 */
+	if (!slot->pixmap.rgba) {
+		const enum rb_status failed = rb_pixmap_init(&slot->pixmap, press->options.width,
+		                                             press->options.height, err);
+		if (failed)
+			return failed;
+	}
 	RB_ASSERT(pixmap->width == slot->pixmap.width && pixmap->height == slot->pixmap.height);
 	memcpy(slot->pixmap.rgba, pixmap->rgba, 4 * (size_t)pixmap->width * (size_t)pixmap->height);
 	slot->picture = picture;
