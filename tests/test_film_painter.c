@@ -315,6 +315,44 @@ static void a_texture_that_is_no_picture_is_told_with_its_place(void **state)
 	studio_close(&studio);
 }
 
+/* One that is drawn in two bands. */
+static void a_large_picture_is_drawn_from_edge_to_edge_and_can_be_given_up(void **state)
+{
+	enum { SIDE = 4160 };
+	const double colour[3] = {0.2, 0.5, 0.7};
+	struct rb_pixmap picture;
+	struct studio studio;
+	atomic_bool cut;
+
+	(void)state;
+	studio_open(&studio);
+	studio.camera.size_px[0] = studio.camera.size_px[1] = SIDE;
+	memcpy(studio.camera.background, colour, sizeof colour);
+	studio_ball(&studio, 3.6, (rb_vec3){0, 0, 1}, red);
+	studio_seal(&studio);
+	atomic_init(&cut, false);
+	rb_painter_heed(studio.painter, &cut);
+	studio_draw(&studio);
+	for (int k = 0; k < 3; k++) {
+		assert_in_range(pixel_at(&studio, 5, 0)[k], (int)(colour[k] * 255) - 1,
+		                (int)(colour[k] * 255) + 1);
+		assert_int_equal(pixel_at(&studio, 5, SIDE - 1)[k], pixel_at(&studio, 5, 0)[k]);
+	}
+	/* over the seam of the bands, too */
+	for (int y = 30; y < SIDE - 30; y++)
+		assert_true(is_red(pixel_at(&studio, SIDE / 2, y)) ||
+		            memcmp(pixel_at(&studio, SIDE / 2, y), pixel_at(&studio, 5, 0), 3) ==
+		                    0);
+	assert_true(is_red(pixel_at(&studio, SIDE / 2, SIDE / 2)));
+	atomic_store(&cut, true);
+	assert_int_equal(
+		rb_painter_draw(studio.painter, &studio.frame, NULL, NULL, &picture, &studio.err),
+		RB_ERR_INTERRUPT);
+	atomic_store(&cut, false);
+	studio_draw(&studio);
+	studio_close(&studio);
+}
+
 static void a_plain_background_is_the_colour_that_was_asked_for(void **state)
 {
 	struct studio studio;
@@ -680,6 +718,7 @@ int main(void)
 		cmocka_unit_test(a_picture_lies_on_a_rectangle_as_it_hangs),
 		cmocka_unit_test(a_picture_lies_on_a_sphere_as_on_a_globe),
 		cmocka_unit_test(a_texture_that_is_no_picture_is_told_with_its_place),
+		cmocka_unit_test(a_large_picture_is_drawn_from_edge_to_edge_and_can_be_given_up),
 		cmocka_unit_test(a_plain_background_is_the_colour_that_was_asked_for),
 		cmocka_unit_test(edges_are_smooth_only_with_samples),
 		cmocka_unit_test(lines_of_all_kinds_are_seen),

@@ -282,8 +282,8 @@ static enum rb_status check_size(const struct rb_loaded *loaded, struct rb_error
 	return RB_FAIL(err, RB_ERR_SCENE,
 	               "%s%s: world: 'duration' %g s times 'frame_rate' %g makes %g frames, which "
 	               "would take at least %s of disk%s%s%s%s",
-	               loaded->scene.file, line, model->duration_s, model->frame_rate, frames, needed,
-	               years, disk > 0 ? " (all of this disk: " : "", disk > 0 ? there : "",
+	               loaded->scene.file, line, model->duration_s, model->frame_rate, frames,
+	               needed, years, disk > 0 ? " (all of this disk: " : "", disk > 0 ? there : "",
 	               disk > 0 ? ")" : "");
 }
 

@@ -136,8 +136,10 @@ static enum rb_status film_open(void *self, struct rb_error *err)
 	options.cut = &film->cut;
 	enum rb_status status = rb_take_create(&film->take, film->options.model,
 	                                       film->options.camera, err);
-	if (!status)
+	if (!status) {
+		rb_take_heed(film->take, &film->cut);
 		status = rb_press_create(&press, &options, err);
+	}
 	/* a sink that fails to open is not closed, and the painter belongs to this thread */
 	if (status) {
 		rb_take_destroy(film->take);
@@ -223,7 +225,7 @@ static enum rb_status make_picture(struct rb_film *film, const struct rb_frame *
 	if (!status)
 		status = rb_take_draw(film->take, moment, shot, &picture, err);
 	if (status)
-		return status;
+		return status == RB_ERR_INTERRUPT ? RB_OK : status; /* there is no next one */
 	note_times(film);
 	status = rb_press_print(film->press, &picture, film->next, time_s, err);
 	film->next++;

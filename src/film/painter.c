@@ -20,7 +20,14 @@
 #include "film/shadow.h"
 #include "film/solid_shapes.h"
 
+/*
+ * BAND_SAMPLES are drawn at a time, so that large pictures hear of their end: some 0.1 s. Bands are
+ * whole tiles of the renderer: edges that cut through one have moved the last bit of colours.
+ */
+enum { BAND_SAMPLES = 1 << 24, TILE_PX = 64 };
+
 struct rb_painter {
+	const atomic_bool *cut; /* borrowed; NULL: nobody asks */
 	const struct rb_model *model;
 	const struct rb_camera_def *camera;
 	struct rb_canvas *canvas;
@@ -180,25 +187,14 @@ static void tell(const struct rb_painter *painter, const struct rb_shader_block 
 	glBindBufferBase(GL_UNIFORM_BUFFER, 0, painter->block);
 }
 
-/* One picture into the canvas. */
-static enum rb_status draw(struct rb_painter *painter, const struct rb_frame *frame,
-                           const struct rb_view *view, const struct rb_trails *trails,
-                           struct rb_error *err)
+/* All of a picture after the shadows, where the scissors let it through. */
+static enum rb_status draw_band(struct rb_painter *painter, const struct rb_frame *frame,
+                                const struct rb_view *view, const struct rb_trails *trails,
+                                struct rb_error *err)
 {
-	struct rb_shader_block block;
 	const bool wireframe = painter->camera->wireframe;
 
-	rb_lights_tell(&painter->lights, view, rb_canvas_depth_from_zero(painter->canvas), &block);
-	const enum rb_status status = rb_bodies_see(painter->bodies, frame, view, err);
-	if (status != RB_OK)
-		return status;
 	glDisable(GL_BLEND);
-	tell(painter, &block);
-	if (!wireframe) {
-		rb_shadows_draw(&painter->shadows, &painter->lights, view, painter->bodies, &block);
-		tell(painter, &block);
-	}
-	rb_canvas_begin(painter->canvas);
 	clear(painter);
 	if (!wireframe)
 		rb_bodies_draw(painter->bodies);
@@ -212,6 +208,59 @@ static enum rb_status draw(struct rb_painter *painter, const struct rb_frame *fr
 	else
 		rb_bodies_soften(painter->bodies);
 	return painter->lines ? rb_lines_draw(painter->lines, frame, view, trails, err) : RB_OK;
+}
+
+/* The canvas from its lower to its upper edge, whole if it is not large. */
+static enum rb_status draw_bands(struct rb_painter *painter, const struct rb_frame *frame,
+                                 const struct rb_view *view, const struct rb_trails *trails,
+                                 struct rb_error *err)
+{
+	const int width = painter->picture.width, height = painter->picture.height;
+	const int samples = rb_canvas_samples(painter->canvas);
+	const int rows = BAND_SAMPLES / width / (samples > 1 ? samples : 1);
+	const int band = (rows / TILE_PX + 1) * TILE_PX;
+	enum rb_status status = RB_OK;
+
+	if (band >= height)
+		return draw_band(painter, frame, view, trails, err);
+	glEnable(GL_SCISSOR_TEST);
+	for (int row = 0; row < height && !status; row += band) {
+		if (painter->cut && atomic_load(painter->cut)) {
+			status = RB_FAIL(err, RB_ERR_INTERRUPT, "a picture was given up");
+			break;
+		}
+		glScissor(0, row, width, band < height - row ? band : height - row);
+		status = draw_band(painter, frame, view, trails, err);
+		glFinish();
+	}
+	glDisable(GL_SCISSOR_TEST);
+	return status;
+}
+
+/* One picture into the canvas. */
+static enum rb_status draw(struct rb_painter *painter, const struct rb_frame *frame,
+                           const struct rb_view *view, const struct rb_trails *trails,
+                           struct rb_error *err)
+{
+	struct rb_shader_block block;
+
+	rb_lights_tell(&painter->lights, view, rb_canvas_depth_from_zero(painter->canvas), &block);
+	const enum rb_status status = rb_bodies_see(painter->bodies, frame, view, err);
+	if (status != RB_OK)
+		return status;
+	glDisable(GL_BLEND);
+	tell(painter, &block);
+	if (!painter->camera->wireframe) {
+		rb_shadows_draw(&painter->shadows, &painter->lights, view, painter->bodies, &block);
+		tell(painter, &block);
+	}
+	rb_canvas_begin(painter->canvas);
+	return draw_bands(painter, frame, view, trails, err);
+}
+
+void rb_painter_heed(struct rb_painter *painter, const atomic_bool *cut)
+{
+	painter->cut = cut;
 }
 
 enum rb_status rb_painter_draw(struct rb_painter *painter, const struct rb_frame *frame,

@@ -9,6 +9,9 @@
 #ifndef RB_FILM_PAINTER_H
 #define RB_FILM_PAINTER_H
 
+#include <stdatomic.h>
+#include <stdbool.h>
+
 #include <rbsim/frame.h>
 #include <rbsim/model.h>
 
@@ -28,6 +31,11 @@ RB_CHECKED enum rb_status rb_painter_create(struct rb_painter **painter,
                                             const struct rb_camera_def *camera,
                                             struct rb_error *err);
 void rb_painter_destroy(struct rb_painter *painter); /* NULL is fine; same thread */
+/*
+ * Once `cut` is set, by any thread, large pictures are given up half-way: RB_ERR_INTERRUPT.
+ * Borrowed; NULL: never.
+ */
+void rb_painter_heed(struct rb_painter *painter, const atomic_bool *cut);
 
 /*
  * The picture at a frame: poses, contacts and velocities are the frame's. `shot` is where a camera

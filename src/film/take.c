@@ -280,6 +280,11 @@ enum rb_status rb_take_draw(struct rb_take *take, const struct rb_frame *frame,
 	return status;
 }
 
+void rb_take_heed(struct rb_take *take, const atomic_bool *cut)
+{
+	rb_painter_heed(take->painter, cut);
+}
+
 struct rb_painter_times rb_take_times(const struct rb_take *take)
 {
 	return rb_painter_times(take->painter);

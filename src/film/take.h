@@ -12,7 +12,8 @@ struct rb_take;
 
 RB_CHECKED enum rb_status rb_take_create(struct rb_take **take, const struct rb_model *model,
                                          const struct rb_camera_def *camera, struct rb_error *err);
-void rb_take_destroy(struct rb_take *take); /* NULL is fine; same thread */
+void rb_take_destroy(struct rb_take *take);                      /* NULL is fine; same thread */
+void rb_take_heed(struct rb_take *take, const atomic_bool *cut); /* as rb_painter_heed */
 
 /* Every frame before one that is drawn, in order of time, drawn or not: trails grow by it. */
 void rb_take_see(struct rb_take *take, const struct rb_frame *frame);

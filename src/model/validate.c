@@ -730,7 +730,7 @@ static enum rb_status check_boxes(struct check *check, const struct start_boxes 
 	rb_grid_release(&grid);
 	if (found > OVERLAPS_SHOWN)
 		line_mistake(check, 0, "%d more pairs of bodies overlap at the start",
-		              found - OVERLAPS_SHOWN);
+		             found - OVERLAPS_SHOWN);
 	return status;
 }
 
