@@ -287,24 +287,18 @@ static enum rb_status check_size(const struct rb_loaded *loaded, struct rb_error
 	               disk > 0 ? ")" : "");
 }
 
-/*
- * Loads the scene; `from` NULL: from its files on disk, else the texts that another one was loaded
- * from.
- */
-static enum rb_status load(struct rb_loaded *loaded, const struct rb_loaded *from,
+/* Loads the scene; `from`: its stored files, and who may stop it. */
+static enum rb_status load(struct rb_loaded *loaded, const struct rb_script_options *from,
                            const struct rb_options *options, struct rb_error *err)
 {
-	const struct rb_script_options script_options = {
-		.path = options->operand[0],
-		.params = options->params,
-		.param_count = options->param_count,
-		.has_seed = options->has_seed,
-		.seed = options->seed,
-		.trust = options->trust,
-		.files = from ? from->scene.files : NULL,
-		.file_count = from ? from->scene.file_count : 0,
-	};
+	struct rb_script_options script_options = *from;
 
+	script_options.path = options->operand[0];
+	script_options.params = options->params;
+	script_options.param_count = options->param_count;
+	script_options.has_seed = options->has_seed;
+	script_options.seed = options->seed;
+	script_options.trust = options->trust;
 	*loaded = (struct rb_loaded){0};
 	enum rb_status status = rb_script_load(&loaded->script, &loaded->scene, &loaded->mistakes,
 	                                       &script_options, err);
@@ -329,13 +323,19 @@ static enum rb_status load(struct rb_loaded *loaded, const struct rb_loaded *fro
 enum rb_status rb_loaded_init(struct rb_loaded *loaded, const struct rb_options *options,
                               struct rb_error *err)
 {
-	return load(loaded, NULL, options, err);
+	return load(loaded, &(struct rb_script_options){0}, options, err);
 }
 
 enum rb_status rb_loaded_again(struct rb_loaded *loaded, const struct rb_loaded *from,
-                               const struct rb_options *options, struct rb_error *err)
+                               const struct rb_options *options, bool (*stop)(void *user),
+                               void *user, struct rb_error *err)
 {
-	return load(loaded, from, options, err);
+	const struct rb_script_options script = {.files = from->scene.files,
+	                                         .file_count = from->scene.file_count,
+	                                         .stop = stop,
+	                                         .stop_user = user};
+
+	return load(loaded, &script, options, err);
 }
 
 void rb_loaded_release(struct rb_loaded *loaded)

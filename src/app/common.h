@@ -37,10 +37,12 @@ RB_CHECKED enum rb_status rb_loaded_init(struct rb_loaded *loaded, const struct 
                                          struct rb_error *err);
 /*
  * The same scene once more, from the files as they were read then, with the parameters of these
- * options.
+ * options. `stop` says whether to give it up: RB_ERR_SCENE.
  */
 RB_CHECKED enum rb_status rb_loaded_again(struct rb_loaded *loaded, const struct rb_loaded *from,
-                                          const struct rb_options *options, struct rb_error *err);
+                                          const struct rb_options *options,
+                                          bool (*stop)(void *user), void *user,
+                                          struct rb_error *err);
 void rb_loaded_release(struct rb_loaded *loaded); /* safe on a zeroed one */
 
 /* Tells an error on standard error and gives its exit status; with --debug also where it arose. */

@@ -188,7 +188,8 @@ static enum rb_status gather_params(struct rb_listen *listen, struct rb_error *e
 }
 
 /* Loads the scene for the next run as it was read, not as its file may be by now. */
-static enum rb_status load_next(struct rb_listen *listen, struct rb_error *err)
+static enum rb_status load_next(struct rb_listen *listen, const struct rb_listen_calls *calls,
+                                struct rb_error *err)
 {
 	enum rb_status status = gather_params(listen, err);
 
@@ -197,7 +198,8 @@ static enum rb_status load_next(struct rb_listen *listen, struct rb_error *err)
 	listen->next = rb_memory_take(1, sizeof *listen->next);
 	if (!listen->next)
 		return RB_FAIL(err, RB_ERR_MEMORY, "out of memory");
-	status = rb_loaded_again(listen->next, listen->loaded, &listen->again, err);
+	status = rb_loaded_again(listen->next, listen->loaded, &listen->again, calls->stop,
+	                         calls->user, err);
 	if (!status)
 		return RB_OK;
 	rb_loaded_release(listen->next);
@@ -221,8 +223,10 @@ enum rb_player_verdict rb_listen_gate(struct rb_listen *listen, const struct rb_
 			calls->keep(calls->user);
 			continue;
 		}
-		if (verdict != RB_PLAYER_RESTART || load_next(listen, &err) == RB_OK)
+		if (verdict != RB_PLAYER_RESTART || load_next(listen, calls, &err) == RB_OK)
 			return verdict;
+		if (calls->stop(calls->user))
+			continue; /* the gate says so */
 		rb_log(RB_LOG_WARNING, "cannot restart: %s", err.text);
 		rb_session_tell(listen->session, "cannot restart, the run is paused: %.120s",
 		                err.text);

@@ -524,7 +524,10 @@ static enum rb_status load(struct rb_script *script, struct rb_error *err)
 	if (options->has_seed)
 		script->sandbox.seed = scene->world.seed = options->seed;
 
+	script->sandbox.stop = options->stop;
+	script->sandbox.stop_user = options->stop_user;
 	status = run(script, run_scene, err);
+	script->sandbox.stop = NULL;
 	const bool whole = status == RB_OK;
 	if (status == RB_OK)
 		status = start_driven(script);

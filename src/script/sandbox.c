@@ -209,7 +209,9 @@ static void raise_spent(lua_State *L, int level)
 	lua_sethook(L, count_hook, LUA_MASKCOUNT, 1);
 	luaL_where(L, level);
 	snprintf(seconds, sizeof seconds, "%.9g", rb_overtime_seconds());
-	if (sandbox->spent == RB_SPENT_TIME)
+	if (sandbox->spent == RB_SPENT_PATIENCE)
+		lua_pushliteral(L, "the script was interrupted");
+	else if (sandbox->spent == RB_SPENT_TIME)
 		lua_pushfstring(L, "the script ran longer than %s seconds %s", seconds, lifted);
 	else if (sandbox->spent == RB_SPENT_MEMORY)
 		lua_pushfstring(L, "the script needs more than %d MiB of memory %s",
@@ -231,9 +233,10 @@ static void verify(lua_State *L, int level)
 
 	if (sandbox->trust)
 		return;
-	if (sandbox->spent != RB_SPENT_INSTRUCTIONS && sandbox->spent != RB_SPENT_TIME &&
-	    sandbox->spent != RB_SPENT_MEMORY) {
-		if (sandbox->work > sandbox->work_max)
+	if (sandbox->spent == RB_SPENT_NOTHING || sandbox->spent == RB_SPENT_TEXT) {
+		if (sandbox->stop && sandbox->stop(sandbox->stop_user))
+			sandbox->spent = RB_SPENT_PATIENCE;
+		else if (sandbox->work > sandbox->work_max)
 			sandbox->spent = RB_SPENT_INSTRUCTIONS;
 		else if (rb_overtime_is_up(&sandbox->overtime))
 			sandbox->spent = RB_SPENT_TIME;
@@ -257,7 +260,8 @@ void rb_sandbox_charge(lua_State *L, uint64_t work)
 
 	if (__builtin_add_overflow(sandbox->work, work, &sandbox->work))
 		sandbox->work = UINT64_MAX / 2;
-	if (sandbox->work > sandbox->work_max || rb_overtime_is_up(&sandbox->overtime))
+	if (sandbox->work > sandbox->work_max || rb_overtime_is_up(&sandbox->overtime) ||
+	    (sandbox->stop && sandbox->stop(sandbox->stop_user)))
 		verify(L, 1);
 }
 

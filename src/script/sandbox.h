@@ -42,6 +42,7 @@ enum rb_spent {
 	RB_SPENT_INSTRUCTIONS,
 	RB_SPENT_TIME,
 	RB_SPENT_MEMORY,
+	RB_SPENT_PATIENCE, /* of whoever stops it */
 	RB_SPENT_TEXT
 };
 
@@ -80,6 +81,8 @@ struct rb_sandbox {
 	uint64_t work, work_max;
 	struct rb_overtime overtime;
 	enum rb_spent spent;
+	bool (*stop)(void *user); /* whether to give up what goes on; NULL: never */
+	void *stop_user;
 
 	uint64_t seed; /* of math.random: number = f(seed, stream, index) */
 	RB_SANDBOX_RANDOM_FIELDS(RB_FIELD_MEMBER)

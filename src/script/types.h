@@ -18,6 +18,12 @@ struct rb_script_options {
 	bool has_seed; /* then world.seed is not looked at */
 	uint64_t seed;
 	bool trust; /* all of Lua's libraries, no budgets */
+	/*
+	 * asked again and again while the script is loaded, unless it is trusted: whether to give
+	 * it up, which is an error of the scene; NULL: never
+	 */
+	bool (*stop)(void *user);
+	void *stop_user;
 
 	/* Where `require "rbsim.NAME"` looks for rbsim/NAME.lua; none: RBSIM_LUA_PATH (folders
 	 * parted by ':') if set, else ../lua, ../../lua and ../share/rbsim/lua beside the program.

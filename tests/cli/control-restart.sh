@@ -104,6 +104,25 @@ for n in 1 2 3; do
 	exits 0 info l.h5
 done
 
+# a signal is heard while the scene is loaded anew: the run that goes on until then ends with its checkpoint
+cat >slow.lua <<'END'
+local n = param("n", 1)
+print("loads")
+for i = 1, n do end
+world { duration = 2 }
+sphere { radius = 0.1 }
+END
+printf 'at 0.2 set n 40000000000\nat 0.2 restart\n' >commands
+"$RBSIM" slow.lua --commands commands >out 2>err &
+pid=$!
+until_true sh -c '[ "$(grep -c loads err)" -eq 2 ]'
+kill -TERM $pid
+ended 75 "SIGTERM while it restarts"
+grep -q 'ran longer than' err && fail "the signal waited for the scene: $(cat err)"
+exits 0 slow.lua --resume -q
+exits 0 info slow.h5 --json
+[ "$(value frames)" = 121 ] || fail "$(value frames) frames after a signal while it restarted"
+
 # films are made anew as well, by the cameras of the scene as it was read
 [ -f "$(dirname "$RBSIM")/rbsim-film.so" ] || exit 0
 cat >film.lua <<'END'
