@@ -17,8 +17,8 @@ struct rb_listen;
 
 /*
  * `*listen` is NULL where the options ask for none. From here to rb_listen_destroy the signals of
- * rb_thread_stops are blocked, so that none is lost between a run and the next. Borrows the options,
- * and `info` with its scene until rb_listen_run_ends. RB_ERR_INPUT (the file of commands),
+ * rb_thread_stops are blocked, so that none is lost between a run and the next. Borrows the
+ * options, and `info` with its scene until rb_listen_run_ends. RB_ERR_INPUT (the file of commands),
  * RB_ERR_CREATE (the socket).
  */
 RB_CHECKED enum rb_status rb_listen_create(struct rb_listen **listen,
