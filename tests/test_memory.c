@@ -70,6 +70,73 @@ static void growing_keeps_the_old_part_and_zeroes_the_new(void **state)
 	rb_memory_free(block);
 }
 
+static void a_large_block_grows_as_a_small_one_does(void **state)
+{
+	const size_t few = 100000, used = 60000, many = 900000;
+	int *block = rb_memory_take(few, sizeof *block);
+	const struct rb_memory_counts before = rb_memory_counts();
+
+	(void)state;
+	assert_non_null(block);
+	for (size_t i = 0; i < few; i++)
+		block[i] = (int)i + 1;
+	rb_memory_fail_at(1);
+	assert_null(rb_memory_grow(block, few, many, sizeof *block));
+	rb_memory_fail_at(0);
+	assert_int_equal(block[few - 1], (int)few);
+	block = rb_memory_grow(block, used, many, sizeof *block);
+	assert_non_null(block);
+	assert_int_equal((uintptr_t)block % 64, 0);
+	for (size_t i = 0; i < many; i++)
+		assert_int_equal(block[i], i < used ? (int)i + 1 : 0);
+	const struct rb_memory_counts after = rb_memory_counts();
+	assert_int_equal(after.bytes_now - before.bytes_now, (many - few) * sizeof *block);
+	assert_int_equal(after.taken - before.taken, 1);
+	assert_int_equal(after.freed - before.freed, 1);
+	block = rb_memory_grow(block, used, 10, sizeof *block);
+	assert_non_null(block);
+	assert_int_equal(block[9], 10);
+	rb_memory_free(block);
+}
+
+/* kB of this process that lie in memory; 0: the system does not tell. */
+static long resident_kb(void)
+{
+	FILE *file = fopen("/proc/self/status", "r");
+	char line[256];
+	long kb = 0;
+
+	while (file && fgets(line, sizeof line, file))
+		if (strncmp(line, "VmRSS:", 6) == 0)
+			kb = strtol(line + 6, NULL, 10);
+	if (file)
+		fclose(file);
+	return kb;
+}
+
+static void room_to_spare_and_what_is_freed_take_no_memory(void **state)
+{
+	const size_t size = (size_t)64 << 20, part = (size_t)4 << 20;
+	const long before = resident_kb();
+
+	(void)state;
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+	skip(); /* they keep what is freed */
+#endif
+	if (before == 0)
+		skip();
+	for (int k = 0; k < 4; k++) {
+		unsigned char *block = rb_memory_take(size / 2, 1);
+		assert_non_null(block);
+		memset(block, 1, part);
+		block = rb_memory_grow(block, size / 2, size, 1);
+		assert_non_null(block);
+		assert_true(resident_kb() - before < 2 * (long)(part >> 10));
+		rb_memory_free(block);
+		assert_true(resident_kb() - before < (long)(part >> 10));
+	}
+}
+
 static void reserving_doubles_and_leaves_all_as_it_was_when_memory_is_out(void **state)
 {
 	double *block = NULL;
@@ -198,6 +265,8 @@ int main(void)
 		cmocka_unit_test(a_product_that_overflows_is_refused),
 		cmocka_unit_test(counts_follow_what_is_held),
 		cmocka_unit_test(growing_keeps_the_old_part_and_zeroes_the_new),
+		cmocka_unit_test(a_large_block_grows_as_a_small_one_does),
+		cmocka_unit_test(room_to_spare_and_what_is_freed_take_no_memory),
 		cmocka_unit_test(reserving_doubles_and_leaves_all_as_it_was_when_memory_is_out),
 		cmocka_unit_test(the_kth_allocation_fails_and_all_after_it),
 		cmocka_unit_test(a_copied_text_is_a_block_of_its_own),

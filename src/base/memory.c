@@ -4,6 +4,11 @@
  * checks. The head makes the counts of bytes exact without malloc_usable_size, and the alignment of
  * 64 lets arrays of columns be read with aligned vector loads. realloc is not used: it cannot keep
  * that alignment, and a failing growth must leave the old block as it was.
+ *
+ * Large blocks are mappings of their own. What nobody has written to takes no memory, so capacity
+ * to spare is free; a growing block moves its pages and is never there twice; and what is freed
+ * goes back to the system at once. malloc would keep it, and would write zeroes to all of what it
+ * hands out again.
  */
 #include "base/memory.h"
 
@@ -12,6 +17,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 #include "base/error.h"
 
@@ -29,11 +35,15 @@ enum { FENCE = 8 };
 static const unsigned char fence[8] = {0xb5, 0x1e, 0xa7, 0x5c, 0xf3, 0x6d, 0x92, 0xc9};
 
 /*
- * From 16 pages on calloc returns pages that the kernel zeroes on first touch. Below,
- * posix_memalign gives a block of exact size, so that a sanitizer sees the first byte beyond the
- * end.
+ * Bytes from which on a block is a mapping; below, its last page would be too large a share of it.
+ * None under sanitizers: posix_memalign gives a block of exact size, so that they see the first
+ * byte beyond the end.
  */
-static const size_t large_bytes = 65536;
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+static const size_t mapped_bytes = SIZE_MAX;
+#else
+static const size_t mapped_bytes = (size_t)1 << 17;
+#endif
 
 /* Lies in the ALIGNMENT bytes before each block. */
 struct head {
@@ -86,28 +96,15 @@ static void count_taken(size_t size)
 	atomic_fetch_add(&taken, 1);
 }
 
-void *rb_memory_take(size_t count, size_t size)
+/* Bytes of the mapping of such a block; the kernel rounds them up to pages. */
+static size_t mapping_of(size_t bytes)
 {
-	size_t bytes;
+	return ALIGNMENT + bytes + FENCE;
+}
 
-	if (must_fail() || __builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX / 2)
-		return NULL;
-
-	void *origin = NULL;
-	unsigned char *block;
-	if (bytes >= large_bytes) {
-		origin = calloc(1, bytes + FENCE + 2 * ALIGNMENT);
-		if (!origin)
-			return NULL;
-		const uintptr_t first = (uintptr_t)origin + ALIGNMENT;
-		block = (unsigned char *)origin + ALIGNMENT +
-		        (ALIGNMENT - first % ALIGNMENT) % ALIGNMENT;
-	} else {
-		if (posix_memalign(&origin, ALIGNMENT, bytes + FENCE + ALIGNMENT) != 0)
-			return NULL;
-		block = (unsigned char *)origin + ALIGNMENT;
-		memset(block, 0, bytes);
-	}
+/* Writes head and fence of a new block, and counts it. */
+static void *begin_block(unsigned char *block, void *origin, size_t bytes)
+{
 	RB_ASSERT_COSTLY((uintptr_t)block % ALIGNMENT == 0);
 	memcpy(block + bytes, fence, FENCE);
 	*head_of(block) = (struct head){.origin = origin, .size = bytes};
@@ -115,9 +112,69 @@ void *rb_memory_take(size_t count, size_t size)
 	return block;
 }
 
+/* False: the product overflows, or no block can be so large. */
+static bool bytes_of(size_t count, size_t size, size_t *bytes)
+{
+	return !__builtin_mul_overflow(count, size, bytes) && *bytes <= SIZE_MAX / 2;
+}
+
+void *rb_memory_take(size_t count, size_t size)
+{
+	size_t bytes;
+
+	if (must_fail() || !bytes_of(count, size, &bytes))
+		return NULL;
+
+	void *origin = NULL;
+	if (bytes >= mapped_bytes) {
+		origin = mmap(NULL, mapping_of(bytes), PROT_READ | PROT_WRITE,
+		              MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+		if (origin == MAP_FAILED)
+			return NULL;
+	} else {
+		if (posix_memalign(&origin, ALIGNMENT, mapping_of(bytes)) != 0)
+			return NULL;
+		memset((unsigned char *)origin + ALIGNMENT, 0, bytes);
+	}
+	return begin_block((unsigned char *)origin + ALIGNMENT, origin, bytes);
+}
+
+/* Ends a block that lives on elsewhere, or goes. */
+static struct head end_block(void *block)
+{
+	const struct head head = *head_of(block);
+
+	RB_ASSERT(memcmp((unsigned char *)block + head.size, fence, FENCE) == 0);
+	RB_ASSERT(head.origin && (unsigned char *)head.origin < (unsigned char *)block);
+	atomic_fetch_sub(&bytes_now, head.size);
+	atomic_fetch_add(&freed, 1);
+	return head;
+}
+
+/* A mapping made larger, of which so many bytes are in use; NULL: it is as it was. */
+static void *grow_mapping(unsigned char *block, size_t used, size_t bytes)
+{
+	const struct head head = *head_of(block);
+	void *origin = mremap(head.origin, mapping_of(head.size), mapping_of(bytes),
+	                      MREMAP_MAYMOVE);
+
+	if (origin == MAP_FAILED)
+		return NULL;
+	block = (unsigned char *)origin + ALIGNMENT;
+	head_of(block)->origin = origin;
+	(void)end_block(block);
+	memset(block + used, 0, head.size + FENCE < bytes ? head.size + FENCE - used : bytes - used);
+	return begin_block(block, origin, bytes);
+}
+
 void *rb_memory_grow(void *block, size_t old_count, size_t new_count, size_t size)
 {
+	size_t bytes;
+
 	RB_ASSERT(block || old_count == 0);
+	if (block && head_of(block)->size >= mapped_bytes && bytes_of(new_count, size, &bytes) &&
+	    bytes >= head_of(block)->size)
+		return must_fail() ? NULL : grow_mapping(block, old_count * size, bytes);
 
 	unsigned char *grown = rb_memory_take(new_count, size);
 
@@ -158,12 +215,12 @@ void rb_memory_free(void *block)
 {
 	if (!block)
 		return;
-	const struct head head = *head_of(block);
-	RB_ASSERT(memcmp((unsigned char *)block + head.size, fence, FENCE) == 0);
-	atomic_fetch_sub(&bytes_now, head.size);
-	atomic_fetch_add(&freed, 1);
-	RB_ASSERT(head.origin && (unsigned char *)head.origin < (unsigned char *)block);
-	free(head.origin);
+	const struct head head = end_block(block);
+
+	if (head.size >= mapped_bytes)
+		munmap(head.origin, mapping_of(head.size));
+	else
+		free(head.origin);
 }
 
 char *rb_memory_copy_text(const char *text)
