@@ -85,12 +85,8 @@ void rb_grid_init(struct rb_grid *grid)
 void rb_grid_release(struct rb_grid *grid)
 {
 	rb_memory_free(grid->pairs);
-	rb_memory_free(grid->items);
-	rb_memory_free(grid->places);
-	rb_memory_free(grid->start);
 	rb_memory_free(grid->levels);
-	rb_memory_free(grid->sorted);
-	rb_memory_free(grid->column);
+	rb_arena_release(&grid->own);
 	*grid = (struct rb_grid){0};
 }
 
@@ -375,6 +371,23 @@ static void scan_coarser_level(struct query *query, const struct rb_grid_item *i
 			scan_row(query, item, row_salt(level, y, z), x_low, x_high);
 }
 
+/* Scratch of a call, from here on. */
+static struct rb_arena *arena_of(struct rb_grid *grid)
+{
+	return grid->arena ? grid->arena : &grid->own;
+}
+
+/* The end of a call; its own arena joins its blocks. */
+static void free_scratch(struct rb_grid *grid, rb_arena_mark here)
+{
+	grid->items = NULL;
+	grid->places = NULL;
+	grid->start = NULL;
+	rb_arena_back(arena_of(grid), here);
+	if (!grid->arena)
+		rb_arena_reset(&grid->own);
+}
+
 /* Room for `count` boxes and `table` bucket starts; false when memory is out. */
 static bool reserve(struct rb_grid *grid, size_t count, size_t table)
 {
@@ -385,34 +398,18 @@ static bool reserve(struct rb_grid *grid, size_t count, size_t table)
 		grid->levels->highest = LEVEL_COUNT -
 		                        1; /* lowest is 0: all are cleared the first time */
 	}
-	if (count > grid->item_capacity) {
-		rb_memory_free(grid->items);
-		rb_memory_free(grid->places);
-		grid->item_capacity = 0;
-		grid->items = rb_memory_take(count, sizeof *grid->items);
-		grid->places = rb_memory_take(count, sizeof *grid->places);
-		if (!grid->items || !grid->places)
-			return false;
-		grid->item_capacity = count;
-	}
-	return table <= grid->table_capacity ||
-	       rb_memory_reserve(&grid->start, &grid->table_capacity, table, sizeof *grid->start);
+	grid->items = rb_arena_take(arena_of(grid), count, sizeof *grid->items);
+	grid->places = rb_arena_take(arena_of(grid), count, sizeof *grid->places);
+	grid->start = rb_arena_take(arena_of(grid), table, sizeof *grid->start);
+	return grid->items && grid->places && grid->start;
 }
 
-enum rb_status rb_grid_find(struct rb_grid *grid, const struct rb_grid_boxes *boxes,
-                            struct rb_error *err)
+/* Pairs of boxes in a table of so many buckets. */
+static enum rb_status find_in_table(struct rb_grid *grid, const struct rb_grid_boxes *boxes,
+                                    size_t table, struct rb_error *err)
 {
-	RB_ASSERT(boxes->moving_count >= 0 && boxes->fixed_count >= 0);
-	RB_ASSERT(!boxes->group_bit == !boxes->collides);
-
 	const size_t count = (size_t)boxes->moving_count + (size_t)boxes->fixed_count;
-	size_t table = 64;
 
-	grid->pair_count = 0;
-	if (count <= FEW)
-		return find_all_pairs(grid, boxes, err);
-	while (table < 2 * count)
-		table *= 2;
 	if (!reserve(grid, count, table + RUN + 1))
 		return out_of_memory(err);
 	const enum rb_status status = choose_levels(grid, boxes, err);
@@ -429,6 +426,26 @@ enum rb_status rb_grid_find(struct rb_grid *grid, const struct rb_grid_boxes *bo
 	}
 	grid->tests += query.tests;
 	return query.failed ? out_of_memory(err) : RB_OK;
+}
+
+enum rb_status rb_grid_find(struct rb_grid *grid, const struct rb_grid_boxes *boxes,
+                            struct rb_error *err)
+{
+	RB_ASSERT(boxes->moving_count >= 0 && boxes->fixed_count >= 0);
+	RB_ASSERT(!boxes->group_bit == !boxes->collides);
+
+	const size_t count = (size_t)boxes->moving_count + (size_t)boxes->fixed_count;
+	size_t table = 64;
+
+	grid->pair_count = 0;
+	if (count <= FEW)
+		return find_all_pairs(grid, boxes, err);
+	while (table < 2 * count)
+		table *= 2;
+	const rb_arena_mark here = rb_arena_here(arena_of(grid));
+	const enum rb_status status = find_in_table(grid, boxes, table, err);
+	free_scratch(grid, here);
+	return status;
 }
 
 /* One pass of a counting sort, stable: column[k] is the next place of key k. */
@@ -463,18 +480,20 @@ enum rb_status rb_grid_sort(struct rb_grid *grid, int index_count, struct rb_err
 		return RB_OK;
 	if (count > UINT32_MAX)
 		return RB_FAIL(err, RB_ERR_PHYSICS, "%zu pairs of bodies may touch at once", count);
-	if ((count > grid->sorted_capacity &&
-	     !rb_memory_reserve(&grid->sorted, &grid->sorted_capacity, count,
-	                        sizeof *grid->sorted)) ||
-	    (columns > grid->column_capacity &&
-	     !rb_memory_reserve(&grid->column, &grid->column_capacity, columns,
-	                        sizeof *grid->column)))
+	const rb_arena_mark here = rb_arena_here(arena_of(grid));
+	struct rb_pair *sorted = rb_arena_take(arena_of(grid), count, sizeof *sorted);
+	uint32_t *column = rb_arena_take(arena_of(grid), columns, sizeof *column);
+	const bool good = sorted && column;
+	if (good) {
+		/* by b, then stably by a: the order of (a, b) in linear time, whatever the pairs */
+		count_by(grid->pairs, count, false, column, columns);
+		sort_by(grid->pairs, sorted, count, false, column);
+		count_by(sorted, count, true, column, columns);
+		sort_by(sorted, grid->pairs, count, true, column);
+	}
+	free_scratch(grid, here);
+	if (!good)
 		return out_of_memory(err);
-	/* by b, then stably by a: the order of (a, b) in linear time, whatever the pairs */
-	count_by(grid->pairs, count, false, grid->column, columns);
-	sort_by(grid->pairs, grid->sorted, count, false, grid->column);
-	count_by(grid->sorted, count, true, grid->column, columns);
-	sort_by(grid->sorted, grid->pairs, count, true, grid->column);
 
 	size_t kept = 1;
 	for (size_t i = 1; i < count; i++)

@@ -5,8 +5,8 @@
  * Owned by whoever made it, one thread at a time. Each box is kept in one cell: of the level whose
  * cells are just larger than it, at its low corner. A pair is looked for from the smaller box, in
  * the few cells of its own and each coarser level in use that could hold a partner, so that neither
- * a mix of sizes nor a box over very many small cells costs anything. Arrays are kept from call to
- * call.
+ * a mix of sizes nor a box over very many small cells costs anything. Pairs are kept until the next
+ * call; all else lies in an arena.
  */
 #ifndef RB_GEOM_GRID_H
 #define RB_GEOM_GRID_H
@@ -16,6 +16,8 @@
 
 #include <rbsim/error.h>
 #include <rbsim/math.h>
+
+#include "base/arena.h"
 
 /* Indices of two bodies, a < b. */
 struct rb_pair {
@@ -38,15 +40,17 @@ struct rb_grid {
 	struct rb_pair *pairs; /* owned */
 	size_t pair_count;
 	uint64_t tests; /* of box against box, so far */
+	/* borrowed, left as it was found; NULL: the grid's own */
+	struct rb_arena *arena;
 
 	/* private, owned */
-	size_t pair_capacity, item_capacity, table_capacity, sorted_capacity, column_capacity;
+	size_t pair_capacity;
+	struct rb_grid_levels *levels;
+	struct rb_arena own;
+	/* of a call, in the arena */
 	struct rb_grid_item *items;   /* by bucket */
 	struct rb_grid_place *places; /* by index */
 	uint32_t *start;              /* of each bucket in items, one more at the end */
-	struct rb_grid_levels *levels;
-	struct rb_pair *sorted;
-	uint32_t *column;
 };
 
 void rb_grid_init(struct rb_grid *grid);

@@ -136,6 +136,11 @@ void rb_broadphase_destroy(struct rb_broadphase *broadphase)
 	rb_memory_free(broadphase);
 }
 
+void rb_broadphase_borrow(struct rb_broadphase *broadphase, struct rb_arena *arena)
+{
+	broadphase->grid.arena = arena;
+}
+
 /*
  * True if the box's deepest corner is behind the plane, with a margin of 8 ulp of the sum's terms.
  */

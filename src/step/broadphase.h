@@ -24,6 +24,9 @@ RB_CHECKED enum rb_status rb_broadphase_create(struct rb_broadphase **broadphase
                                                const struct rb_model *model, struct rb_error *err);
 void rb_broadphase_destroy(struct rb_broadphase *broadphase); /* NULL is fine */
 
+/* Scratch of each call is taken there from now on; without one it keeps its own. */
+void rb_broadphase_borrow(struct rb_broadphase *broadphase, struct rb_arena *arena);
+
 /*
  * All pairs of which the boxes overlap (closed intervals), that the filters allow and of which at
  * least one moves, sorted by (a, b). `box` is [body_count], of the moving bodies, m; boxes must be

@@ -113,6 +113,8 @@ static enum rb_status prepare(struct rb_world *world, struct rb_error *err)
 		status = rb_state_init(&world->mark, model->body_count, model->features, err);
 	if (status == RB_OK && (model->features & RB_FEATURE_CONTACT) && !world->broadphase)
 		status = rb_broadphase_create(&world->broadphase, model, err);
+	if (world->broadphase)
+		rb_broadphase_borrow(world->broadphase, &world->arena[0]);
 	if (status == RB_OK)
 		status = rb_candidates_create(&made->candidates, model, err);
 	if (status == RB_OK)
