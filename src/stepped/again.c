@@ -25,7 +25,7 @@ struct view {
 	unsigned char *again; /* by body: of a group that is looked at again */
 	int *body;            /* those, then driven ones */
 	int count;
-	size_t *pair; /* of the candidates */
+	uint32_t *pair; /* of the candidates */
 	size_t pair_count;
 };
 
@@ -97,7 +97,8 @@ static bool take_view(struct rb_world *world, const struct rb_cohort *cohort,
 	}
 	for (size_t k = 0; k < rb_candidates_live_count(candidates); k++)
 		if (is_seen(world, view, candidates->pair[rb_candidates_live(candidates, k)]))
-			view->pair[view->pair_count++] = rb_candidates_live(candidates, k);
+			view->pair[view->pair_count++] = (uint32_t)rb_candidates_live(candidates,
+			                                                              k);
 	return true;
 }
 
@@ -215,6 +216,7 @@ static enum rb_status merge(struct rb_world *world, struct rb_cohort *cohort,
 	const struct rb_step_points *fresh = &s->closing;
 	struct rb_step_points *points = &cohort->points;
 	const size_t max = points->count + fresh->count;
+	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
 	struct rb_step_point *old = rb_arena_take(&world->arena[0], points->count, sizeof *old);
 	const size_t old_count = points->count;
 	size_t at = 0, new_at = 0;
@@ -246,6 +248,7 @@ static enum rb_status merge(struct rb_world *world, struct rb_cohort *cohort,
 		at += was;
 		new_at += is;
 	}
+	rb_arena_back(&world->arena[0], here);
 	return RB_OK;
 }
 
@@ -254,7 +257,7 @@ static enum rb_status find_points(struct rb_world *world, struct rb_candidates *
                                   const struct view *view, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	const size_t *const live = candidates->live;
+	const uint32_t *const live = candidates->live;
 	const size_t live_count = candidates->live_count;
 
 	s->closing.count = 0;

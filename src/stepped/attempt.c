@@ -396,11 +396,14 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 		rb_sleep_note(world);
 		world->frame_counts.rows += s->sleep.point_count;
 	}
+	s->solver.hands_over = world->located && world->dense_left == 1;
+	cohort->rebounds = rb_solver_rebounds(&s->solver);
+	if (!cohort->rebounds)
+		return RB_OK;
 	if (!rb_memory_reserve(&cohort->rebound, &cohort->rebound_capacity,
 	                       cohort->points.count + 1, sizeof *cohort->rebound))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 	if (cohort->points.count > 0)
 		memset(cohort->rebound, 0, cohort->points.count * sizeof *cohort->rebound);
-	s->solver.hands_over = world->located && world->dense_left == 1;
 	return rb_solver_rebound(&s->solver, world, &cohort->points, cohort->rebound, err);
 }

@@ -106,13 +106,12 @@ enum rb_status rb_candidates_create(struct rb_candidates *candidates, const stru
 	candidates->built_at = rb_memory_take(n, sizeof *candidates->built_at);
 	candidates->margin = rb_memory_take(n, sizeof *candidates->margin);
 	candidates->reach = rb_memory_take(n, sizeof *candidates->reach);
-	candidates->box = rb_memory_take(n, sizeof *candidates->box);
 	if (model->driven) {
 		candidates->built_turn = rb_memory_take(n, sizeof *candidates->built_turn);
 		candidates->turn_margin = rb_memory_take(n, sizeof *candidates->turn_margin);
 	}
 	if ((!model->driven || (candidates->built_turn && candidates->turn_margin)) &&
-	    candidates->built_at && candidates->margin && candidates->reach && candidates->box &&
+	    candidates->built_at && candidates->margin && candidates->reach &&
 	    take_parts(candidates, model))
 		return RB_OK;
 	rb_candidates_release(candidates);
@@ -124,7 +123,6 @@ void rb_candidates_release(struct rb_candidates *candidates)
 	rb_memory_free(candidates->built_at);
 	rb_memory_free(candidates->margin);
 	rb_memory_free(candidates->reach);
-	rb_memory_free(candidates->box);
 	rb_memory_free(candidates->built_turn);
 	rb_memory_free(candidates->turn_margin);
 	rb_memory_free(candidates->own_depth);
@@ -318,7 +316,8 @@ enum rb_status rb_candidates_forget(struct rb_candidates *candidates, const stru
 
 	candidates->live = NULL;
 	candidates->resting_depth = (double)NAN;
-	if (!rb_memory_reserve(&candidates->own_depth, &candidates->depth_capacity,
+	if (candidates->pair_count > UINT32_MAX ||
+	    !rb_memory_reserve(&candidates->own_depth, &candidates->depth_capacity,
 	                       candidates->pair_count + 1, sizeof *candidates->own_depth))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu candidate pairs",
 		               candidates->pair_count);
@@ -339,30 +338,44 @@ enum rb_status rb_candidates_forget(struct rb_candidates *candidates, const stru
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu candidate pairs",
 		               candidates->pair_count);
 	for (size_t k = 0; k < candidates->pair_count; k++) {
-		candidates->own_first_clue[k] = count;
+		candidates->own_first_clue[k] = (uint32_t)count;
 		if (!rb_candidates_is_terrain(model, candidates->pair[k].b))
 			count += (size_t)rb_candidates_part_count(candidates,
 			                                          candidates->pair[k].a) *
 			         (size_t)rb_candidates_part_count(candidates,
 			                                          candidates->pair[k].b);
 	}
-	if (!rb_memory_reserve(&candidates->clue, &candidates->clue_capacity, count + 1,
-	                       sizeof *candidates->clue))
+	if (count > UINT32_MAX || !rb_memory_reserve(&candidates->clue, &candidates->clue_capacity,
+	                                             count + 1, sizeof *candidates->clue))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu candidate parts", count);
 	memset(candidates->clue, 0, count * sizeof *candidates->clue);
 	candidates->first_clue = candidates->own_first_clue;
 	return RB_OK;
 }
 
-/* Asks the broadphase and forgets all caches by pair. */
+/* Room for the boxes of a search, which ends it. */
+static enum rb_status begin_search(struct rb_candidates *candidates, struct rb_world *world,
+                                   struct rb_error *err)
+{
+	const size_t n = (size_t)world->model->body_count;
+
+	candidates->box = rb_arena_take(&world->arena[0], n, sizeof *candidates->box);
+	return candidates->box
+	               ? RB_OK
+	               : RB_FAIL(err, RB_ERR_MEMORY, "no memory for the boxes of %zu bodies", n);
+}
+
+/* Asks the broadphase and forgets all caches by pair; the arena is as at the mark again. */
 static enum rb_status search(struct rb_candidates *candidates, struct rb_world *world, bool all,
-                             struct rb_error *err)
+                             rb_arena_mark here, struct rb_error *err)
 {
 	enum rb_status status = rb_broadphase_find(world->broadphase, candidates->box,
 	                                           &candidates->pair, &candidates->pair_count, err);
 
 	if (status == RB_OK && world->model->driven)
 		status = order_pairs(candidates, world, all, err);
+	candidates->box = NULL;
+	rb_arena_back(&world->arena[0], here);
 	return status == RB_OK ? rb_candidates_forget(candidates, world->model, err) : status;
 }
 
@@ -370,7 +383,11 @@ enum rb_status rb_candidates_pairs(struct rb_candidates *candidates, struct rb_w
                                    const rb_aabb *bounds, struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
+	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
+	const enum rb_status status = begin_search(candidates, world, err);
 
+	if (status != RB_OK)
+		return status;
 	for (int i = 0; i < model->body_count; i++) {
 		const rb_vec3 low = bounds[i].low, high = bounds[i].high;
 		/* room for the rounding of coordinates, too */
@@ -382,7 +399,7 @@ enum rb_status rb_candidates_pairs(struct rb_candidates *candidates, struct rb_w
 		candidates->box[i] = (rb_aabb){{low.x - half, low.y - half, low.z - half},
 		                               {high.x + half, high.y + half, high.z + half}};
 	}
-	return search(candidates, world, true, err);
+	return search(candidates, world, true, here, err);
 }
 
 /* New boxes around the present positions. */
@@ -391,9 +408,13 @@ static enum rb_status build(struct rb_candidates *candidates, struct rb_world *w
 {
 	const struct rb_model *model = world->model;
 	const double lasting = STEPS_PER_BOX * fmin(BOXES_MAX, 1 / candidates->share);
+	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
+	enum rb_status status = begin_search(candidates, world, err);
 	double mean = 0;
 
 	candidates->valid = false;
+	if (status != RB_OK)
+		return status;
 	for (int i = 0; i < model->body_count; i++)
 		mean += candidates->reach[i] / model->body_count;
 	for (int i = 0; i < model->body_count; i++) {
@@ -420,7 +441,7 @@ static enum rb_status build(struct rb_candidates *candidates, struct rb_world *w
 		candidates->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half},
 		                               {c.x + half, c.y + half, c.z + half}};
 	}
-	const enum rb_status status = search(candidates, world, false, err);
+	status = search(candidates, world, false, here, err);
 	candidates->valid = status == RB_OK;
 	return status;
 }

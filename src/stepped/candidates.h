@@ -29,13 +29,13 @@ struct rb_candidates {
 	double *turn_margin; /* [bodies] rad: by how much more these may be */
 	/* [bodies] m: how far each gets in the step under way, if nothing touches it */
 	double *reach;
-	rb_aabb *box;
+	rb_aabb *box; /* [bodies] the arena's: while pairs are looked for */
 	double h_s;   /* of that step */
 	double share; /* of bodies that move: where these are few, their boxes are made to last */
 	const struct rb_pair *pair; /* borrowed from the broadphase, or `own` */
 	size_t pair_count;
 	/* borrowed: of these pairs, ascending, those to be looked at; NULL: all */
-	const size_t *live;
+	const uint32_t *live;
 	size_t live_count;
 	/*
 	 * m: overlap of each pair when it was last measured, as `pair`; negative: it is no more
@@ -54,8 +54,8 @@ struct rb_candidates {
 	 * clues.
 	 */
 	struct rb_clue *clue; /* of each two parts of each pair */
-	size_t *first_clue;   /* [pair_count], as `pair` */
-	size_t *own_first_clue;
+	uint32_t *first_clue; /* [pair_count], as `pair` */
+	uint32_t *own_first_clue;
 	size_t clue_capacity, first_clue_capacity;
 	int *first_part;   /* [bodies and statics + 1] into `placed` */
 	rb_placed *placed; /* where parts stand: rb_candidates_place */

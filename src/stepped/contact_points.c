@@ -36,7 +36,6 @@ void rb_step_points_release(struct rb_step_points *points)
 {
 	rb_memory_free(points->row);
 	rb_memory_free(points->last);
-	rb_memory_free(points->spare);
 	rb_memory_free(points->first_last);
 	rb_memory_free(points->held);
 	*points = (struct rb_step_points){0};
@@ -84,10 +83,7 @@ static rb_vec3 center_of(const struct rb_world *world, int i)
 	                                    : world->model->position[i];
 }
 
-/*
- * Points of a block for which room is taken first: of fast bodies few pairs touch, and with room
- * for all, blocks of 200,000 spheres took four gigabytes.
- */
+/* Points of a block for which room is taken first: of fast bodies few pairs touch. */
 enum { BLOCK_POINTS = 16 };
 
 /* Room for twice as many; what there is stays where it is. */
@@ -184,11 +180,11 @@ static void fill_point(const struct inspection *inspection, struct rb_step_point
 	point->approach = rb_vec3_dot(rb_vec3_sub(velocity_of(world, mark, point->a, arm_a),
 	                                          velocity_of(world, mark, point->b, arm_b)),
 	                              point->normal);
-	point->pair = inspection->pair;
+	point->pair = (uint32_t)inspection->pair;
 	point->from = 0;
 	point->normal_impulse = 0;
 	point->friction_impulse = (rb_vec3){0, 0, 0};
-	point->from = find_last(points, point);
+	point->from = (uint32_t)find_last(points, point);
 	if (point->from == 0)
 		return;
 	const struct rb_named_impulse *last = &points->last[point->from - 1];
@@ -663,8 +659,15 @@ enum { PAIR_WORK = 1 << 8, PART_WORK = 1 << 11 };
 struct inspections {
 	struct inspection inspection; /* to begin each block with */
 	struct rb_world *world;
-	struct inspection *block; /* what came of it */
+	int first;                /* block of the wave */
+	struct inspection *block; /* [BLOCKS_PER_WAVE] what came of it */
 };
+
+/*
+ * Blocks that are looked at before their points are gathered: enough for any number of workers, few
+ * enough that points are not there twice.
+ */
+enum { BLOCKS_PER_WAVE = 32 };
 
 /* After a pair with body `a`. */
 static bool is_interrupted(const struct inspections *inspections, int a)
@@ -679,7 +682,7 @@ static void inspect_block(void *user, int block, int worker)
 	const struct inspections *inspections = user;
 	struct inspection inspection = inspections->inspection;
 	const struct rb_candidates *candidates = inspection.candidates;
-	const size_t first = (size_t)block * RB_PAIRS_PER_BLOCK,
+	const size_t first = (size_t)(inspections->first + block) * RB_PAIRS_PER_BLOCK,
 		     end = rb_pairs_end(rb_candidates_live_count(candidates), first);
 
 	const double max = inspection.max;
@@ -714,23 +717,36 @@ static void inspect_block(void *user, int block, int worker)
 	inspections->block[block] = inspection;
 }
 
-/* Fill levels of all arenas, in the first of them; NULL: no memory. */
-static rb_arena_mark *mark_arenas(const struct rb_world *world)
+/* Points of a wave of blocks, which leaves the arenas as marked. */
+static enum rb_status add_wave(struct rb_step_points *points, struct inspections *inspections,
+                               int blocks, const rb_arena_mark *mark, struct rb_error *err)
 {
-	const rb_arena_mark first = rb_arena_here(&world->arena[0]);
-	rb_arena_mark *mark = rb_arena_take(&world->arena[0], (size_t)world->worker_count,
-	                                    sizeof *mark);
+	struct rb_world *world = inspections->world;
+	size_t count = points->count;
+	bool good = true;
+	enum rb_status status = RB_OK;
 
-	for (int k = 0; mark && k < world->worker_count; k++)
-		mark[k] = k > 0 ? rb_arena_here(&world->arena[k]) : first;
-	return mark;
-}
-
-/* Back to them; the first arena, which holds them, last. */
-static void free_arenas(const struct rb_world *world, const rb_arena_mark *mark)
-{
-	for (int k = world->worker_count - 1; k >= 0; k--)
+	inspections->block = rb_arena_take(&world->arena[0], (size_t)blocks,
+	                                   sizeof *inspections->block);
+	if (!inspections->block)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
+	rb_team_run(world->team, blocks, inspect_block, inspections);
+	for (int b = 0; b < blocks; b++) {
+		count += inspections->block[b].all;
+		good = good && !inspections->block[b].failed;
+	}
+	if (rb_interrupt_is_set(&world->interrupt))
+		status = RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
+	else if (!good ||
+	         !rb_memory_reserve(&points->row, &points->capacity, count, sizeof *points->row))
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
+	for (int b = 0; status == RB_OK && b < blocks; b++) {
+		gather(&inspections->block[b], points->row + points->count);
+		points->count += inspections->block[b].all;
+	}
+	for (int k = 0; k < world->worker_count; k++)
 		rb_arena_back(&world->arena[k], mark[k]);
+	return status;
 }
 
 enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world *world,
@@ -738,43 +754,27 @@ enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world
                                   struct rb_error *err)
 {
 	const int blocks = rb_pairs_blocks(rb_candidates_live_count(candidates));
-	struct inspections inspections = {.inspection = {.world = world,
-	                                                 .points = points,
-	                                                 .candidates = candidates,
-	                                                 .h = h,
-	                                                 .max = max},
-	                                  .world = world};
-	bool good = true;
+	const struct inspection each = {
+		.world = world, .points = points, .candidates = candidates, .h = h, .max = max};
+	struct inspections inspections = {.inspection = each, .world = world};
+	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
+	rb_arena_mark *mark = rb_arena_take(&world->arena[0], (size_t)world->worker_count,
+	                                    sizeof *mark);
+	enum rb_status status = RB_OK;
 
-	/* points are looked for many times in a step, in waves: each leaves the arenas as it was */
-	const rb_arena_mark *const mark = mark_arenas(world);
 	if (!mark)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
-	inspections.block = rb_arena_take(&world->arena[0], (size_t)blocks + 1,
-	                                  sizeof *inspections.block);
-	if (!inspections.block)
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
-	rb_team_run(world->team, blocks, inspect_block, &inspections);
-	size_t count = points->count;
-	for (int b = 0; b < blocks; b++) {
-		count += inspections.block[b].all;
-		good = good && !inspections.block[b].failed;
+	for (int k = 0; k < world->worker_count; k++)
+		mark[k] = rb_arena_here(&world->arena[k]);
+	for (int first = 0; first < blocks && status == RB_OK; first += BLOCKS_PER_WAVE) {
+		const int left = blocks - first;
+
+		inspections.first = first;
+		status = add_wave(points, &inspections,
+		                  left < BLOCKS_PER_WAVE ? left : BLOCKS_PER_WAVE, mark, err);
 	}
-	if (rb_interrupt_is_set(&world->interrupt)) {
-		free_arenas(world, mark);
-		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
-	}
-	if (!good ||
-	    !rb_memory_reserve(&points->row, &points->capacity, count, sizeof *points->row)) {
-		free_arenas(world, mark);
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
-	}
-	for (int b = 0; b < blocks; b++) {
-		gather(&inspections.block[b], points->row + points->count);
-		points->count += inspections.block[b].all;
-	}
-	free_arenas(world, mark);
-	return RB_OK;
+	rb_arena_back(&world->arena[0], here);
+	return status;
 }
 
 enum rb_status rb_step_points_sort(struct rb_step_points *points, struct rb_arena *arena,

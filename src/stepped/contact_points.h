@@ -17,10 +17,12 @@
 struct rb_step_point {
 	int a, b;       /* indices of the model, a < b, but a driven body is b: a moves */
 	uint32_t parts; /* as in its name, the body of the lower index first */
-	uint64_t key;   /* the same */
 	bool central;
 	bool rolls;        /* at the lowest point of a rim, which goes round it */
 	bool after_impact; /* what the step's solution has applied has been told as an impact */
+	uint64_t key;      /* as in its name */
+	uint32_t pair;     /* among the candidates */
+	uint32_t from;     /* 1 + the place in `last` of what it started from; 0: of nothing */
 	rb_vec3 normal;    /* unit, from a to b */
 	rb_vec3 arm_a,
 		arm_b; /* m, from the centres of mass; central: x is the length along the normal */
@@ -34,9 +36,9 @@ struct rb_step_point {
 	rb_vec3 friction_impulse; /* N s, on b */
 	/* m, from a's centre of mass: where the solution has applied these; central: not set */
 	rb_vec3 lever;
-	size_t pair; /* among the candidates */
-	size_t from; /* 1 + the place in `last` of what it started from; 0: of nothing */
 };
+
+_Static_assert(sizeof(struct rb_step_point) == 200, "there may be ten for each body");
 
 /* What of a point the next step starts from; its name as of struct rb_step_point. */
 #define RB_NAMED_IMPULSE_FIELDS(X)                                             \
@@ -56,8 +58,6 @@ struct rb_step_points {
 	size_t count, capacity;
 	struct rb_named_impulse *last; /* owned, in the order of points */
 	size_t last_count, last_capacity;
-	struct rb_named_impulse *spare; /* owned: the other buffer for them */
-	size_t spare_capacity;
 	bool joins_arms;    /* angular momentum is to stay: stepped/levers */
 	size_t *first_last; /* owned, [bodies + 1]: of each a in `last` */
 	/* owned, [bodies]: whether contacts had forces on it in the step before: it is in `last` */
@@ -99,7 +99,8 @@ RB_CHECKED enum rb_status rb_step_points_sort(struct rb_step_points *points, str
  */
 RB_CHECKED enum rb_status rb_step_points_keep(struct rb_step_points *points, double h_s,
                                               const unsigned char *asleep,
-                                              const unsigned char *sleeps, struct rb_error *err);
+                                              const unsigned char *sleeps, struct rb_arena *arena,
+                                              struct rb_error *err);
 
 /*
  * What the next step starts from is what another method has found: each point has the force of its

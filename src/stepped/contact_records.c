@@ -64,7 +64,7 @@ static struct rb_contact contact_of(const struct rb_world *world, const struct r
 		contact.normal_force = points->last[point->from - 1].force;
 		contact.tangent_force = points->last[point->from - 1].friction_impulse;
 	} else if (!point->after_impact) {
-		const rb_vec3 rebound = cohort->rebound[at];
+		const rb_vec3 rebound = rb_cohort_rebound(cohort, at);
 		const double more = rb_vec3_dot(rebound, point->normal);
 
 		contact.normal_force = (point->normal_impulse + more) / h;
@@ -111,15 +111,41 @@ static size_t add_resting(const struct rb_world *world, size_t from, const unsig
 	return from;
 }
 
+/* Whether what stands belongs to the cohort. */
+static bool has_resting(const struct rb_world *world, const struct rb_cohort *cohort)
+{
+	return cohort == &world->stepped->all && world->stepped->sleep.count > 0;
+}
+
+static size_t contacts_max(const struct rb_world *world, const struct rb_cohort *cohort)
+{
+	size_t count = has_resting(world, cohort) ? world->contacts.count : 0;
+
+	for (size_t k = 0; k < cohort->points.count; k++)
+		count += cohort->points.row[k].normal_impulse > 0;
+	return count;
+}
+
+enum rb_status rb_record_scratch(struct rb_world *world, const struct rb_cohort *cohort,
+                                 size_t more, struct rb_contacts *scratch, struct rb_error *err)
+{
+	const size_t max = contacts_max(world, cohort) + more;
+
+	*scratch = (struct rb_contacts){
+		.row = rb_arena_take(&world->arena[0], max, sizeof *scratch->row), .capacity = max};
+	return scratch->row ? RB_OK
+	                    : RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", max);
+}
+
 enum rb_status rb_record_contacts(struct rb_world *world, const struct rb_cohort *cohort, double h,
                                   const unsigned char *skip, struct rb_contacts *to,
                                   struct rb_error *err)
 {
 	const struct rb_step_points *points = &cohort->points;
-	const bool all = cohort == &world->stepped->all && world->stepped->sleep.count > 0;
+	const bool all = has_resting(world, cohort);
 	size_t old = 0;
 	const enum rb_status status = rb_contacts_reserve(
-		to, to->count + points->count + (all ? world->contacts.count : 0) + 1, err);
+		to, to->count + contacts_max(world, cohort), err);
 
 	RB_ASSERT(h > 0);
 	if (status != RB_OK)
@@ -180,7 +206,7 @@ static bool is_impact(const struct rb_world *world, const struct rb_cohort *coho
 	*event = (struct rb_event){
 		.kind = RB_EVENT_COLLISION, .a = point->a, .b = point->b, .normal = point->normal};
 	for (size_t k = 0; k < length; k++) {
-		const rb_vec3 rebound = cohort->rebound[first + k];
+		const rb_vec3 rebound = rb_cohort_rebound(cohort, first + k);
 
 		if (!(point[k].normal_impulse > 0))
 			continue;

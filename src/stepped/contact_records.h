@@ -23,6 +23,13 @@ RB_CHECKED enum rb_status rb_record_impacts(struct rb_world *world, struct rb_co
 RB_CHECKED enum rb_status rb_record_contacts(struct rb_world *world, const struct rb_cohort *cohort,
                                              double h_s, const unsigned char *skip,
                                              struct rb_contacts *to, struct rb_error *err);
+/*
+ * Room for these, and `more`, in the arena: those of the step before are read meanwhile. Never to
+ * be released.
+ */
+RB_CHECKED enum rb_status rb_record_scratch(struct rb_world *world, const struct rb_cohort *cohort,
+                                            size_t more, struct rb_contacts *scratch,
+                                            struct rb_error *err);
 /* Adds to `to` what its contacts have passed on in impacts within the step, as mean forces. */
 RB_CHECKED enum rb_status rb_record_passed(const struct rb_cohort *cohort, double h_s,
                                            const unsigned char *skip, struct rb_contacts *to,

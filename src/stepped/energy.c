@@ -57,14 +57,11 @@ static struct rb_solver_body motion_before(const struct rb_solver *solver, int i
 	return motion;
 }
 
-/* What driven bodies give a group by these impulses, J. */
-static double driven_work(const struct rb_solver *solver, const struct rb_island *island,
-                          struct rb_constraint *row)
+/* What driven bodies give a group by its impulses, J. */
+static double driven_work(const struct rb_solver *solver, const struct rb_island *island)
 {
-	struct rb_row_system rows = solver->dense;
+	const struct rb_row_system rows = rb_islands_rows(solver, island);
 
-	rows.row = row;
-	rows.row_count = island->row_count;
 	return island->carried ? rb_row_system_work(&rows) : 0;
 }
 
@@ -119,8 +116,7 @@ static inline void add_body(struct rb_energy *energy, const struct rb_solver *so
 
 struct rb_energy rb_energy_of(const struct rb_solver *solver, const struct rb_island *island)
 {
-	struct rb_energy energy = {
-		.mixed = -driven_work(solver, island, solver->dense.row + island->first_row)};
+	struct rb_energy energy = {.mixed = -driven_work(solver, island)};
 
 	energy.noise = fabs(energy.mixed);
 	if (island->row_count > island->contact_count) {
@@ -153,8 +149,7 @@ double rb_energy_share(const struct rb_energy *energy)
 double rb_energy_between(const struct rb_solver *solver, const struct rb_island *island,
                          const struct rb_energy *now, const struct rb_kept *kept)
 {
-	double mixed = driven_work(solver, island, solver->dense.row + island->first_row) -
-	               driven_work(solver, island, kept->row);
+	double mixed = driven_work(solver, island) - kept->driven_work;
 	double square = 0;
 
 	for (int k = 0; k < island->member_count; k++) {
@@ -217,25 +212,18 @@ bool rb_energy_has_separation(const struct rb_row_system *dense)
 	return false;
 }
 
-static struct rb_row_system rows_of(const struct rb_solver *solver, const struct rb_island *island)
-{
-	struct rb_row_system dense = solver->dense;
-
-	dense.row += island->first_row;
-	dense.row_count = island->row_count;
-	return dense;
-}
-
 bool rb_energy_keep(const struct rb_solver *solver, const struct rb_island *island,
                     struct rb_arena *arena, struct rb_kept *kept)
 {
-	const struct rb_row_system dense = rows_of(solver, island);
+	const struct rb_row_system dense = rb_islands_rows(solver, island);
 
 	kept->row = rb_arena_take(arena, (size_t)dense.row_count, sizeof *kept->row);
 	kept->body = rb_arena_take(arena, (size_t)island->member_count, sizeof *kept->body);
 	if (!kept->row || !kept->body)
 		return false;
-	memcpy(kept->row, dense.row, (size_t)dense.row_count * sizeof *kept->row);
+	for (int k = 0; k < dense.row_count; k++)
+		kept->row[k] = (struct rb_kept_row){dense.row[k].target.n, dense.row[k].impulse};
+	kept->driven_work = driven_work(solver, island);
 	for (int k = 0; k < island->member_count; k++)
 		kept->body[k] = dense.bodies.body[solver->member[island->first_member + k]];
 	return true;
@@ -253,15 +241,14 @@ static void go(struct rb_solver_body *body, double share, const struct rb_solver
 void rb_energy_mix(const struct rb_solver *solver, const struct rb_island *island,
                    const struct rb_kept *kept, double share)
 {
-	const struct rb_row_system dense = rows_of(solver, island);
+	const struct rb_row_system dense = rb_islands_rows(solver, island);
 
 	RB_ASSERT(share >= 0 && share <= 1);
 	for (int k = 0; k < dense.row_count; k++) {
 		struct rb_constraint *row = &dense.row[k];
-		const struct rb_constraint *was = &kept->row[k];
+		const struct rb_kept_row *was = &kept->row[k];
 
-		RB_ASSERT_COSTLY(row->a == was->a && row->b == was->b && row->set == was->set);
-		row->target.n = was->target.n;
+		row->target.n = was->target_n;
 		row->impulse.n += share * (was->impulse.n - row->impulse.n);
 		row->impulse.t = rb_vec3_add_scaled(row->impulse.t, share,
 		                                    rb_vec3_sub(was->impulse.t, row->impulse.t));
@@ -288,7 +275,7 @@ static double off_target(const struct rb_constraint *row, rb_vec3 now)
 
 void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, double share)
 {
-	const struct rb_row_system dense = rows_of(solver, island);
+	const struct rb_row_system dense = rb_islands_rows(solver, island);
 
 	RB_ASSERT(share >= 0 && share <= 1);
 	for (int k = 0; k < island->member_count; k++) {
@@ -330,7 +317,7 @@ struct rb_solver_body rb_energy_added(const struct rb_solver *solver, const stru
 double rb_energy_rebound(const struct rb_solver *solver, const struct rb_world *world,
                          struct rb_island *island)
 {
-	const struct rb_row_system rows = rows_of(solver, island);
+	const struct rb_row_system rows = rb_islands_rows(solver, island);
 	struct rb_energy energy = {.lost = island->energy_budget,
 	                           .mixed = -rb_row_system_work(&rows)};
 

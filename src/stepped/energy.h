@@ -48,10 +48,17 @@ bool rb_energy_has_separation(const struct rb_row_system *dense);
 bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *island,
                       const struct rb_row_system *dense, bool held);
 
+/* What solving changes in a row. */
+struct rb_kept_row {
+	double target_n;
+	rb_along_across impulse;
+};
+
 /* Rows and velocities that a group was solved to; the arena's. */
 struct rb_kept {
-	struct rb_constraint *row;
+	struct rb_kept_row *row;
 	struct rb_solver_body *body; /* by member */
+	double driven_work;          /* J */
 };
 
 /* False: no memory. */

@@ -549,7 +549,7 @@ static void enter_points(struct entering *n)
 			continue;
 		if (n->tally->body[point->a].kind == RB_TALLY_JOINED)
 			enter_point(n, point);
-		const rb_vec3 rebound = n->cohort->rebound[k];
+		const rb_vec3 rebound = rb_cohort_rebound(n->cohort, k);
 		if (rebound.x != 0 || rebound.y != 0 || rebound.z != 0)
 			enter_rebound(n, point, rebound);
 	}

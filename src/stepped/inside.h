@@ -48,8 +48,9 @@ struct rb_cohort {
 	bool divides;       /* what fails may be told apart: else one that fails takes all */
 	double attracted_s; /* attraction gives its impulse of so long as the try begins */
 	struct rb_step_points points; /* of the try; `last` of the step before */
-	rb_vec3 *rebound;             /* owned, by point: N s on b */
+	rb_vec3 *rebound;             /* owned, by point: N s on b; to be read if `rebounds` */
 	size_t rebound_capacity;
+	bool rebounds;      /* something may have, in the try */
 	struct rb_hit *hit; /* owned: of the try, in order of time */
 	size_t hit_count, hit_capacity;
 	struct rb_contacts
@@ -60,6 +61,12 @@ struct rb_cohort {
 		depths; /* where the try has ended, if they are known; borrowed from the arena */
 	bool is_measured;
 };
+
+/* N s, on b: what a point has given back at the end of the try. */
+static inline rb_vec3 rb_cohort_rebound(const struct rb_cohort *cohort, size_t point)
+{
+	return cohort->rebounds ? cohort->rebound[point] : (rb_vec3){0, 0, 0};
+}
 
 /* What has become of a try: rb_stepped's `bad` says for whom. */
 struct rb_attempt_outcome {
@@ -94,7 +101,7 @@ struct rb_sleep {
 	double *pose;    /* owned: [7 bodies] where it stands: position, orientation */
 	int *body;       /* owned: those that yield and do not stand, ascending, then driven ones */
 	int live_bodies; /* of those that yield */
-	size_t *live;    /* owned: pairs of which one does not stand */
+	uint32_t *live;  /* owned: pairs of which one does not stand */
 	size_t live_capacity;
 	int count;          /* of bodies that stand */
 	size_t point_count; /* of theirs */

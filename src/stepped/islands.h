@@ -140,6 +140,17 @@ static inline bool rb_rest_holds(const struct rb_solver *solver, int i, const do
 RB_CHECKED enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
                                           struct rb_step_points *points, struct rb_error *err);
 
+/* The rows of a group. */
+static inline struct rb_row_system rb_islands_rows(const struct rb_solver *solver,
+                                                   const struct rb_island *island)
+{
+	struct rb_row_system rows = solver->dense;
+
+	rows.row += island->first_row;
+	rows.row_count = island->row_count;
+	return rows;
+}
+
 /* The bodies of a point and where it is: a row for its velocity, without masses. */
 static inline struct rb_constraint rb_islands_row_of(const struct rb_solver *solver,
                                                      const struct rb_step_point *point)

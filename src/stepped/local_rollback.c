@@ -240,7 +240,8 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 		                        err);
 	rb_contacts_sort(&local->last);
 	if (status == RB_OK)
-		status = rb_step_points_keep(&part->points, h, s->solver.asleep, NULL, err);
+		status = rb_step_points_keep(&part->points, h, s->solver.asleep, NULL,
+		                             &world->arena[0], err);
 	rb_step_points_index_members(&part->points, part->body, part->member_count);
 	return status;
 }
@@ -480,23 +481,23 @@ static enum rb_status join_contacts(struct rb_world *world, double dt, struct rb
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_local_rollback *local = s->local;
-	const struct rb_contacts before = world->contacts;
-	struct rb_contacts *to = &world->next_contacts;
+	struct rb_contacts made;
 
 	RB_ASSERT(dt > 0);
-	to->count = 0;
-	enum rb_status status = rb_record_contacts(world, &s->all, dt, local->swept.failed, to,
-	                                           err);
-	if (status == RB_OK && world->keeps_means)
-		status = show_contacts(world, dt, to, err);
+	enum rb_status status = rb_record_scratch(world, &s->all, local->kept.count, &made, err);
 	if (status == RB_OK)
-		status = rb_contacts_join(to, &local->kept, err);
+		status = rb_record_contacts(world, &s->all, dt, local->swept.failed, &made, err);
+	if (status == RB_OK && world->keeps_means)
+		status = show_contacts(world, dt, &made, err);
+	if (status == RB_OK)
+		status = rb_contacts_join(&made, &local->kept, err);
+	if (status == RB_OK)
+		status = rb_contacts_reserve(&world->contacts, made.count, err);
 	if (status != RB_OK)
 		return status;
-	rb_contacts_sort(to);
-	world->contacts = *to;
-	*to = before;
-	return RB_OK;
+	rb_contacts_sort(&made);
+	world->contacts.count = 0;
+	return rb_contacts_join(&world->contacts, &made, err);
 }
 
 /* Ledger entries of the bodies that keep the whole step, then those of groups. */
@@ -524,7 +525,7 @@ static enum rb_status join_impulses(struct rb_world *world, double dt, struct rb
 			points->row[kept++] = points->row[k];
 	points->count = kept;
 	const enum rb_status status = rb_step_points_keep(points, dt, s->solver.asleep,
-	                                                  s->sleep.sleeps, err);
+	                                                  s->sleep.sleeps, &world->arena[0], err);
 	if (status != RB_OK)
 		return status;
 	const size_t count = points->last_count + local->impulse_count;

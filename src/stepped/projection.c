@@ -73,7 +73,7 @@ struct search {
 	int *wave, *active,
 		*at_rest;       /* bodies: to look from; seen ones; without their velocities */
 	unsigned char *stopped; /* by body: it is without its velocity */
-	size_t *pair;           /* to be looked at */
+	uint32_t *pair;         /* to be looked at */
 	int wave_count, active_count, resting_count;
 	struct rb_lift lift;
 	bool again; /* not the first round */
@@ -323,7 +323,7 @@ static enum rb_status find_points(struct search *search, const struct rb_depths 
 	struct rb_world *world = search->world;
 	struct rb_candidates *candidates = search->cohort->candidates;
 	struct rb_step_points *points = &world->stepped->closing;
-	const size_t *const live = candidates->live;
+	const uint32_t *const live = candidates->live;
 	const size_t live_count = candidates->live_count;
 	enum rb_status status = RB_OK;
 

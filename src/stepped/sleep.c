@@ -273,7 +273,7 @@ static enum rb_status list_pairs(struct rb_world *world, struct rb_error *err)
 	for (size_t k = 0; k < candidates->pair_count; k++) {
 		const struct rb_pair pair = candidates->pair[k];
 
-		sleep->live[count] = k;
+		sleep->live[count] = (uint32_t)k;
 		count += !(sleep->sleeps[pair.a] && sleeps_or_is_static(sleep, n, pair.b));
 	}
 	candidates->live = sleep->live;
@@ -324,8 +324,9 @@ static enum rb_status inspect_woken(struct rb_world *world, double h, struct rb_
 	struct rb_candidates *candidates = &s->candidates;
 	const int n = world->model->body_count;
 	const size_t all_count = candidates->live_count;
-	const size_t *all = candidates->live;
-	size_t *fresh = rb_arena_take(&world->arena[0], candidates->pair_count + 1, sizeof *fresh);
+	const uint32_t *all = candidates->live;
+	uint32_t *fresh = rb_arena_take(&world->arena[0], candidates->pair_count + 1,
+	                                sizeof *fresh);
 	size_t count = 0;
 
 	if (!fresh)
@@ -335,7 +336,7 @@ static enum rb_status inspect_woken(struct rb_world *world, double h, struct rb_
 		const int a = candidates->pair[k].a, b = candidates->pair[k].b;
 		const bool of_a = sleep->mark[a], of_b = b < n && sleep->mark[b];
 
-		fresh[count] = k;
+		fresh[count] = (uint32_t)k;
 		count += (of_a || of_b) && (of_a || sleep->sleeps[a]) &&
 		         (of_b || sleeps_or_is_static(sleep, n, b));
 	}

@@ -430,6 +430,11 @@ static void turn(struct rb_solver *solver, const struct rb_world *world, struct 
 	rb_effective_mass_fill(&solver->dense.bodies, row);
 }
 
+bool rb_solver_rebounds(const struct rb_solver *solver)
+{
+	return solver->bounces || solver->joints_bounce || solver->hands_over;
+}
+
 enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *world,
                                  const struct rb_step_points *points, rb_vec3 *rebound,
                                  struct rb_error *err)
@@ -437,8 +442,6 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 	struct work work = {.solver = solver, .world = world, .rebound = true};
 	bool any = false;
 
-	if (!solver->bounces && !solver->joints_bounce && !solver->hands_over)
-		return RB_OK;
 	for (size_t g = 0; g < solver->island_count; g++) {
 		struct rb_island *island = &solver->island[g];
 

@@ -42,6 +42,9 @@ void rb_solver_go_back(const struct rb_solver *solver, struct rb_world *world);
 RB_CHECKED enum rb_status rb_solver_end(struct rb_solver *solver, struct rb_world *world,
                                         struct rb_error *err);
 
+/* Whether something may rebound: a scene without restitution has no such impulses. */
+bool rb_solver_rebounds(const struct rb_solver *solver);
+
 /*
  * Impacts of that step rebound: velocities only, after positions have moved. `rebound` [points]
  * receives the impulses on b, where there are any.

@@ -176,22 +176,24 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	const struct rb_contacts before = world->contacts;
+	struct rb_contacts made;
 
 	RB_ASSERT(h > 0);
-	world->next_contacts.count = 0;
-	enum rb_status status = rb_record_contacts(world, &s->all, h, NULL, &world->next_contacts,
-	                                           err);
+	enum rb_status status = rb_record_scratch(world, &s->all, 0, &made, err);
+	if (status == RB_OK)
+		status = rb_record_contacts(world, &s->all, h, NULL, &made, err);
+	if (status == RB_OK)
+		status = rb_contacts_reserve(&world->contacts, made.count, err);
 	if (status == RB_OK)
 		status = rb_step_points_keep(&s->all.points, h, s->solver.asleep, s->sleep.sleeps,
-		                             err);
+		                             &world->arena[0], err);
 	if (status != RB_OK)
 		return status;
-	world->contacts = world->next_contacts;
-	world->next_contacts = before;
+	world->contacts.count = 0;
+	status = rb_contacts_join(&world->contacts, &made, err);
 	if (world->model->driven)
 		rb_contacts_sort(&world->contacts);
-	if (s->all.passed.count > 0) {
+	if (status == RB_OK && s->all.passed.count > 0) {
 		world->shown.count = 0;
 		status = rb_contacts_join(&world->shown, &world->contacts, err);
 		if (status == RB_OK)

@@ -51,15 +51,6 @@ static const double stiff_ratio = 30, hold_slack = 16;
 enum { HEAP_ROWS = 512 };
 static const double external_share = 1e-3;
 
-static struct rb_row_system rows_of(const struct rb_solver *solver, const struct rb_island *island)
-{
-	struct rb_row_system dense = solver->dense;
-
-	dense.row += island->first_row;
-	dense.row_count = island->row_count;
-	return dense;
-}
-
 /* Velocities are what the impulses make of them. */
 static void apply_again(const struct rb_solver *solver, const struct rb_island *island,
                         const struct rb_row_system *dense)
@@ -105,11 +96,12 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 		.max = fmin(share * (double)dense->row_count, factors_max),
 		.interrupt = solver->interrupt,
 		.arena = arena};
-	struct rb_constraint *kept = rb_arena_take(arena, (size_t)dense->row_count, sizeof *kept);
+	rb_along_across *kept = rb_arena_take(arena, (size_t)dense->row_count, sizeof *kept);
 
 	if (!kept)
 		return false;
-	memcpy(kept, dense->row, (size_t)dense->row_count * sizeof *kept);
+	for (int k = 0; k < dense->row_count; k++)
+		kept[k] = dense->row[k].impulse;
 	const struct rb_direct_result result = rb_direct_solve(&direct);
 	island->factors += result.steps;
 	if (result.tried && result.residual <= solver->tolerance) {
@@ -119,7 +111,8 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 	/* of stiff groups, what factors have come to is better than what there was */
 	if (!result.tried || (purpose != STALLED && purpose != AT_REST))
 		return false;
-	memcpy(dense->row, kept, (size_t)dense->row_count * sizeof *kept);
+	for (int k = 0; k < dense->row_count; k++)
+		dense->row[k].impulse = kept[k];
 	apply_again(solver, island, dense);
 	return false;
 }
@@ -760,7 +753,7 @@ static void solve_closely(const struct trial *trial)
 void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *island,
                          struct rb_team *team, struct rb_arena *arena)
 {
-	const struct rb_row_system rows = rows_of(solver, island);
+	const struct rb_row_system rows = rb_islands_rows(solver, island);
 	struct rb_sweeper sweeper = sweeper_of(solver, island, &rows, team);
 
 	RB_ASSERT(island->member_count > 0 && (island->rests || island->row_count > 0));
@@ -770,6 +763,7 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 		stop(solver, island);
 		return;
 	}
+	const rb_arena_mark here = rb_arena_here(arena);
 	if (!rb_sweeper_take(&sweeper, arena)) {
 		island->residual = (double)INFINITY; /* no memory: taken back */
 		return;
@@ -799,6 +793,7 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 		if (!sweeper.wide)
 			good = even_out(solver, &sweeper, island, arena);
 	}
+	rb_arena_back(arena, here); /* the next sweeper is as large */
 	if (solver->before)
 		keep_energy(solver, island, &rows, arena);
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&rows, solver->body_count + 1));

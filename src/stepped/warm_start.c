@@ -166,7 +166,8 @@ void rb_step_points_index_members(struct rb_step_points *points, const int *memb
 
 bool rb_step_points_reserve(struct rb_step_points *points, size_t count)
 {
-	return rb_memory_reserve(&points->last, &points->last_capacity, count + 1,
+	return count < UINT32_MAX && /* its places are kept as such */
+	       rb_memory_reserve(&points->last, &points->last_capacity, count + 1,
 	                         sizeof *points->last);
 }
 
@@ -191,15 +192,15 @@ static struct rb_named_impulse impulse_of(const struct rb_step_points *points,
 
 enum rb_status rb_step_points_keep(struct rb_step_points *points, double h,
                                    const unsigned char *asleep, const unsigned char *sleeps,
-                                   struct rb_error *err)
+                                   struct rb_arena *arena, struct rb_error *err)
 {
 	const size_t max = points->count + (sleeps ? points->last_count : 0);
 	size_t old = sleeps ? 0 : points->last_count, count = 0;
+	const rb_arena_mark here = rb_arena_here(arena);
+	struct rb_named_impulse *const to = rb_arena_take(arena, max, sizeof *to);
 
-	if (!rb_memory_reserve(&points->spare, &points->spare_capacity, max + 1,
-	                       sizeof *points->spare))
+	if (!to)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", max);
-	struct rb_named_impulse *const to = points->spare;
 	for (size_t k = 0; k <= points->count; k++) {
 		const struct rb_step_point *point = k < points->count ? &points->row[k] : NULL;
 
@@ -212,11 +213,11 @@ enum rb_status rb_step_points_keep(struct rb_step_points *points, double h,
 		if (point)
 			to[count++] = impulse_of(points, point, h, asleep);
 	}
-	points->spare = points->last;
-	points->last = to;
-	const size_t capacity = points->spare_capacity;
-	points->spare_capacity = points->last_capacity;
-	points->last_capacity = capacity;
-	points->last_count = count;
-	return RB_OK;
+	const bool good = rb_step_points_reserve(points, count);
+	if (good && count > 0)
+		memcpy(points->last, to, count * sizeof *to);
+	if (good)
+		points->last_count = count;
+	rb_arena_back(arena, here);
+	return good ? RB_OK : RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
 }
