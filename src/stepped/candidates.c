@@ -20,8 +20,9 @@
 #include "model/parts.h"
 
 enum {
-	STEPS_PER_BOX = 8, /* that a box is meant to last */
-	BOXES_MAX = 8,     /* times as many, within a size, where nearly nothing moves */
+	STEPS_PER_BOX = 8,      /* that a box is meant to last */
+	BOXES_MAX = 8,          /* times as many, within a size, where nearly nothing moves */
+	FAST_STEPS_PER_BOX = 2, /* of bodies that go farther than their size in those */
 	BODIES_PER_BLOCK = 512
 };
 
@@ -426,7 +427,11 @@ static enum rb_status build(struct rb_candidates *candidates, struct rb_world *w
 		 * a body at rest speeds up by the forces of each step: its margin is at least that
 		 * of an average body
 		 */
-		const double margin = STEPS_PER_BOX * fmax(candidates->reach[i], mean);
+		double margin = STEPS_PER_BOX * fmax(candidates->reach[i], mean);
+		/* pairs grow with the third power of it */
+		if (size > 0)
+			margin = fmin(margin,
+			              fmax(size, FAST_STEPS_PER_BOX * candidates->reach[i]));
 		candidates->margin[i] = fmax(margin, fmin(lasting * candidates->reach[i], size)) +
 		                        size / 64;
 		if (is_plane(model, i)) {
