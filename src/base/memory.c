@@ -163,7 +163,8 @@ static void *grow_mapping(unsigned char *block, size_t used, size_t bytes)
 	block = (unsigned char *)origin + ALIGNMENT;
 	head_of(block)->origin = origin;
 	(void)end_block(block);
-	memset(block + used, 0, head.size + FENCE < bytes ? head.size + FENCE - used : bytes - used);
+	memset(block + used, 0,
+	       head.size + FENCE < bytes ? head.size + FENCE - used : bytes - used);
 	return begin_block(block, origin, bytes);
 }
 
