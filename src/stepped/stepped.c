@@ -16,6 +16,7 @@
 #include "base/memory.h"
 #include "stepped/attempt.h"
 #include "stepped/contact_records.h"
+#include "stepped/energy.h"
 #include "stepped/enter.h"
 #include "stepped/impact_pass.h"
 #include "stepped/joint_records.h"
@@ -24,6 +25,7 @@
 #include "stepped/local_rollback.h"
 #include "stepped/sleep.h"
 #include "stepped/stepped_invariants.h"
+#include "stepped/wide.h"
 
 /* ---- what it needs ---- */
 
@@ -168,6 +170,33 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 	rb_memory_free(stepped->bad);
 	rb_memory_free(stepped->reported.row);
 	rb_memory_free(stepped);
+}
+
+/*
+ * Contacts of a body in a heap, each shared by two: as many as it has freedoms, at which heaps stop
+ * giving way. Boxes made to last overlap those of its neighbours, of which equal spheres have 12.
+ */
+enum { SPHERE_POINTS = 3, BODY_POINTS = 6, HEAP_PAIRS = 12 };
+
+size_t rb_stepped_heap_bytes(const struct rb_model *model)
+{
+	const bool central = !model->parts;
+	const size_t point = sizeof(struct rb_step_point) + sizeof(struct rb_constraint) +
+	                     sizeof(int) + sizeof(struct rb_contact) +
+	                     sizeof(struct rb_named_impulse);
+	/* of turning bodies, points are also kept where they are closed, or looked at again */
+	const size_t closing = central ? 0 : sizeof(struct rb_step_point);
+	const size_t scratch = rb_wide_row_bytes(central) + sizeof(struct rb_kept_row);
+	const size_t pair = sizeof(struct rb_pair) + sizeof(double) + sizeof(uint32_t);
+	const size_t clue = central ? 0
+	                            : sizeof(double) + sizeof(uint32_t) + sizeof(struct rb_clue);
+
+	const size_t rollback = model->rollback == RB_ROLLBACK_SELECTIVE
+	                                ? rb_local_rollback_body_bytes(model, HEAP_PAIRS)
+	                                : 0;
+
+	return (size_t)(central ? SPHERE_POINTS : BODY_POINTS) * (point + closing + scratch) +
+	       HEAP_PAIRS * (pair + clue) + rollback;
 }
 
 /* ---- the step ---- */

@@ -546,6 +546,11 @@ static double sweep_all(const struct rb_wide *wide, double lead)
 	return sqrt(max);
 }
 
+size_t rb_wide_row_bytes(bool central)
+{
+	return (sizeof(struct rb_wide_pack) + (central ? 0 : sizeof(struct rb_wide_turn))) / WIDTH;
+}
+
 bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
 {
 	const int colours = wide->colour_count;

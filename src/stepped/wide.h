@@ -37,6 +37,9 @@ struct rb_wide {
 	struct rb_interrupt *interrupt; /* borrowed; NULL: none */
 };
 
+/* Bytes of scratch for a row. */
+size_t rb_wide_row_bytes(bool central);
+
 /* Scratch, once the rest is known; false: no memory. */
 bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena);
 
