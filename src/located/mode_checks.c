@@ -102,6 +102,20 @@ static bool approaches_elsewhere(const struct rb_modes *w, int first, int end)
 	return false;
 }
 
+/* m: gap of the lowest held point of the pair whose first one is k; *end: past its last one. */
+static double lowest_held(const struct rb_modes *w, int k, int *end)
+{
+	const struct rb_held *held = &w->c->held[k];
+	double low = w->contact_point[k].gap;
+
+	for (*end = k + 1; *end < w->c->held_count; ++*end) {
+		if (w->c->held[*end].a != held->a || w->c->held[*end].b != held->b)
+			break;
+		low = fmin(low, w->contact_point[*end].gap);
+	}
+	return low;
+}
+
 /*
  * True if another point of the pair, which is not held, lies below the held ones: the bodies touch
  * there. Asked once for each pair; held points may have drifted by integration.
@@ -110,17 +124,12 @@ static bool is_hit(const struct rb_modes *w, int k)
 {
 	const struct rb_contact_point *m = &w->contact_point[k];
 	const struct rb_held *held = &w->c->held[k];
-	double low = m->gap;
-	int end = k + 1;
+	int end;
 
 	if (rb_set_is_single(w->l, held->a, held->b) ||
 	    (k > 0 && held[-1].a == held->a && held[-1].b == held->b))
 		return false;
-	for (; end < w->c->held_count; end++) {
-		if (w->c->held[end].a != held->a || w->c->held[end].b != held->b)
-			break;
-		low = fmin(low, w->contact_point[end].gap);
-	}
+	const double low = lowest_held(w, k, &end);
 	if (rb_modes_move(w))
 		w->l->products += RB_LOCATED_SEARCH;
 	const struct rb_contact_point now = rb_contact_point_poses(w->l, held->a, held->b,
@@ -168,6 +177,72 @@ static int broken_at(struct rb_modes *w, double s, double *value)
 		return -1;
 	rb_gauss_values(&w->c->piece, s, value);
 	return rb_rates_evaluate(w, w->origin_s + s, value) ? broken(w, w->origin_s + s) : -1;
+}
+
+/* m: how far the named point lies below the held ones of its pair, the first of which is k, at s. */
+static double depth_at(struct rb_modes *w, int k, const struct rb_contact_name *name, double s,
+                       double *value)
+{
+	const struct rb_contact_point *m = &w->contact_point[k];
+	int end;
+
+	rb_gauss_values(&w->c->piece, s, value);
+	if (rb_rates_are_stopped(w) || !rb_rates_evaluate(w, w->origin_s + s, value))
+		return 0;
+	return lowest_held(w, k, &end) -
+	       rb_contact_point_of(w->l, name, &m->pose_a, &m->pose_b).gap;
+}
+
+/*
+ * When the other point that has been found below the held ones at `s` came down to them (false
+ * position, the older end halved: Dowell, Jarratt, BIT 11 (1971) 168). It is found by more than
+ * rounding, and putting it right from there would lift the body at each impact, so that what rocks
+ * does so without end.
+ */
+static double touch_time(struct rb_modes *w, int k, double s, double *value)
+{
+	rb_gauss_values(&w->c->piece, s, value);
+	if (!rb_rates_evaluate(w, w->origin_s + s, value))
+		return s;
+	const struct rb_contact_point *m = &w->contact_point[k];
+	const struct rb_contact_point now = rb_contact_point_poses(w->l, m->a, m->b, &m->pose_a,
+	                                                           &m->pose_b);
+	const struct rb_contact_name name = rb_contact_name_of(&now);
+	const double rate = -rb_vec3_dot(now.velocity, now.normal);
+	double below_s = s, below = depth_at(w, k, &name, s, value);
+	double above_s = s - 2 * below / rate, above;
+
+	if (!(below > 0) || !(rate > 0))
+		return s;
+	for (;; above_s -= s - above_s) {
+		above_s = fmax(above_s, 0);
+		above = depth_at(w, k, &name, above_s, value);
+		if (above <= 0)
+			break;
+		if (!(above_s > 0)) /* it never was above */
+			return s;
+	}
+	for (int round = 0, side = 0; round < BISECTIONS; round++) {
+		const double next = below_s - below * ((below_s - above_s) / (below - above));
+
+		if (!(next > above_s && next < below_s))
+			break;
+		const double depth = depth_at(w, k, &name, next, value);
+		if (depth > 0) {
+			below_s = next;
+			below = depth;
+			above *= side > 0 ? 0.5 : 1;
+			side = 1;
+		} else {
+			above_s = next;
+			above = depth;
+			below *= side < 0 ? 0.5 : 1;
+			side = -1;
+		}
+		if (depth == 0)
+			return next;
+	}
+	return below_s;
 }
 
 /* Points of one body stop slipping together: marks all whose slip is zero at s. */
@@ -241,6 +316,8 @@ double rb_check_change_within(struct rb_modes *w, double *value)
 			good = middle;
 		}
 	}
+	if (hits)
+		bad = touch_time(w, which, bad, value);
 	if (ends)
 		end_slips(w, bad, value);
 	w->c->held[which].ending = ends || rest_ends(w, bad, which, value);
