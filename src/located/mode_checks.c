@@ -264,14 +264,15 @@ static void end_slips(struct rb_modes *w, double s, double *value)
 
 /*
  * True if a sticking contact needs more than its friction as soon as the piece begins. Where forces
- * are open, some distribution may hold at every moment while none holds on: then it slips.
+ * are open, some distribution may hold at every moment while none holds on; with a friction of
+ * thousands the solver's residue along the normal is much across it. Then it slips.
  */
 static bool rest_ends(struct rb_modes *w, double s, int which, double *value)
 {
 	struct rb_held *const held = &w->c->held[which];
 	const rb_vec3 n = w->contact_point[which].normal;
 
-	if (held->slipping || w->hits || s > w->c->piece.length_s / AT_ONCE || !w->dense.open)
+	if (held->slipping || w->hits || s > w->c->piece.length_s / AT_ONCE)
 		return false;
 	rb_gauss_values(&w->c->piece, s, value);
 	if (!rb_rates_evaluate(w, w->origin_s + s, value))

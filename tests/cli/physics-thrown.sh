@@ -19,3 +19,9 @@ thrown hull box 0 0.5 0 1e-3 -1 109
 thrown sphere terrain 1 0 1.0 1e-3 1 250
 thrown sphere terrain 10 0 1.0 1e-3 1 493
 thrown capsule terrain 0 0.5 2.4 1e-3 1 365
+
+# a stick that needs more than its friction by less than the solver sees ended and began again, in pieces of one ulp
+thrown cylinder plane 1e3 0 1.0 1 -1 540
+thrown hull plane 1e3 0 2.4 1 -1 567
+thrown union box 1e3 0 0 1e3 1 83
+thrown union plane 1e3 0 1.0 1e3 1 273
