@@ -305,10 +305,13 @@ static bool across_lines(struct rb_feature_point *out, const line *a, const line
 	} else {
 		if (sine.at < 1e-7)
 			return false;
-		double sense = rb_vec3_dot(n.at, outward(a)) - rb_vec3_dot(n.at, outward(b));
-		/* a segment has no outward side */
-		if (fabs(sense) <= 1e-9 * (a->length + b->length))
-			sense = rb_vec3_dot(n.at, r.at);
+		/*
+		 * round lines are apart by their radii; a flat's outward side is in its plane,
+		 * which says nothing of a normal across it
+		 */
+		double sense = rb_vec3_dot(n.at, r.at);
+		if (!(a->radius + b->radius > 0))
+			sense = rb_vec3_dot(n.at, outward(a)) - rb_vec3_dot(n.at, outward(b));
 		if (sense < 0)
 			n = negative(n);
 	}

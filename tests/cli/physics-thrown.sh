@@ -25,3 +25,7 @@ thrown cylinder plane 1e3 0 1.0 1 -1 540
 thrown hull plane 1e3 0 2.4 1 -1 567
 thrown union box 1e3 0 0 1e3 1 83
 thrown union plane 1e3 0 1.0 1e3 1 273
+
+# a capsule across the border of two triangles that comes to lie flat on one: the normal, by the triangle's plane, was turned over
+exits 0 run "$TOP/tests/scenes/thrown.lua" --no-record --quiet -p shape=capsule -p floor=terrain -p mu=0 -p e=0 -p turn=1.0 -p size=1e-3 \
+	-p handed=-1 -p k=630
