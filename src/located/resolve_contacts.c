@@ -732,15 +732,17 @@ static int find_hit(const struct rb_resolution *s)
 }
 
 /* One attempt, impacts first; true: to be repeated. */
-static bool resolve_once(struct rb_resolution *s, bool inspects, bool may_seize)
+static bool resolve_once(struct rb_resolution *s, bool inspects, int round)
 {
 	struct rb_located *l = s->l;
 	struct pace pace;
 
 	if (!begin(s))
 		return false;
-	s->hit = inspects ? find_hit(s) : -1;
-	s->hit_joint = inspects && s->hit < 0 ? rb_joint_stops_hit(&s->joints, s->t, s->slack) : -1;
+	s->hit = !inspects ? -1 : round == 0 ? find_hit(s) : rb_seize_hit(s);
+	s->hit_joint = inspects && round == 0 && s->hit < 0
+	                       ? rb_joint_stops_hit(&s->joints, s->t, s->slack)
+	                       : -1;
 	if (s->hit >= 0 || s->hit_joint >= 0)
 		return false;
 	const struct rb_ledger before = l->world->ledger;
@@ -756,7 +758,7 @@ static bool resolve_once(struct rb_resolution *s, bool inspects, bool may_seize)
 		return false;
 	}
 	join_all(s);
-	if (may_seize && s->joints.count == 0 && rb_seize(s))
+	if (round <= s->l->set_count && s->joints.count == 0 && rb_seize(s))
 		return true;
 	forget_before(s, &pace);
 	record_lifts(s);
@@ -781,8 +783,7 @@ bool rb_resolve_contacts(struct rb_located *l, double t, bool after_impact, doub
 		                          .hit = -1,
 		                          .hit_joint = -1};
 
-		again = resolve_once(&s, hit && round == 0, round <= l->set_count) &&
-		        l->status == RB_OK;
+		again = resolve_once(&s, hit, round) && l->status == RB_OK;
 		const bool is_hit = s.hit >= 0 || s.hit_joint >= 0;
 		if (s.hit_joint >= 0) {
 			hit[0] = hit[1] = rb_joint_stops_body(l, s.hit_joint);

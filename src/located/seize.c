@@ -7,6 +7,8 @@
  */
 #include "located/seize.h"
 
+#include <float.h>
+
 #include "base/forest.h"
 #include "located/painleve.h"
 #include "located/mechanics.h"
@@ -15,6 +17,8 @@
 
 /* Share of friction that the solver left out where no solution has all of it; above its residue. */
 static const double left_out = 1e-9;
+/* Height of a lift that counts as none, ulp of the size: of the smallest rebound of a corner. */
+enum { LIFT_ULP = 64 };
 
 /* True for a member of the set. */
 static bool is_dynamic(const struct rb_resolution *s, int body)
@@ -147,6 +151,60 @@ static bool seize_part(struct rb_resolution *s, int part)
 	return true;
 }
 
+/*
+ * What an impulse that ends a slip within rounding of places lifts by less than that (of corners,
+ * as of rebounds) is stopped: it would fall back, slip and be lifted again, without end.
+ */
+static void stop_small_lifts(struct rb_resolution *s)
+{
+	bool *const kept = rb_slips_take(s, s->contact_point_count, sizeof *kept);
+	struct rb_drift drift = rb_slips_drift(s, kept);
+	bool any = false;
+
+	for (int k = 0; kept && k < s->contact_point_count; k++) {
+		struct rb_contact_point *const m = &s->contact_point[k];
+
+		rb_drift_point(s->l, s->pose, m);
+		const double rate = rb_vec3_dot(m->velocity, m->normal);
+		const double height = LIFT_ULP * DBL_EPSILON * rb_contact_point_size(s->l, m);
+
+		kept[k] = rate * rate <= 2 * s->external_max * height;
+		any = any || (kept[k] && rate > rb_contact_point_noise(s->l, m));
+	}
+	if (any)
+		rb_drift_stop(&drift);
+}
+
+/*
+ * Ends the slips of a part all of whose points move so slowly that any force would end them within
+ * rounding of places: an impulse for each would leave others that are as slow. False: one is
+ * faster.
+ */
+static bool stop_slight_slips(struct rb_resolution *s, int part)
+{
+	bool *const kept = rb_slips_take(s, s->contact_point_count, sizeof *kept);
+	struct rb_drift drift = rb_slips_drift(s, kept);
+
+	for (int k = 0; k < s->contact_point_count; k++) {
+		const struct rb_contact_point *const m = &s->contact_point[k];
+		const double height = LIFT_ULP * DBL_EPSILON * rb_contact_point_size(s->l, m);
+		const bool own = kept && part_of(s, k) == part;
+
+		if (!kept ||
+		    (own && rb_vec3_dot(m->velocity, m->velocity) > 2 * s->external_max * height))
+			return false;
+		kept[k] = own;
+	}
+	for (int k = 0; k < s->contact_point_count; k++) {
+		if (!kept[k])
+			continue;
+		s->before[k].slipping = false;
+		s->before[k].ending = true;
+	}
+	rb_drift_stop(&drift);
+	return true;
+}
+
 bool rb_seize(struct rb_resolution *s)
 {
 	const rb_vec3 none = {0, 0, 0};
@@ -155,6 +213,9 @@ bool rb_seize(struct rb_resolution *s)
 	for (int k = 0; k < s->contact_point_count && !any; k++) {
 		if (!is_seized(s, k))
 			continue;
+		any = stop_slight_slips(s, part_of(s, k));
+		if (any)
+			break;
 		const struct rb_solver_contact *c = &s->joint.contact[k];
 		const bool alone = is_alone(s, k);
 		const struct rb_contact_point middle = middle_of(s, k);
@@ -169,8 +230,28 @@ bool rb_seize(struct rb_resolution *s)
 		      seize_part(s, part_of(s, k));
 		any = any || (alone && seize_at(s, &middle));
 	}
+	if (any)
+		stop_small_lifts(s);
 	/* provisional: resolving again gives them their forces */
 	for (int k = 0; k < s->l->set_count && any; k++)
 		rb_arc_anchor(s->l, s->l->set[k], s->t, &s->pose[k], none, none);
 	return any;
+}
+
+int rb_seize_hit(const struct rb_resolution *s)
+{
+	double fastest = 0;
+	int which = -1;
+
+	for (int k = 0; k < s->contact_point_count; k++) {
+		const struct rb_contact_point *m = &s->contact_point[k];
+		const double approach = -rb_vec3_dot(m->velocity, m->normal);
+		const double noise = 4 * rb_contact_point_noise(s->l, m) + s->slack;
+
+		if (!(approach > fmax(fastest, noise)) || rb_contact_point_passes(s->l, m, s->t))
+			continue;
+		fastest = approach;
+		which = k;
+	}
+	return which;
 }

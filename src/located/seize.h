@@ -15,7 +15,14 @@
  * are to be resolved anew, as after an impact. One pair alone follows the law of
  * constraint/eccentric, with its restitution, several points of it as one in their middle; of
  * several pairs all points are stopped, where that is within their cones, and give nothing back.
+ * What is so slow that any force would stop it within rounding of places is stopped at once.
  */
 bool rb_seize(struct rb_resolution *s);
+
+/*
+ * The contact that such an impulse, at another point of the pair, has made to approach most, beyond
+ * rounding: an impact; -1: none.
+ */
+int rb_seize_hit(const struct rb_resolution *s);
 
 #endif
