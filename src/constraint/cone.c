@@ -131,6 +131,9 @@ bool rb_cone_open(struct rb_cone *cone)
 		            first[row->base.b + 1] - first[row->base.b], row);
 		row->bound_n += n;
 		row->bound_t += t;
+		/* friction that follows pushes as well */
+		if (row->slide && !row->given)
+			row->bound_n *= fmax(1, row->base.friction);
 	}
 	return take_scratch(cone, largest);
 }

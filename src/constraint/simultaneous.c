@@ -524,7 +524,11 @@ static void begin_forces(struct rb_simultaneous *joint, struct rb_cone *cone,
 	for (int k = 0; k < joint->contact_count; k++) {
 		const struct rb_solver_contact *const c = &joint->contact[k];
 		struct rb_cone_row *const row = &cone->row[k];
-		const double n = fmax(0, rb_vec3_dot(c->impulse, c->normal));
+		const double known = fmax(0, rb_vec3_dot(c->impulse, c->normal));
+		/* a slip's friction is no more than what is known: large forces would round */
+		const double n = c->mode == RB_SOLVER_SLIDE && c->friction > 1
+		                         ? fmin(known, rb_vec3_length(c->impulse) / c->friction)
+		                         : known;
 		rb_vec3 t = rb_vec3_add_scaled(c->impulse, -n, c->normal);
 
 		*row = row_of(c);
