@@ -669,7 +669,9 @@ static double refined(const struct course *c, double from, double until)
 			sooner = fmin(sooner,
 			              falls_after(all[k].gap, rate,
 			                          -(c->external_max + c->bend_a + c->bend_b)));
-		else if (rate < -c->noise)
+		/* of what slides and closes by little more than rounding that is no time */
+		else if (rate < -c->noise && (all[k].gap < -c->band ||
+		                              all[k].gap * c->speed >= leap_first * c->size * rate))
 			sooner = fmin(sooner, all[k].gap / -rate);
 	}
 	/* not back to the rebound it comes from */

@@ -333,11 +333,17 @@ struct rb_contact_point rb_touch_nearest(const struct rb_located *l, int a, int 
 
 /* Share of the size by which a point's gap may be below its pair's by rounding. */
 static const double astray = 1e-9;
+/*
+ * Share of the size by which bodies may move until what leaves its features has left them by bands:
+ * what takes longer is not seen to leave, and where they are then says nothing of now.
+ */
+static const double soon = 1e-6;
 
 struct search {
 	const struct rb_located *l;
 	const struct rb_touch_pair *pair; /* as names are added: then, or a moment later */
 	double depth;                     /* m: of manifolds */
+	double speed;                     /* m/s: of the bodies, turning included */
 	struct rb_contact_name name[RB_CONTACT_POINTS_MAX];
 	int count;
 	double least; /* m: gap of the pair */
@@ -381,6 +387,8 @@ static void add_rim(struct search *s, const struct couple *c, const struct rb_co
 		add_name(s, name);
 		return;
 	}
+	const int before = s->count;
+
 	for (int k = 0; k < 4; k++) {
 		struct rb_contact_name landing = *name;
 
@@ -391,6 +399,9 @@ static void add_rim(struct search *s, const struct couple *c, const struct rb_co
 		      -s->depth))
 			add_name(s, &landing);
 	}
+	/* where only the rim's foremost point is over the face, these are all past its border */
+	if (s->count == before)
+		add_name(s, name);
 }
 
 /* m/s: how fast they part along the normal where they touch, the least of all points. */
@@ -518,9 +529,9 @@ static int by_name(const void *left, const void *right)
 }
 
 /* True if the point is close to the end of its features and moving there. */
-static bool is_leaving(const struct rb_contact_point *m, double band, double noise)
+static bool is_leaving(const struct rb_contact_point *m, double band, double slowest)
 {
-	return m->inside <= LEAVING_BANDS * band && m->inside_rate < -noise;
+	return m->inside <= LEAVING_BANDS * band && m->inside_rate < -slowest;
 }
 
 /*
@@ -540,8 +551,10 @@ static int collect(struct search *s, const struct rb_touch_pair *pair, double sl
 		                                              &pair->pose_b);
 		const double band = rb_contact_point_band(s->l, &m, pair->t);
 		const double noise = rb_contact_point_noise(s->l, &m);
+		const double slowest = s->speed * AHEAD_BANDS * band /
+		                       (soon * rb_contact_point_size(s->l, &m));
 
-		const bool leaves = is_leaving(&m, band, noise);
+		const bool leaves = is_leaving(&m, band, fmax(noise, slowest));
 
 		if (m.beyond != 0 && (leaves || m.inside < -band)) {
 			const struct rb_contact_name next = {
@@ -588,6 +601,7 @@ int rb_touch_all(const struct rb_located *l, const struct rb_touch_pair *pair, d
 	resting.velocity.x = rb_vec3_length(w) + 2 * turning;
 	const double band = rb_contact_point_band(l, &resting, pair->t);
 	s.depth = band + fmax(slack, 0);
+	s.speed = resting.velocity.x;
 	add_names(&s, pair);
 	int count = collect(&s, pair, slack, all, &leaving);
 	if (leaving > 0) {

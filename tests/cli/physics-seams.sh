@@ -27,5 +27,7 @@ for floor in boxes union rectangles driven; do
 done
 over --method located -p bound=1e-12 -p turn=0.7 -p handed=-1 -p way=-0.5
 over --method located -p bound=1e-12 -p size=1e-3 -p way=0
+over --method located -p bound=1e-12 -p turn=1.0 -p handed=-1
+over --method located -p bound=1e-12 -p turn=1.4
 over --method located -p step=1e-3
 over --method auto -p bound=1e-6
