@@ -179,7 +179,9 @@ static int broken_at(struct rb_modes *w, double s, double *value)
 	return rb_rates_evaluate(w, w->origin_s + s, value) ? broken(w, w->origin_s + s) : -1;
 }
 
-/* m: how far the named point lies below the held ones of its pair, the first of which is k, at s. */
+/*
+ * m: how far the named point lies below the held ones of its pair, the first of which is k, at s.
+ */
 static double depth_at(struct rb_modes *w, int k, const struct rb_contact_name *name, double s,
                        double *value)
 {

@@ -159,7 +159,7 @@ double rb_set_landing_gap(const struct rb_located *l, const struct rb_contact_po
 	other.half = rb_vec3_neg(m->half);
 	const struct rb_contact_point across = rb_contact_point_of(l, &other, &m->pose_a,
 	                                                           &m->pose_b);
-	/* by what a rim turns or falls to lie flat (add_rim in located/convex_contact): its impact */
+	/* by what a rim turns or falls to lie flat (add_rim): its impact */
 	const bool closes = rb_vec3_dot(across.velocity, across.normal) <
 	                    -4 * rb_contact_point_noise(l, &across);
 
