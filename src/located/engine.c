@@ -18,6 +18,7 @@
 #include "base/memory.h"
 #include "located/account.h"
 #include "located/cluster.h"
+#include "located/crowd.h"
 #include "located/driven.h"
 #include "located/engine_create.h"
 #include "located/predict.h"
@@ -155,6 +156,8 @@ static void touch(struct rb_located *l, int i, double t)
 	const bool on_pieces = rb_located_on_piece(l, i) || rb_located_on_piece(l, j);
 	struct before before;
 
+	if (l->model->parts && j < l->n)
+		rb_crowd_join(l, i, j);
 	remember(l, i, j, &before);
 	if (rb_resolve_impact_of_pair(l, i, j, t)) {
 		l->generation[i]++;
@@ -492,6 +495,7 @@ static void start(struct rb_located *l, double t)
 	for (int i = 0; i < l->n && l->status == RB_OK && !rb_located_is_dense(l); i++) {
 		if (rb_interrupt_after(&l->world->interrupt, START_WORK))
 			break;
+		rb_crowd_event(l, i);
 		const int touching = rb_predict(l, i, t, -1);
 
 		if (rb_located_driven(l, i) || l->cluster_of[i] >= 0 ||
@@ -500,6 +504,7 @@ static void start(struct rb_located *l, double t)
 			continue;
 		rb_set_add(l, i);
 		resolve_set(l, t);
+		rb_crowd_count(l, i);
 	}
 	l->starting = false;
 	while (l->switch_next < l->switch_count && l->switch_s[l->switch_next] <= t)
@@ -508,20 +513,16 @@ static void start(struct rb_located *l, double t)
 		rb_queue_set(l->queue, 2 * l->n, l->switch_s[l->switch_next]);
 }
 
-/* Bodies that so much time allows: whole ones. */
-static uint64_t allowance(const struct rb_located *l, double t)
-{
-	RB_ASSERT_COSTLY(t >= 0);
-	return (uint64_t)fmin(fmax(l->pace * t, 0), 1e18);
-}
-
 /* Moves the clock to `t`. Time pays off the counts, in however many parts it passes. */
 static void advance_clock(struct rb_located *l, double t)
 {
-	const uint64_t paid = allowance(l, t) - allowance(l, l->now_s), crowd = rb_located_crowd(l);
+	const uint64_t paid = rb_located_allowed(l, t) - rb_located_allowed(l, l->now_s),
+		       crowd = rb_located_crowd(l);
 
 	l->crowd = crowd - (paid < crowd ? paid : crowd);
 	l->products %= RB_LOCATED_PRODUCTS;
+	if (l->crowd == 0 && t > l->now_s)
+		rb_crowd_end(l);
 	l->now_s = t;
 }
 
@@ -538,6 +539,11 @@ static void one_event(struct rb_located *l, int which, double t)
 		return;
 	if (l->model->rollback == RB_ROLLBACK_GLOBAL)
 		restore_everything(l, t);
+	const int body = which < l->n       ? which
+	                 : which < 2 * l->n ? l->cluster[which - l->n].member[0]
+	                                    : -1;
+
+	rb_crowd_event(l, body);
 	if (which >= 2 * l->n)
 		switch_event(l, t);
 	else if (which >= l->n)
@@ -546,6 +552,7 @@ static void one_event(struct rb_located *l, int which, double t)
 		driven_event(l, which, t);
 	else
 		body_event(l, which, t);
+	rb_crowd_count(l, body);
 	if (l->status == RB_OK && !rb_interrupt_is_set(&l->world->interrupt))
 		call_hooks(l, reported, t);
 }
@@ -618,21 +625,6 @@ static bool follow_turns(struct rb_located *l, double t)
 	return true;
 }
 
-/*
- * Bodies that count already when locating begins: after steps an attempt may take a quarter of what
- * these have taken, but bringing all bodies to their contacts is left to each.
- */
-static uint64_t debt(const struct rb_located *l)
-{
-	const uint64_t n = (uint64_t)l->n, steps = (uint64_t)l->world->dense_steps;
-
-	if (steps == 0 || l->crowd_max == UINT64_MAX)
-		return 0;
-	const uint64_t paid = n * steps / (4 * RB_LOCATED_BODY_STEPS), least = 32 + n;
-	const uint64_t left = paid > least ? paid : least;
-	return l->crowd_max > left ? l->crowd_max - left : 0;
-}
-
 /* Whatever its solutions have come to by then. */
 static bool is_interrupted(struct rb_located *l, uint64_t work)
 {
@@ -650,8 +642,7 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	RB_ASSERT(until >= l->world->state.time_s);
 	l->err = err;
 	if (!l->started) {
-		l->crowd = debt(l);
-		l->products = 0;
+		rb_crowd_begin(l);
 		start(l, l->world->state.time_s);
 		if (l->status == RB_OK) /* slips that no force sustains have ended at once */
 			call_hooks(l, reported, l->now_s);

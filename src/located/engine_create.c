@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "geom/distance.h"
 #include "located/cluster.h"
+#include "located/crowd.h"
 #include "located/follow.h"
 #include "located/external_force.h"
 #include "located/joint_rows.h"
@@ -14,8 +15,6 @@
 
 /* Bodies from which on cells pay. */
 enum { CELLS_FROM = 48 };
-/* Limit of the crowd count, in bodies: beyond it locating is too dense. */
-enum { CROWD_MAX = 512, CROWD_MAX_PER_BODY = 8 };
 
 /* A zeroed row, at least one element; sets *failed when memory is out. */
 static void *row(size_t count, size_t size, bool *failed)
@@ -48,6 +47,8 @@ static bool make_rows(struct rb_located *l)
 		l->account_s = row(n, sizeof *l->account_s, &failed);
 	l->next = row(n, sizeof *l->next, &failed);
 	l->bounces = row(n, sizeof *l->bounces, &failed);
+	l->crowd_of = row(n, sizeof *l->crowd_of, &failed);
+	l->joined = row(n, sizeof *l->joined, &failed);
 	l->cluster_of = row(n, sizeof *l->cluster_of, &failed);
 	l->near = row(n, sizeof *l->near, &failed);
 	l->set = row(n, sizeof *l->set, &failed);
@@ -121,17 +122,20 @@ enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world
 	l->end_s = world->model->duration_s;
 	l->decays = rb_external_drag_is_linear(l->model);
 	/* mechanisms on their own have no crowds: they are followed at any cost, if they can be */
-	l->crowd_max = rb_located_can_be_stepped(l) && (l->model->features & RB_FEATURE_CONTACT)
-	                       ? CROWD_MAX + CROWD_MAX_PER_BODY * (uint64_t)l->n
+	l->world_max = rb_located_can_be_stepped(l) && (l->model->features & RB_FEATURE_CONTACT)
+	                       ? rb_crowd_world_max(l->n)
 	                       : UINT64_MAX;
+	l->crowd_max = l->world_max;
 	l->weight = rb_vec3_length(world->model->scene->world.gravity) +
 	            rb_gravitation_weight(world->model);
 	l->stuck_s = -HUGE_VAL;
 	l->come_a = l->come_b = -1;
 	if (!make_rows(l) || !rb_external_switches(l))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the located method");
-	if (status == RB_OK)
+	if (status == RB_OK) {
+		rb_crowd_begin(l);
 		status = rb_gravitation_create(&l->gravitation, l->model, err);
+	}
 	/* bodies, clusters (never more than bodies), switches of forces */
 	if (status == RB_OK)
 		status = rb_queue_create(&l->queue, 2 * l->n + 1, err);
@@ -165,6 +169,8 @@ void rb_engine_destroy(struct rb_located *l)
 	rb_memory_free(l->account_s);
 	rb_memory_free(l->next);
 	rb_memory_free(l->bounces);
+	rb_memory_free(l->crowd_of);
+	rb_memory_free(l->joined);
 	rb_memory_free(l->cluster_of);
 	rb_memory_free(l->near);
 	rb_memory_free(l->set);

@@ -4,6 +4,7 @@
 #include "located/account.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "located/crowd.h"
 #include "located/follow.h"
 #include "located/integrate.h"
 #include "located/past.h"
@@ -18,6 +19,7 @@ RB_FIELDS_DEFINE(rb_held_fields, struct rb_held, RB_HELD_FIELDS);
 RB_FIELDS_DEFINE(rb_account_rates_fields, struct rb_account_rates, RB_ACCOUNT_RATES_FIELDS);
 RB_FIELDS_DEFINE(rb_cluster_fields, struct rb_cluster, RB_CLUSTER_FIELDS);
 RB_FIELDS_DEFINE(rb_bounces_fields, struct rb_bounces, RB_BOUNCES_FIELDS);
+RB_FIELDS_DEFINE(rb_crowd_fields, struct rb_crowd_of, RB_CROWD_FIELDS);
 RB_FIELDS_DEFINE(rb_merge_fields, struct rb_merge, RB_MERGE_FIELDS);
 RB_FIELDS_DEFINE_PART(rb_located_fields, struct rb_located, RB_LOCATED_FIELDS);
 
@@ -64,6 +66,9 @@ static void pack_bodies(struct rb_located *l, struct rb_pack *pack)
 	rb_pack_bytes(pack, l->generation, n * sizeof *l->generation);
 	rb_fields_pack(rb_next_fields(), l->next, n, limits.high, pack);
 	rb_fields_pack(rb_bounces_fields(), l->bounces, n, limits.high, pack);
+	rb_fields_pack(rb_crowd_fields(), l->crowd_of, n, limits.high, pack);
+	if (pack->loading && !pack->failed)
+		(void)rb_pack_check(pack, rb_crowd_complete(l), "crowds without end");
 	if (l->top)
 		rb_fields_pack(rb_top_fields(), l->top, n, NULL, pack);
 	for (int i = 0; pack->loading && i < l->n && !pack->failed; i++) {

@@ -220,6 +220,18 @@ struct rb_bounces {
 };
 RB_FIELDS_DECLARE(rb_bounces_fields);
 
+/* With whom a body has dealt since time last had paid for all (located/crowd): a tree of a forest. */
+#define RB_CROWD_FIELDS(X)                                                                         \
+	X(int, parent, , "", "body index, of a root its own, else lower", RB_UP_TO(RB_LIMIT_BODY)) \
+	X(int, size, , "", "bodies of a root's tree", RB_DERIVED)                                  \
+	X(uint64_t, products, , "", "a root's: what it has counted, less what time has allowed",   \
+	  RB_ANY_BITS)                                                                             \
+	X(double, paid_s, , "s", "until when", RB_FINITE)
+struct rb_crowd_of {
+	RB_CROWD_FIELDS(RB_FIELD_MEMBER)
+};
+RB_FIELDS_DECLARE(rb_crowd_fields);
+
 /* Of the located method, beside what it knows of bodies, clusters and cells. */
 #define RB_LOCATED_FIELDS(X)                                                                      \
 	X(double, now_s, , "s", "the event under way", RB_FINITE)                                 \
@@ -292,10 +304,14 @@ struct rb_located {
 	double weight; /* m/s^2: |gravity|, and that of the strongest that attracts */
 	struct rb_gravitation gravitation; /* owned; empty without that */
 	double end_s;                      /* of the run */
-	uint64_t crowd_max; /* more than these are left to steps; UINT64_MAX: whatever it costs */
-	struct rb_arena *arena; /* borrowed: the world's first */
-	struct rb_error *err;   /* of the advance under way */
-	enum rb_status status;  /* of it: set once, then nothing goes on */
+	uint64_t world_max;  /* more than these are left to steps; UINT64_MAX: whatever it costs */
+	uint64_t crowd_max;  /* of the event under way: no more than that */
+	uint64_t event_from; /* all products when it began */
+	struct rb_crowd_of *crowd_of; /* [n] */
+	int *joined, joined_count;    /* [n]: bodies in trees of more than one */
+	struct rb_arena *arena;       /* borrowed: the world's first */
+	struct rb_error *err;         /* of the advance under way */
+	enum rb_status status;        /* of it: set once, then nothing goes on */
 	bool starting; /* contacts that are found now have been there before: nothing to tell */
 };
 
@@ -329,7 +345,8 @@ static inline int rb_located_row(const struct rb_located *l)
  * boxes that move together are left to steps; and arithmetic, not a clock: the same on every
  * machine. A row of a contact's in a product of a vector with the matrix, a look at a contact on a
  * piece, and at what pulls a body in flight, a call of a field's function, a pair that attracts
- * each other, and a search for points where two convex bodies touch, count as so many.
+ * each other, and a search for points where two convex bodies touch, or a look at two that may
+ * touch next, count as so many.
  */
 enum {
 	RB_LOCATED_PRODUCTS = 100000,
@@ -348,6 +365,18 @@ enum { RB_LOCATED_BODY_STEPS = 32 };
 static inline uint64_t rb_located_crowd(const struct rb_located *l)
 {
 	return l->crowd + l->products / RB_LOCATED_PRODUCTS;
+}
+
+/* Bodies of crowds that time has allowed until `t`: whole ones. */
+static inline uint64_t rb_located_allowed(const struct rb_located *l, double t)
+{
+	return (uint64_t)fmin(fmax(l->pace * t, 0), 1e18);
+}
+
+/* The same, in products. */
+static inline uint64_t rb_located_all_products(const struct rb_located *l)
+{
+	return l->crowd * RB_LOCATED_PRODUCTS + l->products;
 }
 
 /* Too much to locate. */

@@ -274,11 +274,16 @@ static bool is_above(const struct rb_located *l, int i, int plane, double from, 
 {
 	const double h = until - from, ball = rb_pair_extent(l, i);
 
-	if (plane < l->n || l->model->shape[plane].kind != RB_SHAPE_PLANE || !isfinite(ball))
+	if (plane < l->n || !isfinite(ball) ||
+	    (l->model->shape[plane].kind != RB_SHAPE_PLANE &&
+	     l->model->shape[plane].kind != RB_SHAPE_RECTANGLE))
 		return false;
-	const rb_vec3 n = l->plane_normal[plane - l->n], x = rb_arc_position(l, i, from);
+	const rb_vec3 x = rb_arc_position(l, i, from);
 	const rb_vec3 d = rb_vec3_sub(x, l->model->position[plane]);
+	rb_vec3 n = l->plane_normal[plane - l->n];
 	double reach = ball;
+	if (l->model->shape[plane].kind == RB_SHAPE_RECTANGLE && rb_vec3_dot(n, d) < 0)
+		n = rb_vec3_neg(n);
 	if (h > 0)
 		reach += h * (fmax(-rb_vec3_dot(n, rb_arc_velocity(l, i, from)), 0) +
 		              0.5 * h * rb_arc_acceleration_max(l, i));
@@ -322,6 +327,8 @@ bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double fr
 		return true;
 	if (!isfinite(sum))
 		return is_above(l, a, b, from, until) || is_above(l, b, a, from, until);
+	if (is_above(l, a, b, from, until) || is_above(l, b, a, from, until))
+		return true;
 	if (b < l->n && rb_relative_is(l, a, b) && rb_relative_began_far(l, a, b, until, sum))
 		return true;
 	/* what is left to be found costs a few looks at the same polynomials */
@@ -534,21 +541,23 @@ static double much_longer(const struct rb_located *l, const struct rb_contact_po
 }
 
 /*
- * Conservative advancement from `from` to `until`; INFINITY: no touch. `*again`: not decided yet.
+ * Conservative advancement from `from` to `until`; INFINITY: no touch. Sets `again` where that is
+ * not decided yet.
  */
 static double advance(const struct rb_located *l, int a, int b, double from, double until,
-                      bool *again)
+                      struct rb_approach *found)
 {
 	struct rb_bounds of_a = {0}, of_b = {0};
 	double t = from, nearest = HUGE_VAL;
 	bool is_relative = false;
 
-	*again = false;
+	found->again = false;
 	for (int step = 0; step < STEPS_MAX; step++) {
 		const struct rb_contact_point m = rb_contact_point_at(l, a, b, t);
 		const double band = rb_contact_point_band(l, &m, t),
 			     noise = rb_contact_point_noise(l, &m);
 
+		found->products += RB_LOCATED_SEARCH;
 		if (step == 0) {
 			of_a = rb_bounds_of(l, m.a);
 			of_b = rb_bounds_of(l, m.b);
@@ -612,7 +621,7 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 			return HUGE_VAL;
 		t += h;
 	}
-	*again = true;
+	found->again = true;
 	return t;
 }
 
@@ -663,7 +672,7 @@ static bool in_flight(const struct rb_located *l, int i)
 }
 
 double rb_pair_contact_time(const struct rb_located *l, int a, int b, double from, double until,
-                            bool *again)
+                            struct rb_approach *found)
 {
 	const struct rb_model *model = l->model;
 	double s;
@@ -671,12 +680,10 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
 	RB_ASSERT_COSTLY(a != b);
 	RB_ASSERT_COSTLY(until >= from);
-	*again = false;
+	found->again = false;
 	if (rb_pair_has_features(l, a, b)) {
-		const struct rb_approach found = rb_approach_find(l, a, b, from, until);
-
-		*again = found.again;
-		return found.touch_s;
+		*found = rb_approach_find(l, a, b, from, until);
+		return found->touch_s;
 	}
 	/* the lower sphere comes first, so that the impact rounds as the prediction did */
 	if (model->shape[a].kind != RB_SHAPE_SPHERE ||
@@ -687,7 +694,7 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 		b = other;
 	}
 	if (!in_flight(l, a) || (b < l->n && !in_flight(l, b)) || slow_differently(l, a, b))
-		return advance(l, a, b, from, until, again);
+		return advance(l, a, b, from, until, found);
 	const rb_vec3 none = {0, 0, 0};
 	const double decay = rb_arc_decay(l, a);
 	const rb_vec3 acceleration_b = b < l->n ? l->arc[b].acceleration : none;
@@ -727,7 +734,7 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 		s = slowed_fall(decay, motion, band,
 		                gap <= band ? rb_contact_point_noise(l, &m) : 0, until - from);
 	} else {
-		return advance(l, a, b, from, until, again);
+		return advance(l, a, b, from, until, found);
 	}
 	return from + s <= until ? from + s : HUGE_VAL;
 }

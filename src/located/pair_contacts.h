@@ -8,6 +8,7 @@
 #ifndef RB_LOCATED_PAIR_CONTACTS_H
 #define RB_LOCATED_PAIR_CONTACTS_H
 
+#include "located/approach.h"
 #include "located/convex_contact.h"
 #include "located/relative.h"
 
@@ -67,9 +68,10 @@ bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double fr
  * spheres that fly under the same acceleration and for a sphere in flight and a plane at rest; else
  * conservative steps that end on the root: the distance of a point to a convex set is convex along
  * a straight line, so with the relative acceleration bounded by A, gap(t + h) >= gap + rate h - A
- * h^2 / 2. `*again` is set when the moment is not yet a touch but where to look again.
+ * h^2 / 2. Of `*found`, `again` is set when the moment is not yet a touch but where to look again;
+ * `products` grows by what these steps have cost, or is what features have.
  */
 double rb_pair_contact_time(const struct rb_located *l, int a, int b, double from, double until,
-                            bool *again);
+                            struct rb_approach *found);
 
 #endif

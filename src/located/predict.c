@@ -355,11 +355,17 @@ static bool is_interrupted(struct seer *s)
 	return true;
 }
 
+/* Whether the body is in contact: spheres that fly are no crowd, however often looked at. */
+static bool in_contact(const struct rb_located *l, int i)
+{
+	return i < l->n && l->cluster_of[i] >= 0 && l->cluster[l->cluster_of[i]].held_count > 0;
+}
+
 /* One candidate, by the cheapest test that applies. */
 static void see_body(struct seer *s, int j)
 {
 	const struct rb_located *l = s->l;
-	bool again = false;
+	struct rb_approach flight = {0};
 
 	if (!s->general && j < l->n ? see_sphere(s, j)
 	                            : j >= l->n && l->model->shape[j].kind == RB_SHAPE_PLANE &&
@@ -386,9 +392,12 @@ static void see_body(struct seer *s, int j)
 		const struct rb_contact_point m = rb_contact_point_at(l, s->i, j, s->now);
 
 		s->touching += m.gap <= rb_contact_point_band(l, &m, s->now);
+		flight.products += RB_LOCATED_SEARCH;
 	}
-	const double t = rb_pair_contact_time(l, s->i, j, s->now, until, &again);
-	see(s, j, t, again);
+	const double t = rb_pair_contact_time(l, s->i, j, s->now, until, &flight);
+	if (l->model->parts || in_contact(l, s->i) || in_contact(l, j))
+		s->l->products += flight.products;
+	see(s, j, t, flight.again);
 }
 
 /* Position, velocity and acceleration of the body now. */

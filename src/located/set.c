@@ -8,6 +8,7 @@
 #include "located/set.h"
 
 #include "base/error.h"
+#include "located/crowd.h"
 #include "model/joints.h"
 
 #include <float.h>
@@ -582,6 +583,10 @@ int rb_set_grow(struct rb_located *l, double t, double slack, rb_set_joins *join
 	}
 	if (pairs.failed)
 		return -1;
+	/* two spheres are no crowd */
+	for (int k = 1; k < l->set_count && (l->set_count > 2 || l->model->parts); k++)
+		rb_crowd_join(l, l->set[0], l->set[k]);
+	rb_crowd_limit(l, l->set[0]);
 	if (pairs.count > 1)
 		qsort(pairs.row, (size_t)pairs.count, sizeof *pairs.row, by_name);
 	*found = pairs.row;

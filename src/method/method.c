@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "located/crowd.h"
 #include "located/engine.h"
 #include "located/engine_create.h"
 #include "located/located_invariants.h"
@@ -224,6 +225,7 @@ static void begin_dense_steps(struct rb_world *world)
 		world->dense_steps = 0;
 	more_dense_steps(world);
 	world->dense_left = world->dense_steps;
+	world->dense_work = 0;
 }
 
 /*
@@ -306,11 +308,15 @@ static enum rb_status by_step(struct rb_world *world, double start, double stop,
 		                                                  ((double)(k + 1) / (double)count)
 		                                : stop;
 
+		const struct rb_counts before = world->frame_counts;
+
 		status = method_of(world)->steps->step(world, from, to - from, err);
 		if (status != RB_OK)
 			break;
 		world->state.time_s = to;
 		world->frame_counts.stepped_s += to - from;
+		if (world->located)
+			rb_crowd_count_step(world->located, &before);
 	}
 	if (status == RB_OK)
 		forget_pushes(world);
@@ -325,6 +331,7 @@ struct restart {
 	struct rb_ledger ledger;
 	size_t event_count;
 	int64_t dense_steps, dense_left;
+	uint64_t dense_work;
 	uint64_t called;
 	bool is_known;
 };
@@ -375,6 +382,7 @@ static enum rb_status remember(struct rb_world *world, bool known, struct restar
 	begin->event_count = world->events.count;
 	begin->dense_steps = world->dense_steps;
 	begin->dense_left = world->dense_left;
+	begin->dense_work = world->dense_work;
 	return RB_OK;
 }
 
@@ -403,6 +411,7 @@ static enum rb_status go_back(struct rb_world *world, const struct restart *begi
 	world->events.count = begin->event_count;
 	world->moved_by_hand = true;
 	world->dense_steps = begin->dense_steps;
+	world->dense_work = begin->dense_work;
 	world->dense_left = 0;
 	if (begin->dense_left > 0 && by_steps)
 		return RB_OK;
@@ -410,6 +419,7 @@ static enum rb_status go_back(struct rb_world *world, const struct restart *begi
 	while (world->dense_steps < steps && world->dense_steps < DENSE_STEPS_MAX)
 		world->dense_steps *= RB_DENSE_STEPS_MORE;
 	world->dense_left = world->dense_steps > steps ? world->dense_steps : steps;
+	world->dense_work = 0;
 	return change_to_steps(world, err);
 }
 
@@ -471,8 +481,11 @@ static enum rb_status go(struct rb_world *world, double start, double stop, stru
 
 	if (!world->located || world->dense_left > 0) {
 		status = by_step(world, start, stop, err);
-		if (status == RB_OK && world->located)
-			world->dense_left--;
+		if (status != RB_OK || !world->located)
+			return status;
+		/* as many again until they have cost what a try may */
+		if (--world->dense_left == 0 && !rb_crowd_may_try(world->located))
+			world->dense_left = world->dense_steps;
 		return status;
 	}
 	return located(world, start, stop, err);

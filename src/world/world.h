@@ -106,6 +106,7 @@ struct rb_events {
 	  RB_LONG_WITHIN(0, INT64_MAX))                                                      \
 	X(int64_t, dense_left, , "", "auto: of these, still to take",                        \
 	  RB_LONG_WITHIN(0, INT64_MAX))                                                      \
+	X(uint64_t, dense_work, , "", "auto: products that these have cost", RB_ANY_BITS)    \
 	X(bool, has_shown, , "", "`shown` is of this frame", RB_FLAG)                        \
 	X(bool, has_held, , "", "callbacks pushed in the step before, with `held`", RB_FLAG) \
 	X(bool, moved_by_hand, , "", "a callback has set a position", RB_FLAG)

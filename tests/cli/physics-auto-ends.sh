@@ -62,6 +62,10 @@ for scales in "0 0" "-6 0" "2 4"; do
 	first="$part $place"
 done
 
+# what stands again after steps is not tried again before they have cost much more than that
+exits 0 "$TOP/scenes/arch.lua" --method auto --no-record --no-render --json --quiet --threads 1
+[ "$(value rollbacks)" -le 1 ] || fail "the arch: $(value rollbacks) frames were done again"
+
 # what is integrated a million times a second, in flight, is left to steps as well
 cat >stiff.lua <<'LUA'
 world { duration = 0.2, frame_rate = 20, gravity = {0, 0, -9.81} }

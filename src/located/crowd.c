@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/crowd.h"
+
+/*
+ * Bodies that may be counted beyond those that time allows. By a crowd: so many for each of its
+ * bodies, a few more, and shares of what few are worth: few in a crowd, and few in the world. A box
+ * that goes over an edge takes 119 on its own, which is a hundredth of a second, three that slide on
+ * each other 84, and twenty-six rollers that begin to slip together 137; of more, steps would cost
+ * less. By the world: those of some crowds.
+ */
+enum { CROWD_BODY = 5, CROWD_MORE = 16, CROWD_SHARE = 128, FEW_SHARE = 512 };
+enum { WORLD_BODY = 2, WORLD_MORE = 512 };
+
+uint64_t rb_crowd_world_max(int bodies)
+{
+	return WORLD_BODY * (uint64_t)bodies + WORLD_MORE;
+}
+
+static uint64_t crowd_max(const struct rb_located *l, int bodies)
+{
+	return CROWD_BODY * (uint64_t)bodies + CROWD_MORE + CROWD_SHARE / (uint64_t)bodies +
+	       FEW_SHARE / (uint64_t)l->n;
+}
+
+/* ---- steps ---- */
+
+/*
+ * Products of a step of a body, and of one that stands. Whether it is known to, which makes it
+ * cheap, is not kept with the state, and nothing may depend on it.
+ */
+enum { STEP_WORK = RB_LOCATED_PRODUCTS / RB_LOCATED_BODY_STEPS, STAND_WORK = STEP_WORK / 16 };
+
+static bool stands(const struct rb_state *state, int i)
+{
+	const rb_vec3 none = {0, 0, 0};
+
+	return rb_vec3_max_abs(rb_world_row3(state->velocity, i)) == 0 &&
+	       rb_vec3_max_abs(state->spin ? rb_world_row3(state->spin, i) : none) == 0;
+}
+
+void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *before)
+{
+	const struct rb_counts *now = &l->world->frame_counts;
+	uint64_t moved = now->body_steps - before->body_steps + now->discarded_body_steps -
+	                 before->discarded_body_steps;
+	uint64_t stood = 0;
+
+	for (int i = 0; i < l->n; i++)
+		stood += stands(&l->world->state, i);
+	moved -= stood < moved ? stood : moved;
+	l->world->dense_work += STEP_WORK * moved + STAND_WORK * stood;
+}
+
+/* Share of the work of steps that the next attempt may take. */
+enum { TRY_SHARE = 4 };
+
+/*
+ * Bodies that count when all are brought to their contacts, and a few more: what an attempt takes at
+ * least.
+ */
+static uint64_t least_try(const struct rb_located *l)
+{
+	return 32 + (uint64_t)l->n;
+}
+
+/* Bodies that an attempt after these steps may count. */
+static uint64_t next_try(const struct rb_located *l)
+{
+	return l->world->dense_work / (TRY_SHARE * (uint64_t)RB_LOCATED_PRODUCTS);
+}
+
+bool rb_crowd_may_try(const struct rb_located *l)
+{
+	return l->world_max == UINT64_MAX || next_try(l) >= (uint64_t)l->n;
+}
+
+/* ---- crowds ---- */
+
+static void alone(struct rb_located *l, int i)
+{
+	l->crowd_of[i] = (struct rb_crowd_of){.parent = i, .size = 1};
+}
+
+void rb_crowd_begin(struct rb_located *l)
+{
+	const uint64_t paid_for = next_try(l), least = least_try(l);
+	const uint64_t left = paid_for > least ? paid_for : least;
+	const bool owes = l->world->dense_steps > 0 && l->world_max != UINT64_MAX;
+
+	/* after steps there is a debt, which leaves what they allow */
+	l->crowd = owes && left < l->world_max ? l->world_max - left : 0;
+	l->products = 0;
+	l->crowd_max = l->world_max;
+	for (int i = 0; i < l->n; i++)
+		alone(l, i);
+	l->joined_count = 0;
+}
+
+void rb_crowd_end(struct rb_located *l)
+{
+	for (int k = 0; k < l->joined_count; k++)
+		alone(l, l->joined[k]);
+	l->joined_count = 0;
+}
+
+static int root_of(struct rb_located *l, int i)
+{
+	struct rb_crowd_of *const of = l->crowd_of;
+
+	for (; of[i].parent != i; i = of[i].parent)
+		of[i].parent = of[of[i].parent].parent;
+	return i;
+}
+
+bool rb_crowd_complete(struct rb_located *l)
+{
+	for (int i = 0; i < l->n; i++) {
+		if (l->crowd_of[i].parent > i)
+			return false;
+		l->crowd_of[i].size = 0;
+	}
+	l->joined_count = 0;
+	for (int i = 0; i < l->n; i++)
+		l->crowd_of[root_of(l, i)].size++;
+	for (int i = 0; i < l->n; i++)
+		if (l->crowd_of[i].size != 1)
+			l->joined[l->joined_count++] = i;
+	return true;
+}
+
+/* The crowd, after time has paid for what it has counted. */
+static struct rb_crowd_of *paid(struct rb_located *l, int root)
+{
+	struct rb_crowd_of *const crowd = &l->crowd_of[root];
+	const uint64_t pays = (rb_located_allowed(l, l->now_s) -
+	                       rb_located_allowed(l, crowd->paid_s)) *
+	                      RB_LOCATED_PRODUCTS;
+
+	crowd->products -= pays < crowd->products ? pays : crowd->products;
+	crowd->paid_s = l->now_s;
+	return crowd;
+}
+
+void rb_crowd_join(struct rb_located *l, int i, int j)
+{
+	if (l->world_max == UINT64_MAX || rb_located_fixed(l, i) || rb_located_fixed(l, j))
+		return;
+	const int x = root_of(l, i), y = root_of(l, j);
+
+	if (x == y)
+		return;
+	struct rb_crowd_of *const root = paid(l, x < y ? x : y), *const leaf = paid(l,
+	                                                                            x < y ? y : x);
+
+	if (root->size == 1)
+		l->joined[l->joined_count++] = root->parent;
+	if (leaf->size == 1)
+		l->joined[l->joined_count++] = leaf->parent;
+	leaf->parent = root->parent;
+	root->size += leaf->size;
+	root->products += leaf->products;
+}
+
+/* Does it belong to a crowd? */
+static bool is_counted(const struct rb_located *l, int i)
+{
+	return i >= 0 && l->world_max != UINT64_MAX && !rb_located_fixed(l, i);
+}
+
+void rb_crowd_limit(struct rb_located *l, int i)
+{
+	l->crowd_max = l->world_max;
+	if (!is_counted(l, i))
+		return;
+	const struct rb_crowd_of *const crowd = paid(l, root_of(l, i));
+	const uint64_t max = crowd_max(l, crowd->size), has = crowd->products / RB_LOCATED_PRODUCTS;
+	const uint64_t all = l->event_from / RB_LOCATED_PRODUCTS + (max > has ? max - has : 0);
+
+	l->crowd_max = all < l->world_max ? all : l->world_max;
+}
+
+void rb_crowd_event(struct rb_located *l, int i)
+{
+	l->event_from = rb_located_all_products(l);
+	rb_crowd_limit(l, i);
+}
+
+void rb_crowd_count(struct rb_located *l, int i)
+{
+	if (is_counted(l, i))
+		paid(l, root_of(l, i))->products += rb_located_all_products(l) - l->event_from;
+}
