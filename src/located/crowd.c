@@ -4,9 +4,9 @@
 /*
  * Bodies that may be counted beyond those that time allows. By a crowd: so many for each of its
  * bodies, a few more, and shares of what few are worth: few in a crowd, and few in the world. A box
- * that goes over an edge takes 119 on its own, which is a hundredth of a second, three that slide on
- * each other 84, and twenty-six rollers that begin to slip together 137; of more, steps would cost
- * less. By the world: those of some crowds.
+ * that goes over an edge takes 119 on its own, which is a hundredth of a second, three that slide
+ * on each other 84, and twenty-six rollers that begin to slip together 137; of more, steps would
+ * cost less. By the world: those of some crowds.
  */
 enum { CROWD_BODY = 5, CROWD_MORE = 16, CROWD_SHARE = 128, FEW_SHARE = 512 };
 enum { WORLD_BODY = 2, WORLD_MORE = 512 };
@@ -55,8 +55,8 @@ void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *bef
 enum { TRY_SHARE = 4 };
 
 /*
- * Bodies that count when all are brought to their contacts, and a few more: what an attempt takes at
- * least.
+ * Bodies that count when all are brought to their contacts, and a few more: what an attempt takes
+ * at least.
  */
 static uint64_t least_try(const struct rb_located *l)
 {

@@ -16,7 +16,7 @@ uint64_t rb_crowd_world_max(int bodies);
 /* Counts what a step has cost: `before` are the world's counts before it. */
 void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *before);
 
-/* Whether the steps taken have cost several times what bringing all bodies to their contacts does. */
+/* Whether the steps taken have cost several times what bringing bodies to their contacts does. */
 bool rb_crowd_may_try(const struct rb_located *l);
 
 /* Locating begins: nobody has dealt with anybody yet. */

@@ -220,7 +220,7 @@ struct rb_bounces {
 };
 RB_FIELDS_DECLARE(rb_bounces_fields);
 
-/* With whom a body has dealt since time last had paid for all (located/crowd): a tree of a forest. */
+/* With whom a body has dealt since time had paid for all (located/crowd): a tree of a forest. */
 #define RB_CROWD_FIELDS(X)                                                                         \
 	X(int, parent, , "", "body index, of a root its own, else lower", RB_UP_TO(RB_LIMIT_BODY)) \
 	X(int, size, , "", "bodies of a root's tree", RB_DERIVED)                                  \

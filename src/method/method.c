@@ -480,12 +480,12 @@ static enum rb_status go(struct rb_world *world, double start, double stop, stru
 	enum rb_status status;
 
 	if (!world->located || world->dense_left > 0) {
+		/* as many again until a try is due: the last one is solved for it */
+		if (world->located && world->dense_left == 1 && !rb_crowd_may_try(world->located))
+			world->dense_left += world->dense_steps;
 		status = by_step(world, start, stop, err);
-		if (status != RB_OK || !world->located)
-			return status;
-		/* as many again until they have cost what a try may */
-		if (--world->dense_left == 0 && !rb_crowd_may_try(world->located))
-			world->dense_left = world->dense_steps;
+		if (status == RB_OK && world->located)
+			world->dense_left--;
 		return status;
 	}
 	return located(world, start, stop, err);
