@@ -162,7 +162,9 @@ static int broken(struct rb_modes *w, double t)
 				return k;
 			inspected = true;
 		}
-		w->slip_ends = held->slipping && (held->straight || held->creeps) &&
+		/* without friction nothing happens where it turns back */
+		w->slip_ends = held->slipping && held->friction > 0 &&
+		               (held->straight || held->creeps) &&
 		               rb_vec3_dot(m->velocity, w->contact[k].slip) < 0;
 		if (w->slip_ends)
 			return k;

@@ -94,7 +94,7 @@ double rb_transition_next(const struct rb_located *l, int cluster)
 		const struct rb_held *held = &c->held[k];
 		double s = keeps_in_band(l, held, c->anchor_s);
 
-		if (held->slipping)
+		if (held->slipping && held->friction > 0)
 			s = fmin(s, slip_ends(l, held, c->anchor_s));
 		if (l->model->shape[held->b].kind == RB_SHAPE_RECTANGLE)
 			s = fmin(s, leaves_face(l, held));
