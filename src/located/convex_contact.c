@@ -214,6 +214,31 @@ bool rb_touch_half(const struct rb_located *l, const struct rb_contact_point *m,
 	return rb_feature_half(&c.a, &c.b, m->key, half);
 }
 
+bool rb_touch_rim_of(const struct rb_located *l, const struct rb_contact_point *m,
+                     struct rb_feature_flat_rim *rim)
+{
+	const struct rb_touch_pair pair = {m->a, m->b, 0, m->pose_a, m->pose_b};
+	struct couple c;
+
+	if (!rb_pair_has_features(l, m->a, m->b) || !rb_feature_is_quarter(m->key))
+		return false;
+	couple_of(l, &pair, m->parts, &c);
+	c.a.half = c.b.half = m->half;
+	return rb_feature_flat_rim(&c.a, &c.b, m->key, rim);
+}
+
+struct rb_contact_point rb_touch_on_rim(const struct rb_located *l,
+                                        const struct rb_contact_point *m,
+                                        const struct rb_feature_flat_rim *rim, rb_vec3 way)
+{
+	const rb_vec3 own = rb_mat3_apply_transposed(&rim->turn, way), across = {own.x, own.y, 0};
+	struct rb_contact_name name = rb_contact_name_of(m);
+
+	name.key = rim->key;
+	name.half = rb_vec3_unit(across, (rb_vec3){1, 0, 0});
+	return rb_touch_of(l, &name, &m->pose_a, &m->pose_b);
+}
+
 /*
  * The point at the features within whose bounds it lies. A search tells features that share a
  * normal apart only to the root of rounding, and a face has points below those beyond its border.

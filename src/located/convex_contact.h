@@ -8,6 +8,7 @@
 #define RB_LOCATED_CONVEX_CONTACT_H
 
 #include "located/contact_point.h"
+#include "located/feature_side.h"
 
 enum { RB_CONTACT_POINTS_MAX = 64 };
 
@@ -19,6 +20,16 @@ struct rb_contact_point rb_touch_of(const struct rb_located *l, const struct rb_
                                     const struct rb_pose *pose_a, const struct rb_pose *pose_b);
 /* See rb_feature_half. */
 bool rb_touch_half(const struct rb_located *l, const struct rb_contact_point *m, rb_vec3 *half);
+/*
+ * The flat rim on a surface of which the contact point is a quarter, seen from the centre of mass of
+ * m->a. False: it is none.
+ */
+bool rb_touch_rim_of(const struct rb_located *l, const struct rb_contact_point *m,
+                     struct rb_feature_flat_rim *rim);
+/* The contact point of the same surfaces that lies on the rim in this direction, in world axes. */
+struct rb_contact_point rb_touch_on_rim(const struct rb_located *l,
+                                        const struct rb_contact_point *m,
+                                        const struct rb_feature_flat_rim *rim, rb_vec3 way);
 struct rb_contact_point rb_touch_nearest(const struct rb_located *l, int a, int b,
                                          const struct rb_pose *pose_a,
                                          const struct rb_pose *pose_b);
@@ -41,7 +52,6 @@ double rb_touch_gap(const struct rb_located *l, const struct rb_touch_pair *pair
 
 /* A part of a body in this pose, seen from the centre of mass of another, m; NULL: of its own. */
 struct rb_body_part;
-struct rb_feature_side;
 void rb_touch_side(const struct rb_located *l, int i, int part, const struct rb_pose *pose,
                    const struct rb_pose *reference, struct rb_feature_side *side);
 

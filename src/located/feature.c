@@ -600,6 +600,35 @@ uint64_t rb_feature_of_rim(const struct rb_feature_rim *rim, uint64_t quarter, b
 	return with_place(quarter, aside ? ASIDE : rim->turns ? LOWEST : AHEAD);
 }
 
+bool rb_feature_is_quarter(uint64_t key)
+{
+	return is_quarter((rb_part)(key >> 32)) || is_quarter((rb_part)key);
+}
+
+bool rb_feature_flat_rim(const struct rb_feature_side *a, const struct rb_feature_side *b,
+                         uint64_t key, struct rb_feature_flat_rim *out)
+{
+	const rb_part part[2] = {(rb_part)(key >> 32), (rb_part)key};
+
+	for (int k = 0; k < 2; k++) {
+		const side *const rim = k ? b : a, *const flat = k ? a : b;
+		const double half = index_of(part[k]) & 1 ? -rim->core->half_height
+		                                          : rim->core->half_height;
+		surface f;
+
+		if (!is_quarter(part[k]) || rim->core->kind != RB_CORE_CYLINDER ||
+		    !surface_of(flat, part[1 - k], &f))
+			continue;
+		*out = (struct rb_feature_flat_rim){
+			.centre = point_of(rim, (rb_vec3){0, 0, half}).at,
+			.turn = rim->turn,
+			.radius = rim->core->round,
+			.key = with_place(key, AHEAD)};
+		return true;
+	}
+	return false;
+}
+
 /* ---- names ---- */
 
 /* Marks a key of two lines with the face that they lie in, if there is one. */

@@ -59,6 +59,11 @@ bool rb_feature_landing(const struct rb_feature_side *a, const struct rb_feature
  */
 uint64_t rb_feature_of_rim(const struct rb_feature_rim *rim, uint64_t quarter, bool aside);
 
+/* Of one of a flat rim's quarters that lie on a surface: the rim. False: it is none. */
+bool rb_feature_is_quarter(uint64_t key);
+bool rb_feature_flat_rim(const struct rb_feature_side *a, const struct rb_feature_side *b,
+                         uint64_t key, struct rb_feature_flat_rim *out);
+
 /*
  * The features that take over where those of the key end next, as a manifold's key; 0: to be
  * searched for.

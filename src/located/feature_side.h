@@ -33,6 +33,14 @@ struct rb_feature_point {
 	bool next_is_b; /* ... of b's features, else of a's */
 };
 
+/* The rim of a cylinder's end that lies flat on a surface. */
+struct rb_feature_flat_rim {
+	rb_vec3 centre; /* m, from the reference */
+	rb_mat3 turn;   /* of its cylinder */
+	double radius;  /* m */
+	uint64_t key;   /* of the point of it that the side's `half` points to */
+};
+
 /* Where a part will be in a moment, s, if it goes straight on. */
 static inline struct rb_feature_side rb_feature_later(const struct rb_feature_side *side, double s)
 {

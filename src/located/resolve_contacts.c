@@ -23,6 +23,7 @@
 #include "located/external_force.h"
 #include "located/seize.h"
 #include "located/slips.h"
+#include "located/lean.h"
 #include "located/event_records.h"
 #include "located/transition.h"
 #include "located/work.h"
@@ -752,7 +753,7 @@ static bool resolve_once(struct rb_resolution *s, bool inspects, int round)
 		rb_slips_too_many(s);
 	else
 		sample_external(s);
-	if (l->status != RB_OK || !rb_slips_solve(s) || !rb_joint_rest_decide(s)) {
+	if (l->status != RB_OK || !rb_lean_solve(s) || !rb_joint_rest_decide(s)) {
 		/* nothing is written: what has been put right has not happened */
 		l->world->ledger = before;
 		return false;

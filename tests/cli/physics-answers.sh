@@ -43,4 +43,39 @@ for turn in 0 0.7 1.9 2.6; do
 	answers spring.lua -p turn=$turn
 done
 answers spring.lua -p turn=0.7 -p shape=cylinder
+
+# a cylinder on its end on a slope: it stands as long as its weight points into its end, whichever way that leans; beyond, it
+# falls over the point of the rim that is lowest
+cat >stands.lua <<'LUA'
+local frame = require "frame"
+local share = param("share", 0.9, "of the slope at which it falls")
+local way = param("way", 0.0, "rad: downhill, in the frame")
+local R, h = 0.2, 0.8
+local slope = math.atan(share * 2 * R / h)
+local down = frame.x * math.cos(way) + frame.y * math.sin(way)
+world { duration = 0.8, gravity = (down * math.sin(slope) - frame.z * math.cos(slope)) * 9.81 }
+local m = material { name = "m", friction = 2, restitution = 0 }
+plane { normal = frame.z, material = m }
+local b = cylinder { radius = R, length = h, mass = 1, position = frame.at(0, 0, h / 2),
+	orientation = frame.orientation, material = m }
+-- about the lowest point: I phi'' = g d sin(phi + slope - atan(2 R / h)), d its distance from the middle
+local d, inertia = math.sqrt(R * R + h * h / 4), R * R / 4 + h * h / 12 + R * R + h * h / 4
+local phi, w, n = 0, 0, 4000
+for _ = 1, n do
+	local function f(x) return 9.81 * d / inertia * math.sin(x + slope - math.atan(2 * R / h)) end
+	local k = 0.8 / n
+	local a1, a2 = f(phi), f(phi + k / 2 * w)
+	local a3, a4 = f(phi + k / 2 * (w + k / 2 * a1)), f(phi + k * (w + k / 2 * a2))
+	phi, w = phi + k * w + k * k / 6 * (a1 + a2 + a3), w + k / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+end
+local wanted = share < 1 and vec3(0, 0, 0) or frame.z:cross(down) * w
+expect("it stands or falls", function() return (b.angular_velocity - wanted):length(), share < 1 and 1e-15 or 1e-10 end)
+expect("nowhere else", function() return math.abs(b.position:dot(frame.z:cross(down))), 1e-11 end)
+LUA
+for turn in 0 0.7 1.9; do
+	answers stands.lua -p turn=$turn -p way=0.4
+	answers stands.lua -p turn=$turn -p share=0.999999 -p way=2
+	answers stands.lua -p turn=$turn -p share=1.01 -p way=-0.3
+	answers stands.lua -p turn=$turn -p share=1.1 -p way=1
+done
 exit 0
