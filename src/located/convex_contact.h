@@ -21,8 +21,8 @@ struct rb_contact_point rb_touch_of(const struct rb_located *l, const struct rb_
 /* See rb_feature_half. */
 bool rb_touch_half(const struct rb_located *l, const struct rb_contact_point *m, rb_vec3 *half);
 /*
- * The flat rim on a surface of which the contact point is a quarter, seen from the centre of mass of
- * m->a. False: it is none.
+ * The flat rim on a surface of which the contact point is a quarter, seen from the centre of mass
+ * of m->a. False: it is none.
  */
 bool rb_touch_rim_of(const struct rb_located *l, const struct rb_contact_point *m,
                      struct rb_feature_flat_rim *rim);

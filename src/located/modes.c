@@ -550,7 +550,8 @@ bool rb_modes_turns_aside(const struct rb_modes *w, int contact)
 	const rb_vec3 off = rb_vec3_add_scaled(slip, -rb_vec3_dot(slip, way), way);
 	const double least = single ? 0 : aside_share * rb_vec3_length(slip);
 
-	return held->straight && held->friction > 0 && !held->creeps && (single || !w->slow[contact]) &&
+	return held->straight && held->friction > 0 && !held->creeps &&
+	       (single || !w->slow[contact]) &&
 	       rb_vec3_length(off) > fmax(least, STRAIGHT_NOISES * rb_contact_point_noise(w->l, m));
 }
 
