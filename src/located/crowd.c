@@ -28,9 +28,9 @@ static uint64_t crowd_max(const struct rb_located *l, int bodies)
  * Products of a step of a body, and of one that stands. Whether it is known to, which makes it
  * cheap, is not kept with the state, and nothing may depend on it.
  */
-enum { STEP_WORK = RB_LOCATED_PRODUCTS / RB_LOCATED_BODY_STEPS, STAND_WORK = STEP_WORK / 16 };
+enum { STEP_WORK = RB_LOCATED_PRODUCTS / RB_LOCATED_BODY_STEPS, IDLE_WORK = STEP_WORK / 16 };
 
-static bool stands(const struct rb_state *state, int i)
+static bool is_idle(const struct rb_state *state, int i)
 {
 	const rb_vec3 none = {0, 0, 0};
 
@@ -43,12 +43,12 @@ void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *bef
 	const struct rb_counts *now = &l->world->frame_counts;
 	uint64_t moved = now->body_steps - before->body_steps + now->discarded_body_steps -
 	                 before->discarded_body_steps;
-	uint64_t stood = 0;
+	uint64_t idle = 0;
 
 	for (int i = 0; i < l->n; i++)
-		stood += stands(&l->world->state, i);
-	moved -= stood < moved ? stood : moved;
-	l->world->dense_work += STEP_WORK * moved + STAND_WORK * stood;
+		idle += is_idle(&l->world->state, i);
+	moved -= idle < moved ? idle : moved;
+	l->world->dense_work += STEP_WORK * moved + IDLE_WORK * idle;
 }
 
 /* Share of the work of steps that the next attempt may take. */

@@ -69,7 +69,7 @@ static struct load load_of(const struct rb_resolution *s, int k,
                            const struct rb_feature_flat_rim *rim, double *term)
 {
 	const struct rb_solver_contact *c = &s->joint.contact[k];
-	const size_t room = (size_t)s->contact_point_count;
+	const size_t stride = (size_t)s->contact_point_count;
 	struct load load = {.pressing = 0};
 	double sum[5];
 	int first, count = 0;
@@ -84,15 +84,15 @@ static struct load load_of(const struct rb_resolution *s, int k,
 		if (s->contact_point[i].parts != s->contact_point[k].parts)
 			continue;
 		term[(size_t)count] = parts_with(s, i) - rb_vec3_dot(load.slope, place);
-		term[(size_t)count + room] = force;
+		term[(size_t)count + stride] = force;
 		load.pressing += force > 0;
-		term[(size_t)count + 2 * room] = force * place.x;
-		term[(size_t)count + 3 * room] = force * place.y;
-		term[(size_t)count + 4 * room] = force * place.z;
+		term[(size_t)count + 2 * stride] = force * place.x;
+		term[(size_t)count + 3 * stride] = force * place.y;
+		term[(size_t)count + 4 * stride] = force * place.z;
 		count++;
 	}
 	for (size_t i = 0; i < 5; i++)
-		sum[i] = rb_exact_sum(term + i * room, count);
+		sum[i] = rb_exact_sum(term + i * stride, count);
 	load.bias = sum[0] / count;
 	load.force = sum[1];
 	load.pressed = (rb_vec3){sum[2], sum[3], sum[4]};

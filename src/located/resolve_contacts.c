@@ -741,9 +741,8 @@ static bool resolve_once(struct rb_resolution *s, bool inspects, int round)
 	if (!begin(s))
 		return false;
 	s->hit = !inspects ? -1 : round == 0 ? find_hit(s) : rb_seize_hit(s);
-	s->hit_joint = inspects && round == 0 && s->hit < 0
-	                       ? rb_joint_stops_hit(&s->joints, s->t, s->slack)
-	                       : -1;
+	if (inspects && round == 0 && s->hit < 0) /* it begins with none */
+		s->hit_joint = rb_joint_stops_hit(&s->joints, s->t, s->slack);
 	if (s->hit >= 0 || s->hit_joint >= 0)
 		return false;
 	const struct rb_ledger before = l->world->ledger;

@@ -404,8 +404,8 @@ static struct off follow(struct newton *s, double relax)
 
 		if (face->soft)
 			continue;
-		double *const most = row->set == RB_CONSTRAINT_CONE ? &off.closed : &off.joined;
-		*most = fmax(*most, sqrt(rb_vec3_dot(d, d)) / face->weight);
+		double *const max = row->set == RB_CONSTRAINT_CONE ? &off.closed : &off.joined;
+		*max = fmax(*max, sqrt(rb_vec3_dot(d, d)) / face->weight);
 		face->impulse = face->now;
 		if (row->friction > 0) {
 			const double shift = row->friction *

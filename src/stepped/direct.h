@@ -30,9 +30,9 @@ struct rb_direct {
 	 * other by its second order: to be closed farther than that costs impulses without end.
 	 */
 	double joint_tolerance;
-	int steps_max;         /* factorizations */
-	bool holds;            /* to begin with, as if nothing slipped: right where bodies stand */
-	double max;            /* multiplications that one factorization may take */
+	int steps_max; /* factorizations */
+	bool holds;    /* to begin with, as if nothing slipped: right where bodies stand */
+	double max;    /* multiplications that one factorization may take */
 	struct rb_interrupt *interrupt; /* borrowed; NULL: none */
 	struct rb_arena *arena;
 };

@@ -29,10 +29,7 @@ enum { FACTORS_STIFF = 400, FACTORS_AT_REST = 120, FACTORS_STALLED = 30, FACTORS
  */
 static const double factor_share = 4e3, factors_max = 1e8, stalled_share = 4e2;
 
-/*
- * The same of joints, whose redundant rows are told by factors alone: what a body of some seventy
- * hinges takes.
- */
+/* The same of joints, whose redundant rows nothing else finds: of some seventy on one body. */
 static const double joints_share = 4e4;
 
 /* Of the tolerance, what sweeps may leave of a gap's closing in one step. */
