@@ -3,6 +3,7 @@
 #include "support.h"
 
 #include "base/forest.h"
+#include "base/team.h"
 #include "math/random.h"
 
 enum { COUNT = 200 };
@@ -51,10 +52,48 @@ static void a_root_is_its_own_parent_and_paths_get_shorter(void **state)
 	assert_int_equal(parent[COUNT - 1], 0);
 }
 
+struct pairs {
+	int parent[COUNT];
+	bool shared;
+};
+
+static void join_some(void *user, size_t first, size_t end)
+{
+	struct pairs *pairs = user;
+
+	for (uint64_t k = first; k < end; k++)
+		rb_forest_join(pairs->parent, (int)(COUNT * rb_random_unit(2, 1, k)),
+		               (int)(COUNT * rb_random_unit(2, 2, k)), pairs->shared);
+}
+
+static void several_threads_join_to_the_same_roots(void **state)
+{
+	struct pairs alone = {.shared = false}, together = {.shared = true};
+	struct rb_error err;
+	struct rb_team *team;
+
+	(void)state;
+	assert_ok(rb_team_create(&team, 3, &err));
+	for (size_t count = 20; count < 200; count += 20) {
+		for (int i = 0; i < COUNT; i++)
+			alone.parent[i] = together.parent[i] = i;
+		join_some(&alone, 0, count);
+		rb_team_share(team, count, 3, join_some, &together);
+		for (int i = 0; i < COUNT; i++) {
+			const int root = rb_forest_root(alone.parent, i);
+
+			assert_int_equal(rb_forest_root_shared(together.parent, i), root);
+			assert_true(root <= i); /* the smallest number */
+		}
+	}
+	rb_team_destroy(team);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(numbers_have_one_root_exactly_if_they_were_joined),
+		cmocka_unit_test(several_threads_join_to_the_same_roots),
 		cmocka_unit_test(a_root_is_its_own_parent_and_paths_get_shorter),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

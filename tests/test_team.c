@@ -53,6 +53,37 @@ static void every_block_is_done_once_by_any_number_of_workers(void **state)
 	}
 }
 
+static void count_part(void *user, size_t first, size_t end)
+{
+	struct tally *tally = user;
+
+	tally->worker_out_of_range |= first >= end; /* nothing to do is no part */
+	for (size_t k = first; k < end; k++)
+		tally->times[k]++;
+}
+
+static void every_number_is_in_one_part(void **state)
+{
+	static const size_t counts[] = {0, 1, 6, 7, 8, 49, BLOCKS};
+	struct rb_error err;
+
+	(void)state;
+	for (int workers = 1; workers <= 3; workers++) {
+		struct rb_team *team;
+
+		assert_ok(rb_team_create(&team, workers, &err));
+		for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
+			struct tally tally = {.workers = workers};
+
+			rb_team_share(team, counts[c], 7, count_part, &tally);
+			for (size_t k = 0; k < BLOCKS; k++)
+				assert_int_equal(tally.times[k], k < counts[c] ? 1 : 0);
+			assert_false(tally.worker_out_of_range);
+		}
+		rb_team_destroy(team);
+	}
+}
+
 /* Thousands of short jobs: who wakes late for one must not disturb the next. */
 static void jobs_in_quick_succession_do_not_mix(void **state)
 {
@@ -379,6 +410,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_block_is_done_once_by_any_number_of_workers),
+		cmocka_unit_test(every_number_is_in_one_part),
 		cmocka_unit_test(jobs_in_quick_succession_do_not_mix),
 		cmocka_unit_test(what_one_job_wrote_the_next_one_reads),
 		cmocka_unit_test(a_phase_begins_when_the_one_before_has_ended),

@@ -12,6 +12,7 @@
  */
 #include "base/team.h"
 
+#include <limits.h>
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
@@ -271,6 +272,32 @@ void rb_team_run(struct rb_team *team, int block_count, rb_team_work *work, void
 		.work = work, .user = user, .block_count = &block_count, .phase_count = 1};
 
 	run_job(team, &job);
+}
+
+struct shared {
+	rb_team_part *part;
+	void *user;
+	size_t count, per_block;
+};
+
+static void run_part(void *user, int block, int worker)
+{
+	const struct shared *shared = user;
+	const size_t first = (size_t)block * shared->per_block;
+	const size_t left = shared->count - first;
+
+	(void)worker;
+	shared->part(shared->user, first,
+	             first + (left < shared->per_block ? left : shared->per_block));
+}
+
+void rb_team_share(struct rb_team *team, size_t count, size_t per_block, rb_team_part *part,
+                   void *user)
+{
+	struct shared shared = {part, user, count, per_block};
+
+	RB_ASSERT(per_block > 0 && count / per_block < INT_MAX);
+	rb_team_run(team, (int)((count + per_block - 1) / per_block), run_part, &shared);
 }
 
 void rb_team_run_phases(struct rb_team *team, const int *block_count, int phase_count,

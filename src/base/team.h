@@ -7,12 +7,15 @@
 #ifndef RB_BASE_TEAM_H
 #define RB_BASE_TEAM_H
 
+#include <stddef.h>
+
 #include <rbsim/error.h>
 
 struct rb_team; /* owned by whoever created it; rb_team_run from that thread only */
 
 typedef void rb_team_work(void *user, int block, int worker);
 typedef void rb_team_phase_work(void *user, int phase, int block, int worker);
+typedef void rb_team_part(void *user, size_t first, size_t end);
 
 enum { RB_TEAM_PHASES = 128 };
 
@@ -24,6 +27,9 @@ int rb_team_workers(const struct rb_team *team);
  * Blocks are handed out by an atomic counter; worker is in [0, workers), the caller is one of them.
  */
 void rb_team_run(struct rb_team *team, int block_count, rb_team_work *work, void *user);
+/* The numbers below `count` in blocks of `per_block`, the last one of what is left. */
+void rb_team_share(struct rb_team *team, size_t count, size_t per_block, rb_team_part *part,
+                   void *user);
 /*
  * Several phases, at most RB_TEAM_PHASES: no block of one begins before all of those before have
  * ended.
