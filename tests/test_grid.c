@@ -2,6 +2,7 @@
 /* src/geom/grid.c: boxes -> pairs of boxes that overlap */
 #include "support.h"
 
+#include "base/team.h"
 #include "geom/grid.h"
 #include "math/random.h"
 
@@ -75,19 +76,29 @@ static struct boxes b;
 static void pairs_are_those_that_trying_all_finds_whatever_the_sizes(void **state)
 {
 	static const double octaves[] = {0, 2, 10, 30}, space[] = {0, 1, 6, 40, 1e6};
-	struct rb_grid grid;
-	size_t found = 0;
+	struct rb_error err;
 
 	(void)state;
-	rb_grid_init(&grid);
-	for (uint64_t k = 0; k < 20; k++) {
-		make(&b, octaves[k % 4], space[k / 4], k);
-		find(&grid, &b, k % 2);
-		found += grid.pair_count;
+	for (int workers = 0; workers <= 3; workers += 3) { /* 0: without a team */
+		struct rb_grid grid;
+		size_t found = 0;
+
+		rb_grid_init(&grid);
+		if (workers > 0)
+			assert_ok(rb_team_create(&grid.team, workers, &err));
+		for (uint64_t k = 0; k < 20; k++) {
+			const uint64_t tests = grid.tests;
+
+			make(&b, octaves[k % 4], space[k / 4], k);
+			find(&grid, &b, k % 2);
+			found += grid.pair_count;
+			assert_true(grid.tests > tests || grid.pair_count == 0);
+		}
+		assert_true(found > 1000);
+		rb_team_destroy(grid.team);
+		rb_grid_release(&grid);
+		rb_grid_release(&grid);
 	}
-	assert_true(found > 1000);
-	rb_grid_release(&grid);
-	rb_grid_release(&grid);
 }
 
 static void boxes_that_touch_overlap(void **state)

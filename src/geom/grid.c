@@ -19,6 +19,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/memory.h"
+#include "base/team.h"
 
 enum {
 	RUN_BITS = 4,
@@ -69,13 +70,22 @@ struct rb_grid_levels {
 	double half_max[LEVEL_COUNT]; /* m; below 0: level not in use */
 };
 
-struct query {
-	struct rb_grid *grid;
-	const struct rb_grid_boxes *boxes;
-	uint64_t mask;
+/* What one worker has found, in any order: pairs are sorted. */
+struct rb_grid_found {
+	struct rb_pair *pairs; /* owned */
+	size_t count, capacity;
 	uint64_t tests;
 	bool failed; /* memory is out */
 };
+
+struct query {
+	const struct rb_grid *grid;
+	const struct rb_grid_boxes *boxes;
+	uint64_t mask;
+	struct rb_grid_found *found;
+};
+
+enum { ITEMS_PER_BLOCK = 256 };
 
 void rb_grid_init(struct rb_grid *grid)
 {
@@ -87,6 +97,9 @@ void rb_grid_release(struct rb_grid *grid)
 	rb_memory_free(grid->pairs);
 	rb_memory_free(grid->levels);
 	rb_arena_release(&grid->own);
+	for (int k = 0; k < grid->found_count; k++)
+		rb_memory_free(grid->found[k].pairs);
+	rb_memory_free(grid->found);
 	*grid = (struct rb_grid){0};
 }
 
@@ -95,22 +108,43 @@ static enum rb_status out_of_memory(struct rb_error *err)
 	return RB_FAIL(err, RB_ERR_MEMORY, "out of memory for the table of boxes");
 }
 
-/* Appends a pair, lower index first; false when memory is out. */
-static bool emit(struct rb_grid *grid, int a, int b)
+/* Appends a pair, lower index first. */
+static inline void emit(struct rb_grid_found *found, int a, int b)
 {
 	RB_ASSERT_COSTLY(a >= 0 && b >= 0 && a != b);
 
-	if (grid->pair_count == grid->pair_capacity &&
-	    !rb_memory_reserve(&grid->pairs, &grid->pair_capacity, grid->pair_count + 1,
-	                       sizeof *grid->pairs))
-		return false;
-	grid->pairs[grid->pair_count++] = a < b ? (struct rb_pair){a, b} : (struct rb_pair){b, a};
-	return true;
+	if (found->count == found->capacity &&
+	    !rb_memory_reserve(&found->pairs, &found->capacity, found->count + 1,
+	                       sizeof *found->pairs)) {
+		found->failed = true;
+		return;
+	}
+	found->pairs[found->count++] = a < b ? (struct rb_pair){a, b} : (struct rb_pair){b, a};
+}
+
+static struct rb_grid_found begin_with(const struct rb_grid *grid)
+{
+	return (struct rb_grid_found){
+		.pairs = grid->pairs, .count = grid->pair_count, .capacity = grid->pair_capacity};
+}
+
+/* The pairs, which may have got another place. */
+static enum rb_status end_with(struct rb_grid *grid, const struct rb_grid_found *found,
+                               struct rb_error *err)
+{
+	grid->pairs = found->pairs;
+	grid->pair_count = found->count;
+	grid->pair_capacity = found->capacity;
+	grid->tests += found->tests;
+	return found->failed ? out_of_memory(err) : RB_OK;
 }
 
 enum rb_status rb_grid_add_pair(struct rb_grid *grid, int a, int b, struct rb_error *err)
 {
-	return emit(grid, a, b) ? RB_OK : out_of_memory(err);
+	struct rb_grid_found found = begin_with(grid);
+
+	emit(&found, a, b);
+	return end_with(grid, &found, err);
 }
 
 /* True if at least one of the two moves and their collision filters admit each other. */
@@ -133,17 +167,17 @@ static enum rb_status find_all_pairs(struct rb_grid *grid, const struct rb_grid_
                                      struct rb_error *err)
 {
 	const int count = boxes->moving_count + boxes->fixed_count;
+	struct rb_grid_found found = begin_with(grid);
 
 	for (int a = 0; a < boxes->moving_count; a++) {
 		const rb_aabb box = boxes->moving[a];
 
 		for (int b = a + 1; b < count; b++)
-			if (rb_aabb_overlap(&box, box_of(boxes, b)) && wanted(boxes, a, b) &&
-			    !emit(grid, a, b))
-				return out_of_memory(err);
-		grid->tests += (uint64_t)(count - a - 1);
+			if (rb_aabb_overlap(&box, box_of(boxes, b)) && wanted(boxes, a, b))
+				emit(&found, a, b);
+		found.tests += (uint64_t)(count - a - 1);
 	}
-	return RB_OK;
+	return end_with(grid, &found, err);
 }
 
 /* Least e with x < 2^e; for 0 and subnormal x some value below LEVEL_LOWEST. */
@@ -301,11 +335,10 @@ static void scan(struct query *query, const struct rb_grid_item *item, uint64_t 
 	for (uint32_t i = from; i < to; i++) {
 		if (items[i].key != key)
 			continue;
-		query->tests++;
+		query->found->tests++;
 		if (rb_aabb_overlap(&item->box, &items[i].box) &&
-		    wanted(query->boxes, item->index, items[i].index) &&
-		    !emit(query->grid, item->index, items[i].index))
-			query->failed = true;
+		    wanted(query->boxes, item->index, items[i].index))
+			emit(query->found, item->index, items[i].index);
 	}
 }
 
@@ -404,6 +437,70 @@ static bool reserve(struct rb_grid *grid, size_t count, size_t table)
 	return grid->items && grid->places && grid->start;
 }
 
+/* What is looked for, and where each worker puts what it finds. */
+struct search {
+	struct query query;
+	struct rb_grid_found *first; /* of the first worker */
+	uint32_t count;
+};
+
+static void scan_block(void *user, int block, int worker)
+{
+	const struct search *search = user;
+	const struct rb_grid *grid = search->query.grid;
+	struct query query = search->query;
+	const uint32_t first = (uint32_t)block * ITEMS_PER_BLOCK;
+	const uint32_t left = search->count - first;
+	const uint32_t end = first + (left < ITEMS_PER_BLOCK ? left : ITEMS_PER_BLOCK);
+
+	struct rb_grid_found *const to = worker == 0 ? search->first : &grid->found[worker - 1];
+	struct rb_grid_found found = *to; /* those of workers are neighbours in memory */
+
+	query.found = &found;
+	for (uint32_t i = first; i < end; i++) {
+		const struct rb_grid_item *item = &grid->items[i];
+
+		scan_own_level(&query, i);
+		for (int rank = item->rank + 1; rank < grid->levels->used; rank++)
+			scan_coarser_level(&query, item, &grid->levels->level[rank]);
+	}
+	*to = found;
+}
+
+/* By all workers; false: no memory for what they find. */
+static bool scan_shared(struct rb_grid *grid, struct search *search, struct rb_grid_found *all)
+{
+	const int workers = rb_team_workers(grid->team);
+
+	if (!grid->found) {
+		grid->found = rb_memory_take((size_t)workers - 1, sizeof *grid->found);
+		if (!grid->found)
+			return false;
+		grid->found_count = workers - 1;
+	}
+	for (int k = 0; k < grid->found_count; k++) {
+		struct rb_grid_found *of = &grid->found[k];
+
+		*of = (struct rb_grid_found){.pairs = of->pairs, .capacity = of->capacity};
+	}
+	rb_team_run(grid->team, (int)((search->count - 1) / ITEMS_PER_BLOCK + 1), scan_block,
+	            search);
+	for (int k = 0; k < grid->found_count; k++) {
+		const struct rb_grid_found *of = &grid->found[k];
+
+		all->failed = all->failed || of->failed;
+		all->tests += of->tests;
+		if (of->count == 0)
+			continue;
+		if (!rb_memory_reserve(&all->pairs, &all->capacity, all->count + of->count,
+		                       sizeof *all->pairs))
+			return false;
+		memcpy(all->pairs + all->count, of->pairs, of->count * sizeof *of->pairs);
+		all->count += of->count;
+	}
+	return true;
+}
+
 /* Pairs of boxes in a table of so many buckets. */
 static enum rb_status find_in_table(struct rb_grid *grid, const struct rb_grid_boxes *boxes,
                                     size_t table, struct rb_error *err)
@@ -415,17 +512,17 @@ static enum rb_status find_in_table(struct rb_grid *grid, const struct rb_grid_b
 	const enum rb_status status = choose_levels(grid, boxes, err);
 	if (status != RB_OK)
 		return status;
-	struct query query = {.grid = grid, .boxes = boxes, .mask = table - 1};
-	fill_table(grid, boxes, query.mask);
-	for (uint32_t i = 0; i < count; i++) {
-		const struct rb_grid_item *item = &grid->items[i];
-
-		scan_own_level(&query, i);
-		for (int rank = item->rank + 1; rank < grid->levels->used; rank++)
-			scan_coarser_level(&query, item, &grid->levels->level[rank]);
-	}
-	grid->tests += query.tests;
-	return query.failed ? out_of_memory(err) : RB_OK;
+	struct rb_grid_found found = begin_with(grid);
+	struct search search = {.query = {.grid = grid, .boxes = boxes, .mask = table - 1},
+	                        .first = &found,
+	                        .count = (uint32_t)count};
+	fill_table(grid, boxes, search.query.mask);
+	if (grid->team && rb_team_workers(grid->team) > 1)
+		found.failed = !scan_shared(grid, &search, &found) || found.failed;
+	else
+		for (uint32_t b = 0; b * ITEMS_PER_BLOCK < count; b++)
+			scan_block(&search, (int)b, 0);
+	return end_with(grid, &found, err);
 }
 
 enum rb_status rb_grid_find(struct rb_grid *grid, const struct rb_grid_boxes *boxes,

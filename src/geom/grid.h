@@ -35,7 +35,10 @@ struct rb_grid_boxes {
 	const uint64_t *group_bit, *collides;
 };
 
+struct rb_team;
+
 struct rb_grid {
+	struct rb_team *team; /* borrowed, set by whoever made it; NULL: in one thread */
 	/* pairs, unsorted until rb_grid_sort */
 	struct rb_pair *pairs; /* owned */
 	size_t pair_count;
@@ -51,6 +54,8 @@ struct rb_grid {
 	struct rb_grid_item *items;   /* by bucket */
 	struct rb_grid_place *places; /* by index */
 	uint32_t *start;              /* of each bucket in items, one more at the end */
+	struct rb_grid_found *found;  /* of each worker but the first */
+	int found_count;
 };
 
 void rb_grid_init(struct rb_grid *grid);

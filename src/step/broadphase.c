@@ -123,6 +123,11 @@ enum rb_status rb_broadphase_create(struct rb_broadphase **broadphase, const str
 	return RB_OK;
 }
 
+void rb_broadphase_share(struct rb_broadphase *broadphase, struct rb_team *team)
+{
+	broadphase->grid.team = team;
+}
+
 void rb_broadphase_destroy(struct rb_broadphase *broadphase)
 {
 	if (!broadphase)

@@ -22,6 +22,8 @@ struct rb_broadphase;
 
 RB_CHECKED enum rb_status rb_broadphase_create(struct rb_broadphase **broadphase,
                                                const struct rb_model *model, struct rb_error *err);
+/* Looks for pairs with this team from now on, which is to stay as long; NULL: in one thread. */
+void rb_broadphase_share(struct rb_broadphase *broadphase, struct rb_team *team);
 void rb_broadphase_destroy(struct rb_broadphase *broadphase); /* NULL is fine */
 
 /* Scratch of each call is taken there from now on; without one it keeps its own. */
