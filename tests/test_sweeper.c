@@ -250,26 +250,62 @@ static void packs_carry_a_heap_at_rest_as_single_rows_do(void **slot)
 	unmake(rows);
 }
 
+/* Sweeps, then as many more from the impulses that these have left, as in the next step. */
+static void sweep_twice(struct heap *heap, struct rb_team *team)
+{
+	struct rb_sweeper sweeper = take(heap, team);
+
+	(void)rb_sweeper_run(&sweeper, 0, 50);
+	memcpy(heap->body, heap->free, sizeof heap->body);
+	sweeper.warms = true;
+	assert_true(rb_sweeper_take(&sweeper, &heap->arena));
+	(void)rb_sweeper_run(&sweeper, 0, 50);
+}
+
 static void any_number_of_workers_leaves_the_same_bits(void **slot)
 {
-	struct heap *first = make(0.1);
-	struct rb_sweeper sweeper = take(first, NULL);
 	struct rb_error err;
 
 	(void)slot;
-	(void)rb_sweeper_run(&sweeper, 0, 50);
-	for (int workers = 1; workers <= 3; workers++) {
-		struct heap *heap = make(0.1);
-		struct rb_team *team;
+	for (int spoilt = 0; spoilt < 2; spoilt++) {
+		struct heap *first = make(0.1);
 
-		assert_ok(rb_team_create(&team, workers, &err));
-		struct rb_sweeper by_team = take(heap, team);
-		(void)rb_sweeper_run(&by_team, 0, 50);
-		assert_memory_equal(heap->body, first->body, sizeof heap->body);
-		rb_team_destroy(team);
-		unmake(heap);
+		if (spoilt)
+			spoil(first);
+		sweep_twice(first, NULL);
+		for (int workers = 1; workers <= 3; workers++) {
+			struct heap *heap = make(0.1);
+			struct rb_team *team;
+
+			if (spoilt)
+				spoil(heap);
+			assert_ok(rb_team_create(&team, workers, &err));
+			sweep_twice(heap, team);
+			assert_memory_equal(heap->body, first->body, sizeof heap->body);
+			rb_team_destroy(team);
+			unmake(heap);
+		}
+		unmake(first);
 	}
-	unmake(first);
+}
+
+static void taking_makes_the_velocities_of_the_impulses_if_asked(void **slot)
+{
+	struct heap *heap = make(0.1), *rows = make(0.1);
+	struct rb_sweeper sweeper = take(heap, NULL);
+
+	(void)slot;
+	(void)rb_sweeper_run(&sweeper, 0, 5);
+	memcpy(heap->body, heap->free, sizeof heap->body);
+	memcpy(rows->row, heap->row, sizeof rows->row);
+	rb_sweep_warm(&rows->dense);
+	assert_true(rb_sweeper_take(&sweeper, &heap->arena));
+	assert_memory_equal(heap->body, heap->free, sizeof heap->body);
+	sweeper.warms = true;
+	assert_true(rb_sweeper_take(&sweeper, &heap->arena));
+	assert_memory_equal(heap->body, rows->body, sizeof heap->body);
+	unmake(heap);
+	unmake(rows);
 }
 
 static void holding_closes_no_gap_and_leaves_friction(void **slot)
@@ -415,6 +451,7 @@ int main(void)
 		cmocka_unit_test(packs_of_any_shape_end_where_single_rows_do),
 		cmocka_unit_test(packs_carry_a_heap_at_rest_as_single_rows_do),
 		cmocka_unit_test(any_number_of_workers_leaves_the_same_bits),
+		cmocka_unit_test(taking_makes_the_velocities_of_the_impulses_if_asked),
 		cmocka_unit_test(holding_closes_no_gap_and_leaves_friction),
 		cmocka_unit_test(a_ball_among_many_has_a_tail),
 		cmocka_unit_test(what_is_squeezed_is_not_called_solved),

@@ -110,12 +110,17 @@ static rb_vec3 moving_velocity(const struct rb_world *world, int i)
 
 /* ---- bodies that rows have not pushed ---- */
 
+static unsigned char clear_of(const struct rb_solver *solver, int i)
+{
+	return __atomic_load_n(&solver->clear[i], __ATOMIC_RELAXED);
+}
+
 /* How far the way of a free body ends from where the solved velocity leads, m. */
 static rb_vec3 free_shift(const struct rb_world *world, int i, double h)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
 
-	if (i >= solver->body_count || solver->clear[i] == RB_CLEAR_NO)
+	if (i >= solver->body_count || clear_of(solver, i) == RB_CLEAR_NO)
 		return (rb_vec3){0, 0, 0};
 	return rb_vec3_scale(
 		h, rb_vec3_sub(free_velocity(world, i), rb_world_row3(world->state.velocity, i)));
@@ -137,23 +142,27 @@ static double solved_gap(const struct rb_solver *solver, const struct rb_step_po
 	return point->gap + h * rb_vec3_dot(v, point->normal) + point->bend;
 }
 
+enum { UNPUSHED, CLEAR, CLEAR_PHASES };
+
+struct clear {
+	struct rb_world *world;
+	const struct rb_cohort *cohort;
+	double h_s;
+	bool any; /* body that may be free; written by all */
+};
+
 /* Bodies of islands that may be free: no row has given them an impulse, and no impact. */
-static bool find_unpushed(const struct rb_world *world, const struct rb_cohort *cohort)
+static void find_unpushed(struct clear *clear, int i)
 {
-	const struct rb_solver *solver = &world->stepped->solver;
-	bool any = false;
+	const struct rb_solver *solver = &clear->world->stepped->solver;
+	const int g = solver->island_of[i];
 
-	for (int k = 0; k < cohort->member_count; k++) {
-		const int i = cohort->body[k], g = solver->island_of[i];
-
-		solver->clear[i] = RB_CLEAR_NO;
-		if (g < 0 || solver->pushed[i] || solver->island[g].kept || solver->rests[i] ||
-		    (solver->kick && solver->kick[i].is_set))
-			continue;
-		solver->clear[i] = RB_CLEAR_MAYBE;
-		any = true;
-	}
-	return any;
+	solver->clear[i] = RB_CLEAR_NO;
+	if (g < 0 || solver->pushed[i] || solver->island[g].kept || solver->rests[i] ||
+	    (solver->kick && solver->kick[i].is_set))
+		return;
+	solver->clear[i] = RB_CLEAR_MAYBE;
+	__atomic_store_n(&clear->any, true, __ATOMIC_RELAXED);
 }
 
 /*
@@ -162,8 +171,43 @@ static bool find_unpushed(const struct rb_world *world, const struct rb_cohort *
  */
 static void block(const struct rb_solver *solver, int i)
 {
-	if (solver->clear[i] != RB_CLEAR_NO)
-		solver->clear[i] |= RB_CLEAR_BLOCKED;
+	if (clear_of(solver, i) != RB_CLEAR_NO)
+		__atomic_fetch_or(&solver->clear[i], RB_CLEAR_BLOCKED, __ATOMIC_RELAXED);
+}
+
+/* Whether it would be met on a free way, too, whatever the other one of the pair does. */
+static void find_blocked(const struct clear *clear, const struct rb_step_point *point)
+{
+	const struct rb_solver *solver = &clear->world->stepped->solver;
+	const double h = clear->h_s;
+	const bool has_b = point->b < solver->body_count;
+
+	if (clear_of(solver, point->a) == RB_CLEAR_NO &&
+	    (!has_b || clear_of(solver, point->b) == RB_CLEAR_NO))
+		return;
+	const double a = rb_vec3_dot(free_shift(clear->world, point->a, h), point->normal);
+	const double b = rb_vec3_dot(free_shift(clear->world, point->b, h), point->normal);
+	if (solved_gap(solver, point, h) - fmax(a, 0) + fmin(b, 0) > 0)
+		return;
+	block(solver, point->a);
+	if (has_b)
+		block(solver, point->b);
+}
+
+static void clear_block(void *user, int phase, int block, int worker)
+{
+	struct clear *clear = user;
+	const struct rb_cohort *cohort = clear->cohort;
+	const size_t count = phase == CLEAR ? cohort->points.count : (size_t)cohort->member_count;
+	const size_t first = (size_t)block * RB_BODIES_PER_BLOCK;
+	const size_t end = first + RB_BODIES_PER_BLOCK < count ? first + RB_BODIES_PER_BLOCK
+	                                                       : count;
+
+	(void)worker;
+	for (size_t k = first; phase == UNPUSHED && k < end; k++)
+		find_unpushed(clear, cohort->body[k]);
+	for (size_t k = first; phase == CLEAR && clear->any && k < end; k++)
+		find_blocked(clear, &cohort->points.row[k]);
 }
 
 /*
@@ -173,25 +217,13 @@ static void block(const struct rb_solver *solver, int i)
  */
 static void find_clear(struct rb_world *world, const struct rb_cohort *cohort, double h)
 {
-	const struct rb_solver *solver = &world->stepped->solver;
+	const int per_block = RB_BODIES_PER_BLOCK;
+	struct clear clear = {.world = world, .cohort = cohort, .h_s = h};
+	const int blocks[CLEAR_PHASES] = {
+		[UNPUSHED] = (cohort->member_count + per_block - 1) / per_block,
+		[CLEAR] = ((int)cohort->points.count + per_block - 1) / per_block};
 
-	if (!find_unpushed(world, cohort))
-		return;
-	for (size_t k = 0; k < cohort->points.count; k++) {
-		const struct rb_step_point *point = &cohort->points.row[k];
-		const bool has_b = point->b < solver->body_count;
-
-		if (solver->clear[point->a] == RB_CLEAR_NO &&
-		    (!has_b || solver->clear[point->b] == RB_CLEAR_NO))
-			continue;
-		const double a = rb_vec3_dot(free_shift(world, point->a, h), point->normal);
-		const double b = rb_vec3_dot(free_shift(world, point->b, h), point->normal);
-		if (solved_gap(solver, point, h) - fmax(a, 0) + fmin(b, 0) > 0)
-			continue;
-		block(solver, point->a);
-		if (has_b)
-			block(solver, point->b);
-	}
+	rb_team_run_phases(world->team, blocks, CLEAR_PHASES, clear_block, &clear);
 }
 
 /* Moves one block of the cohort's bodies; blocks write disjoint rows. */

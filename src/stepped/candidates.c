@@ -155,8 +155,8 @@ double rb_candidates_way(const struct rb_world *world, const struct rb_state *st
 }
 
 /* Distance of the origin from where the box was built, m. */
-static double from_built(const struct rb_candidates *candidates, const struct rb_world *world,
-                         int i)
+static inline double from_built(const struct rb_candidates *candidates,
+                                const struct rb_world *world, int i)
 {
 	return rb_vec3_length(
 		rb_vec3_sub(rb_world_origin_at(world, &world->state, i), candidates->built_at[i]));
@@ -463,46 +463,86 @@ bool rb_candidates_keep(struct rb_candidates *candidates)
 	return true;
 }
 
-void rb_candidates_reach(struct rb_candidates *candidates, const struct rb_world *world, double h,
-                         const int *member, int count)
+/* A pass over bodies. */
+struct bodies {
+	struct rb_candidates *candidates;
+	const struct rb_candidates *known; /* the same, of passes that change nothing */
+	const struct rb_world *world;
+	const int *body;
+	double h_s;
+	bool over;    /* they are where they get in the step */
+	bool outside; /* somebody is, or may get there; written by all */
+};
+
+static void find_reach(void *user, size_t first, size_t end)
 {
-	RB_ASSERT(h > 0 && count >= 0);
-	candidates->h_s = h;
-	for (int k = 0; k < count; k++) {
-		const int i = member[k];
-		const double reach = fmax(rb_candidates_way(world, &world->state, i, h),
-		                          rb_candidates_way(world, &world->mark, i, h));
+	const struct bodies *bodies = user;
+	const struct rb_world *world = bodies->world;
+
+	for (size_t k = first; k < end; k++) {
+		const int i = bodies->body[k];
+		const double reach = fmax(rb_candidates_way(world, &world->state, i, bodies->h_s),
+		                          rb_candidates_way(world, &world->mark, i, bodies->h_s));
 
 		/*
 		 * a body that is not finite is lost, and must not take the boxes of others with it
 		 */
-		candidates->reach[i] = isfinite(reach) ? reach : 0;
+		bodies->candidates->reach[i] = isfinite(reach) ? reach : 0;
 	}
+}
+
+void rb_candidates_reach(struct rb_candidates *candidates, const struct rb_world *world, double h,
+                         const int *member, int count)
+{
+	struct bodies bodies = {.candidates = candidates, .world = world, .body = member, .h_s = h};
+
+	RB_ASSERT(h > 0 && count >= 0);
+	candidates->h_s = h;
+	rb_team_share(world->team, (size_t)count, BODIES_PER_BLOCK, find_reach, &bodies);
+}
+
+static void find_outside(void *user, size_t first, size_t end)
+{
+	struct bodies *bodies = user;
+	const struct rb_candidates *known = bodies->known;
+
+	bool inside = !__atomic_load_n(&bodies->outside, __ATOMIC_RELAXED);
+
+	if (!inside)
+		return;
+	for (size_t k = first; k < end && inside; k++) {
+		const int i = bodies->body[k];
+		const double ahead = bodies->over ? 0 : known->reach[i];
+
+		/* written so that NaN asks for new boxes */
+		inside = from_built(known, bodies->world, i) + ahead <= known->margin[i] &&
+		         (!known->built_turn ||
+		          is_turn_within(known, bodies->world, i, bodies->over));
+	}
+	if (!inside)
+		__atomic_store_n(&bodies->outside, true, __ATOMIC_RELAXED);
+}
+
+static bool is_inside(const struct rb_candidates *candidates, const struct rb_world *world,
+                      const int *body, int count, bool over)
+{
+	struct bodies bodies = {.known = candidates, .world = world, .body = body, .over = over};
+
+	rb_team_share(world->team, (size_t)count, BODIES_PER_BLOCK, find_outside, &bodies);
+	return !bodies.outside;
 }
 
 enum rb_status rb_candidates_find(struct rb_candidates *candidates, struct rb_world *world,
                                   const int *body, int count, struct rb_error *err)
 {
-	for (int k = 0; k < count && candidates->valid; k++) {
-		const int i = body[k];
-
-		/* written so that NaN asks for new boxes */
-		if (!(from_built(candidates, world, i) + candidates->reach[i] <=
-		      candidates->margin[i]) ||
-		    (candidates->built_turn && !is_turn_within(candidates, world, i, false)))
-			candidates->valid = false;
-	}
+	candidates->valid = candidates->valid && is_inside(candidates, world, body, count, false);
 	return candidates->valid ? RB_OK : build(candidates, world, err);
 }
 
 bool rb_candidates_holds(const struct rb_candidates *candidates, const struct rb_world *world,
                          const int *body, int count)
 {
-	for (int k = 0; k < count; k++)
-		if (!(from_built(candidates, world, body[k]) <= candidates->margin[body[k]]) ||
-		    (candidates->built_turn && !is_turn_within(candidates, world, body[k], true)))
-			return false;
-	return true;
+	return is_inside(candidates, world, body, count, true);
 }
 
 /* ---- parts ---- */

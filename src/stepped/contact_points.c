@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "base/sort.h"
 #include "constraint/contact_row.h"
 #include "geom/boxes.h"
 #include "geom/distance.h"
@@ -35,6 +34,7 @@ enum rb_status rb_step_points_create(struct rb_step_points *points, const struct
 void rb_step_points_release(struct rb_step_points *points)
 {
 	rb_memory_free(points->row);
+	rb_memory_free(points->chosen);
 	rb_memory_free(points->last);
 	rb_memory_free(points->first_last);
 	rb_memory_free(points->held);
@@ -62,6 +62,7 @@ struct inspection {
 	size_t count, capacity;
 	const struct piece *full; /* what did not fit into `out`, the last first */
 	size_t all;               /* points: those in `full` too */
+	size_t place;             /* of the first of them among all */
 	struct rb_arena *arena;
 	bool in_place; /* the first piece is where the points are to be */
 	bool failed;
@@ -717,6 +718,15 @@ static void inspect_block(void *user, int block, int worker)
 	inspections->block[block] = inspection;
 }
 
+static void gather_block(void *user, int block, int worker)
+{
+	const struct inspections *inspections = user;
+	const struct inspection *inspection = &inspections->block[block];
+
+	(void)worker;
+	gather(inspection, inspection->points->row + inspection->place);
+}
+
 /* Points of a wave of blocks, which leaves the arenas as marked. */
 static enum rb_status add_wave(struct rb_step_points *points, struct inspections *inspections,
                                int blocks, const rb_arena_mark *mark, struct rb_error *err)
@@ -732,6 +742,7 @@ static enum rb_status add_wave(struct rb_step_points *points, struct inspections
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
 	rb_team_run(world->team, blocks, inspect_block, inspections);
 	for (int b = 0; b < blocks; b++) {
+		inspections->block[b].place = count;
 		count += inspections->block[b].all;
 		good = good && !inspections->block[b].failed;
 	}
@@ -740,9 +751,9 @@ static enum rb_status add_wave(struct rb_step_points *points, struct inspections
 	else if (!good ||
 	         !rb_memory_reserve(&points->row, &points->capacity, count, sizeof *points->row))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
-	for (int b = 0; status == RB_OK && b < blocks; b++) {
-		gather(&inspections->block[b], points->row + points->count);
-		points->count += inspections->block[b].all;
+	if (status == RB_OK) {
+		rb_team_run(world->team, blocks, gather_block, inspections);
+		points->count = count;
 	}
 	for (int k = 0; k < world->worker_count; k++)
 		rb_arena_back(&world->arena[k], mark[k]);
@@ -775,25 +786,4 @@ enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world
 	}
 	rb_arena_back(&world->arena[0], here);
 	return status;
-}
-
-enum rb_status rb_step_points_sort(struct rb_step_points *points, struct rb_arena *arena,
-                                   struct rb_error *err)
-{
-	const size_t n = points->count;
-	const rb_arena_mark here = rb_arena_here(arena);
-	struct rb_sort_item *item = rb_arena_take(arena, 2 * n + 1, sizeof *item);
-	struct rb_step_point *row = rb_arena_take(arena, n + 1, sizeof *row);
-
-	if (!item || !row)
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", n);
-	for (size_t k = 0; k < n; k++)
-		item[k] = (struct rb_sort_item){points->row[k].pair, k};
-	rb_sort_by_key(item, item + n, n);
-	for (size_t k = 0; k < n; k++)
-		row[k] = points->row[item[k].value];
-	if (n > 0)
-		memcpy(points->row, row, n * sizeof *row);
-	rb_arena_back(arena, here);
-	return RB_OK;
 }

@@ -56,6 +56,8 @@ RB_FIELDS_DECLARE(rb_named_impulse_fields);
 struct rb_step_points {
 	struct rb_step_point *row; /* owned */
 	size_t count, capacity;
+	int *chosen; /* owned: numbers of points, see rb_step_points_choose */
+	size_t chosen_count, chosen_capacity;
 	struct rb_named_impulse *last; /* owned, in the order of points */
 	size_t last_count, last_capacity;
 	bool joins_arms;    /* angular momentum is to stay: stepped/levers */
@@ -93,14 +95,22 @@ RB_CHECKED enum rb_status rb_step_points_sort(struct rb_step_points *points, str
                                               struct rb_error *err);
 
 /*
- * Keeps the impulses of a step that has been accepted; to be indexed then. Bodies, by mark: of
- * those that stay, forces are the ones they started from; those that stand (NULL: none do) have no
- * points, and keep what they have.
+ * Chooses the points that bear something and have approached by more than this, m/s; -INFINITY:
+ * all that bear something. In their order.
  */
-RB_CHECKED enum rb_status rb_step_points_keep(struct rb_step_points *points, double h_s,
+RB_CHECKED enum rb_status rb_step_points_choose(struct rb_step_points *points,
+                                                struct rb_world *world, double approach,
+                                                struct rb_error *err);
+
+/*
+ * Keeps the impulses of the points chosen, in a step that has been accepted; to be indexed then.
+ * Bodies, by mark: of those that stay, forces are the ones they started from; those that stand
+ * (NULL: none do) have no points, and keep what they have.
+ */
+RB_CHECKED enum rb_status rb_step_points_keep(struct rb_step_points *points,
+                                              const struct rb_world *world, double h_s,
                                               const unsigned char *asleep,
-                                              const unsigned char *sleeps, struct rb_arena *arena,
-                                              struct rb_error *err);
+                                              const unsigned char *sleeps, struct rb_error *err);
 
 /*
  * What the next step starts from is what another method has found: each point has the force of its

@@ -119,22 +119,42 @@ static bool has_resting(const struct rb_world *world, const struct rb_cohort *co
 
 static size_t contacts_max(const struct rb_world *world, const struct rb_cohort *cohort)
 {
-	size_t count = has_resting(world, cohort) ? world->contacts.count : 0;
-
-	for (size_t k = 0; k < cohort->points.count; k++)
-		count += cohort->points.row[k].normal_impulse > 0;
-	return count;
+	return cohort->points.chosen_count +
+	       (has_resting(world, cohort) ? world->contacts.count : 0);
 }
 
-enum rb_status rb_record_scratch(struct rb_world *world, const struct rb_cohort *cohort,
-                                 size_t more, struct rb_contacts *scratch, struct rb_error *err)
+enum rb_status rb_record_scratch(struct rb_world *world, struct rb_cohort *cohort, size_t more,
+                                 struct rb_contacts *scratch, struct rb_error *err)
 {
+	const enum rb_status status = rb_step_points_choose(&cohort->points, world,
+	                                                    -(double)INFINITY, err);
 	const size_t max = contacts_max(world, cohort) + more;
 
-	*scratch = (struct rb_contacts){
-		.row = rb_arena_take(&world->arena[0], max, sizeof *scratch->row), .capacity = max};
+	*scratch = (struct rb_contacts){.capacity = max};
+	if (status != RB_OK)
+		return status;
+	scratch->row = rb_arena_take(&world->arena[0], max, sizeof *scratch->row);
 	return scratch->row ? RB_OK
 	                    : RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", max);
+}
+
+struct records {
+	const struct rb_world *world;
+	const struct rb_cohort *cohort;
+	struct rb_contact *to;
+	double h_s;
+};
+
+enum { RECORDS_PER_BLOCK = 256 };
+
+static void record_chosen(void *user, size_t first, size_t end)
+{
+	const struct records *records = user;
+	const int *const chosen = records->cohort->points.chosen;
+
+	for (size_t c = first; c < end; c++)
+		records->to[c] = contact_of(records->world, records->cohort, (size_t)chosen[c],
+		                            records->h_s);
 }
 
 enum rb_status rb_record_contacts(struct rb_world *world, const struct rb_cohort *cohort, double h,
@@ -150,8 +170,18 @@ enum rb_status rb_record_contacts(struct rb_world *world, const struct rb_cohort
 	RB_ASSERT(h > 0);
 	if (status != RB_OK)
 		return status;
-	for (size_t k = 0; k < points->count; k++) {
-		if (!(points->row[k].normal_impulse > 0) || (skip && skip[points->row[k].a]))
+	if (!all && !skip) {
+		struct records records = {world, cohort, to->row + to->count, h};
+
+		rb_team_share(world->team, points->chosen_count, RECORDS_PER_BLOCK, record_chosen,
+		              &records);
+		to->count += points->chosen_count;
+		return RB_OK;
+	}
+	for (size_t c = 0; c < points->chosen_count; c++) {
+		const size_t k = (size_t)points->chosen[c];
+
+		if (skip && skip[points->row[k].a])
 			continue;
 		const struct rb_contact contact = contact_of(world, cohort, k, h);
 		if (all)
@@ -229,17 +259,6 @@ static bool is_impact(const struct rb_world *world, const struct rb_cohort *coho
 	return true;
 }
 
-/* False: no point of a pair has approached, as of most that lie on each other. */
-static bool has_approached(const struct rb_world *world, const struct rb_step_point *point,
-                           size_t length)
-{
-	for (size_t k = 0; k < length; k++)
-		if (point[k].normal_impulse > 0 &&
-		    point[k].approach > world->stepped->solver.tolerance)
-			return true;
-	return false;
-}
-
 /* Appends an event with public ids, the smaller first. */
 static enum rb_status add_recorded(struct rb_world *world, struct rb_event event,
                                    struct rb_error *err)
@@ -298,18 +317,26 @@ enum rb_status rb_record_impacts(struct rb_world *world, struct rb_cohort *cohor
 {
 	struct rb_step_points *points = &cohort->points;
 	enum rb_status status = record_hits(world, cohort, time, skip, err);
-	size_t length;
+	size_t end = 0;
 
-	for (size_t k = 0; k < points->count && status == RB_OK; k += length) {
+	/* few have approached: most lie on each other */
+	if (status == RB_OK)
+		status = rb_step_points_choose(points, world, world->stepped->solver.tolerance,
+		                               err);
+	for (size_t c = 0; status == RB_OK && c < points->chosen_count; c++) {
+		size_t k = (size_t)points->chosen[c];
 		const int i = points->row[k].a, j = points->row[k].b;
 		struct rb_event event;
 
-		length = pair_length(points, k);
-		if ((skip && skip[i]) || !has_approached(world, &points->row[k], length) ||
-		    rb_contacts_find(before, i < j ? i : j, i < j ? j : i) ||
-		    !is_impact(world, cohort, k, length, &event))
+		if (k < end) /* of a pair that has been seen */
 			continue;
-		for (size_t p = k; p < k + length; p++)
+		while (k > end && points->row[k - 1].a == i && points->row[k - 1].b == j)
+			k--;
+		end = k + pair_length(points, k);
+		if ((skip && skip[i]) || rb_contacts_find(before, i < j ? i : j, i < j ? j : i) ||
+		    !is_impact(world, cohort, k, end - k, &event))
+			continue;
+		for (size_t p = k; p < end; p++)
 			points->row[p].after_impact = true;
 		event.time_s = time;
 		status = add_recorded(world, event, err);

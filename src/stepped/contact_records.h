@@ -17,17 +17,17 @@ RB_CHECKED enum rb_status rb_record_impacts(struct rb_world *world, struct rb_co
                                             const unsigned char *skip, struct rb_error *err);
 /*
  * Adds the contacts of a cohort's step to `to`, which is then no longer in order: of each point
- * what has not been told as an impact. To the cohort of all belongs what stands: its contacts are
- * those of the world.
+ * that bears something, which are those chosen, what has not been told as an impact. To the cohort
+ * of all belongs what stands: its contacts are those of the world.
  */
 RB_CHECKED enum rb_status rb_record_contacts(struct rb_world *world, const struct rb_cohort *cohort,
                                              double h_s, const unsigned char *skip,
                                              struct rb_contacts *to, struct rb_error *err);
 /*
- * Room for these, and `more`, in the arena: those of the step before are read meanwhile. Never to
- * be released.
+ * Chooses these points, and takes room for their contacts, and `more`, in the arena: those of the
+ * step before are read meanwhile. Never to be released.
  */
-RB_CHECKED enum rb_status rb_record_scratch(struct rb_world *world, const struct rb_cohort *cohort,
+RB_CHECKED enum rb_status rb_record_scratch(struct rb_world *world, struct rb_cohort *cohort,
                                             size_t more, struct rb_contacts *scratch,
                                             struct rb_error *err);
 /* Adds to `to` what its contacts have passed on in impacts within the step, as mean forces. */

@@ -114,9 +114,69 @@ static inline void add_body(struct rb_energy *energy, const struct rb_solver *so
 	energy->noise += square + fabs(mixed) + lost;
 }
 
-struct rb_energy rb_energy_of(const struct rb_solver *solver, const struct rb_island *island)
+/*
+ * Sums over a large group, which has a team, are those of blocks, in order: who makes them makes no
+ * difference.
+ */
+enum { PER_BLOCK = 512 };
+
+struct bound {
+	double momentum, max; /* of impulses, N s */
+};
+
+struct sums {
+	const struct rb_solver *solver;
+	const struct rb_island *island;
+	const struct rb_row_system *dense;
+	struct rb_energy *energy; /* by blocks of members */
+	struct bound *bound;      /* by blocks of rows, then of members */
+	int row_blocks;
+};
+
+static int blocks_of(int count)
+{
+	return (count + PER_BLOCK - 1) / PER_BLOCK;
+}
+
+static int end_of(int block, int count)
+{
+	return (block + 1) * PER_BLOCK < count ? (block + 1) * PER_BLOCK : count;
+}
+
+static inline void add_members(const struct sums *sums, int first, int end,
+                               struct rb_energy *energy)
+{
+	const struct rb_island *island = sums->island;
+	struct rb_energy sum = *energy;
+
+	for (int k = first; k < end; k++)
+		add_body(&sum, sums->solver, sums->solver->member[island->first_member + k]);
+	*energy = sum;
+}
+
+static void add_members_block(void *user, int block, int worker)
+{
+	const struct sums *sums = user;
+
+	(void)worker;
+	sums->energy[block] = (struct rb_energy){0};
+	add_members(sums, block * PER_BLOCK, end_of(block, sums->island->member_count),
+	            &sums->energy[block]);
+}
+
+static void add_energy(struct rb_energy *sum, const struct rb_energy *more)
+{
+	sum->square += more->square;
+	sum->mixed += more->mixed;
+	sum->lost += more->lost;
+	sum->noise += more->noise;
+}
+
+struct rb_energy rb_energy_of(const struct rb_solver *solver, const struct rb_island *island,
+                              struct rb_team *team, struct rb_arena *arena)
 {
 	struct rb_energy energy = {.mixed = -driven_work(solver, island)};
+	struct sums sums = {.solver = solver, .island = island};
 
 	energy.noise = fabs(energy.mixed);
 	if (island->row_count > island->contact_count) {
@@ -125,8 +185,16 @@ struct rb_energy rb_energy_of(const struct rb_solver *solver, const struct rb_is
 		energy.mixed -= given;
 		energy.noise += fabs(given);
 	}
-	for (int k = 0; k < island->member_count; k++)
-		add_body(&energy, solver, solver->member[island->first_member + k]);
+	const int blocks = team ? blocks_of(island->member_count) : 0;
+	/* the arena is taken back with all of the group */
+	if (team)
+		sums.energy = rb_arena_take(arena, (size_t)blocks, sizeof *sums.energy);
+	if (sums.energy)
+		rb_team_run(team, blocks, add_members_block, &sums);
+	else
+		add_members(&sums, 0, island->member_count, &energy);
+	for (int b = 0; sums.energy && b < blocks; b++)
+		add_energy(&energy, &sums.energy[b]);
 	energy.noise *= NOISE_ULP * DBL_EPSILON;
 	return energy;
 }
@@ -168,31 +236,79 @@ double rb_energy_between(const struct rb_solver *solver, const struct rb_island 
 	return root_of(square, mixed, fmax(0, -2 * rb_energy_gain(now)));
 }
 
-bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *island,
-                      const struct rb_row_system *dense, bool held)
+static inline struct bound bound_of_rows(const struct sums *sums, int first, int end)
 {
-	double momentum = 0, max = 0;
+	struct bound bound = {0};
 
-	for (int k = 0; k < dense->row_count; k++) {
-		const struct rb_constraint *row = &dense->row[k];
+	for (int k = first; k < end; k++) {
+		const struct rb_constraint *row = &sums->dense->row[k];
 
 		if (row->set == RB_CONSTRAINT_CONE)
-			max = fmax(max, row->impulse.n);
+			bound.max = fmax(bound.max, row->impulse.n);
 		if (isfinite(row->target.n))
-			momentum += fabs(row->target.n) / row->inverse_mass_n;
+			bound.momentum += fabs(row->target.n) / row->inverse_mass_n;
 	}
-	for (int k = 0; k < island->member_count; k++) {
+	return bound;
+}
+
+static inline struct bound bound_of_members(const struct sums *sums, int first, int end)
+{
+	const struct rb_solver *solver = sums->solver;
+	const struct rb_island *island = sums->island;
+	struct bound bound = {0};
+
+	for (int k = first; k < end; k++) {
 		const int i = solver->member[island->first_member + k];
-		const struct rb_solver_body *motion[2] = {&solver->free[i], &dense->bodies.body[i]};
+		const struct rb_solver_body *motion[2] = {&solver->free[i],
+		                                          &sums->dense->bodies.body[i]};
 
 		for (int m = 0; m < 2; m++) {
 			const struct rb_solver_body weight = rb_energy_weigh(solver, i, motion[m]);
 
-			momentum += sqrt(rb_energy_product(&weight, motion[m]) /
-			                 motion[m]->inverse_mass);
+			bound.momentum += sqrt(rb_energy_product(&weight, motion[m]) /
+			                       motion[m]->inverse_mass);
 		}
 	}
-	return max <= (held ? impulse_max_held : impulse_max) * momentum;
+	return bound;
+}
+
+static void bound_block(void *user, int block, int worker)
+{
+	const struct sums *sums = user;
+
+	(void)worker;
+	const int rows = sums->dense->row_count, members = sums->island->member_count;
+	const int of_members = block - sums->row_blocks;
+
+	sums->bound[block] = of_members < 0
+	                             ? bound_of_rows(sums, block * PER_BLOCK, end_of(block, rows))
+	                             : bound_of_members(sums, of_members * PER_BLOCK,
+	                                                end_of(of_members, members));
+}
+
+bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *island,
+                      const struct rb_row_system *dense, bool held, struct rb_team *team,
+                      struct rb_arena *arena)
+{
+	struct sums sums = {.solver = solver, .island = island, .dense = dense};
+	struct bound all = {0};
+
+	if (team) {
+		sums.row_blocks = blocks_of(dense->row_count);
+		const int blocks = sums.row_blocks + blocks_of(island->member_count);
+		sums.bound = rb_arena_take(arena, (size_t)blocks, sizeof *sums.bound);
+		if (sums.bound)
+			rb_team_run(team, blocks, bound_block, &sums);
+		for (int b = 0; sums.bound && b < blocks; b++) {
+			all.momentum += sums.bound[b].momentum;
+			all.max = fmax(all.max, sums.bound[b].max);
+		}
+	}
+	if (!sums.bound) {
+		all = bound_of_rows(&sums, 0, dense->row_count);
+		all.momentum += bound_of_members(&sums, 0, island->member_count).momentum;
+	}
+	return all.max <= (held ? impulse_max_held : impulse_max) * all.momentum;
 }
 
 bool rb_energy_has_impulse(const struct rb_row_system *dense)

@@ -25,8 +25,12 @@ struct rb_energy {
 	double noise;  /* of rounding: no gain below it is told from none */
 };
 
-/* Of the velocities and impulses that have been solved for, beside those as the step began. */
-struct rb_energy rb_energy_of(const struct rb_solver *solver, const struct rb_island *island);
+/*
+ * Of the velocities and impulses that have been solved for, beside those as the step began. `team`
+ * NULL, here as below: on this thread.
+ */
+struct rb_energy rb_energy_of(const struct rb_solver *solver, const struct rb_island *island,
+                              struct rb_team *team, struct rb_arena *arena);
 
 static inline double rb_energy_gain(const struct rb_energy *energy)
 {
@@ -46,7 +50,8 @@ bool rb_energy_has_separation(const struct rb_row_system *dense);
  * held: nothing is pushed apart.
  */
 bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *island,
-                      const struct rb_row_system *dense, bool held);
+                      const struct rb_row_system *dense, bool held, struct rb_team *team,
+                      struct rb_arena *arena);
 
 /* What solving changes in a row. */
 struct rb_kept_row {

@@ -254,6 +254,37 @@ bool rb_flight_could_touch(const struct rb_flight *flight, const struct rb_step_
 	return !point->central || point->gap <= -h * rb_vec3_dot(u, point->normal);
 }
 
+struct guess {
+	const struct rb_flight *flight;
+	const struct rb_step_points *points;
+	unsigned char *could;
+	bool any; /* written by all */
+};
+
+enum { POINTS_PER_BLOCK = 512 };
+
+static void guess_part(void *user, size_t first, size_t end)
+{
+	struct guess *guess = user;
+	bool any = false;
+
+	for (size_t k = first; k < end; k++) {
+		guess->could[k] = rb_flight_could_touch(guess->flight, &guess->points->row[k]);
+		any = any || guess->could[k];
+	}
+	if (any)
+		__atomic_store_n(&guess->any, true, __ATOMIC_RELAXED);
+}
+
+bool rb_flight_find_possible(const struct rb_flight *flight, const struct rb_step_points *points,
+                             unsigned char *could)
+{
+	struct guess guess = {.flight = flight, .points = points, .could = could};
+
+	rb_team_share(flight->world->team, points->count, POINTS_PER_BLOCK, guess_part, &guess);
+	return guess.any;
+}
+
 /* Time at which two spheres touch, from `now` on; INFINITY: not within the step. */
 static double spheres_touch(const struct rb_flight *flight, const struct rb_step_point *point,
                             const struct rb_flight_motion *motion, double now)

@@ -33,6 +33,9 @@ bool rb_flight_splits(const struct rb_flight *flight, const struct rb_step_point
 
 /* Whether it may be an impact in the step: by approach and gap. */
 bool rb_flight_could_touch(const struct rb_flight *flight, const struct rb_step_point *point);
+/* Marks them among all; whether there is one. */
+bool rb_flight_find_possible(const struct rb_flight *flight, const struct rb_step_points *points,
+                             unsigned char *could);
 
 /* A point of a body, and what it does; without the forces of the step: `pull`, m/s^2. */
 struct rb_flight_motion {

@@ -96,16 +96,6 @@ static enum rb_status predict(struct impacts *all, size_t point, double now, str
 	return due.t_s <= all->flight.h_s ? rb_due_queue_add(&all->s->due, due, err) : RB_OK;
 }
 
-/* ---- which points could be one ---- */
-
-static bool any_could_touch(const struct rb_flight *flight, const struct rb_step_points *points)
-{
-	for (size_t k = 0; k < points->count; k++)
-		if (rb_flight_could_touch(flight, &points->row[k]))
-			return true;
-	return false;
-}
-
 /* ---- the search ---- */
 
 /* Who is joined rebounds at the end of the step: the law of impacts knows nothing of joints. */
@@ -132,29 +122,26 @@ static enum rb_status begin(struct impacts *all, struct rb_error *err)
 	all->of = rb_arena_take(arena, 2 * count, sizeof *all->of);
 	all->due_s = rb_arena_take(arena, count, sizeof *all->due_s);
 	all->touched = rb_arena_take(arena, count, 1);
-	all->seen = rb_arena_take(arena, count, 1);
 	all->place = rb_arena_take(arena, n, sizeof *all->place);
 	all->crowded = rb_arena_take(arena, n + (size_t)model->static_count, 1);
 	all->body = rb_arena_take(arena, (size_t)all->bodies_max + 1, sizeof *all->body);
 	all->contact = rb_arena_take(arena, RB_IMPACT_CONTACTS + 1, sizeof *all->contact);
-	if (!all->held || !all->first || !all->of || !all->due_s || !all->touched || !all->seen ||
-	    !all->place || !all->crowded || !all->body || !all->contact)
+	if (!all->held || !all->first || !all->of || !all->due_s || !all->touched || !all->place ||
+	    !all->crowded || !all->body || !all->contact)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 	all->flight.held = all->held;
 	memset(all->touched, 0, count);
-	memset(all->seen, 0, count);
 	memset(all->crowded, 0, n + (size_t)model->static_count);
 	for (size_t i = 0; i < n; i++)
 		all->place[i] = -1;
-	rb_points_of_bodies(all->world, all->points, all->first, all->of, all->held);
+	if (!rb_points_of_bodies(all->world, all->points, all->first, all->of, all->held))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 	mark_joined(all);
 	enum rb_status status = RB_OK;
 	for (size_t k = 0; k < count && status == RB_OK; k++) {
 		all->due_s[k] = (double)INFINITY;
-		if (rb_flight_could_touch(&all->flight, &all->points->row[k])) {
-			all->seen[k] = 1;
+		if (all->seen[k])
 			status = predict(all, k, 0, err);
-		}
 	}
 	return status;
 }
@@ -735,8 +722,16 @@ enum rb_status rb_impacts_resolve(struct rb_world *world, struct rb_cohort *coho
 	for (int k = 0; k < s->kicked_count; k++)
 		s->kick[s->kicked[k]] = (struct rb_kick){.is_set = false};
 	s->kicked_count = 0;
-	if (!s->kick || !any_could_touch(&all.flight, all.points))
+	bool any = false;
+	all.seen = rb_arena_take(&world->arena[0], all.points->count, 1);
+	if (!all.seen)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+	if (s->kick)
+		any = rb_flight_find_possible(&all.flight, all.points, all.seen);
+	if (!any) {
+		rb_arena_back(&world->arena[0], here);
 		return RB_OK;
+	}
 	s->due.count = 0;
 	enum rb_status status = begin(&all, err);
 	size_t left = EVENTS_MAX + EVENTS_PER_POINT * all.points->count;

@@ -56,37 +56,34 @@ static rb_vec3 mean(rb_vec3 x, rb_vec3 y)
 	return rb_vec3_scale(0.5, rb_vec3_add(x, y));
 }
 
-/* A parallel pass over bodies, points or rows; each writes only its own. */
+/* A parallel pass over bodies, points or rows; each writes only its own, or marks as others do. */
 struct pass {
 	struct rb_solver *solver;
 	struct rb_world *world;
 	struct rb_step_points *points;
-	const int *place; /* [points]: their rows, -1: none */
-	int count;
+	int *place; /* [points]: bodies, then groups that have them, then rows, -1: none */
 };
 
 enum { PER_BLOCK = 512 };
 
-static int end_of(const struct pass *pass, int block)
+static void share_out(struct pass *pass, size_t count, rb_team_part *part)
 {
-	const int end = (block + 1) * PER_BLOCK;
-
-	return end < pass->count ? end : pass->count;
+	rb_team_share(pass->world->team, count, PER_BLOCK, part, pass);
 }
 
-static void fill_bodies_block(void *user, int block, int worker)
+/* Each a group of its own, to begin with. */
+static void fill_bodies(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
+	const struct rb_solver *solver = pass->solver;
 
-	(void)worker;
-	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++)
-		rb_islands_fill_body(pass->solver, pass->world, pass->solver->active[k]);
-}
+	for (size_t k = first; k < end; k++) {
+		const int i = solver->active[k];
 
-static void run_pass(struct pass *pass, size_t count, rb_team_work *work)
-{
-	pass->count = (int)count;
-	rb_team_run(pass->world->team, (pass->count + PER_BLOCK - 1) / PER_BLOCK, work, pass);
+		rb_islands_fill_body(pass->solver, pass->world, i);
+		solver->parent[i] = i;
+		solver->island_of[i] = -1;
+	}
 }
 
 static bool is_dynamic(const struct rb_solver *solver, int i)
@@ -248,14 +245,13 @@ static void stiffen(struct rb_solver *solver, const struct rb_world *world, int 
 		solver->free[i] = *body;
 }
 
-static void fill_joints_block(void *user, int block, int worker)
+static void fill_joints(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
 	struct rb_solver *solver = pass->solver;
 	struct rb_joint_query query = rb_islands_joints(solver, pass->world);
 
-	(void)worker;
-	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
+	for (size_t k = first; k < end; k++) {
 		struct rb_step_joint *of = &solver->joint[solver->joined[k]];
 
 		query.lasts_s = rb_islands_lasts(
@@ -380,43 +376,57 @@ static int owner_of(const struct rb_solver *solver, const struct rb_step_point *
 	return is_dynamic(solver, point->a) ? point->a : point->b;
 }
 
-/*
- * The smaller body stays the root: a group's place does not depend on the order of joining.
- */
-static void join(struct rb_solver *solver, int a, int b)
+/* Bodies of points into one tree; place[k] becomes the dynamic body of point k. */
+static void join_points(void *user, size_t first, size_t end)
 {
-	a = rb_forest_root(solver->parent, a);
-	b = rb_forest_root(solver->parent, b);
-	solver->parent[a > b ? a : b] = a > b ? b : a;
+	const struct pass *pass = user;
+	const struct rb_solver *solver = pass->solver;
+	const bool shared = rb_team_workers(pass->world->team) > 1;
+
+	for (size_t k = first; k < end; k++) {
+		const struct rb_step_point *point = &pass->points->row[k];
+
+		pass->place[k] = owner_of(solver, point);
+		RB_ASSERT_COSTLY(is_dynamic(solver, pass->place[k]));
+		if (is_dynamic(solver, point->a) && is_dynamic(solver, point->b))
+			rb_forest_join(solver->parent, point->a, point->b, shared);
+	}
 }
 
-/* Union-find over points and joints; place[k] becomes the dynamic body of point k. */
-static void join_all(struct rb_solver *solver, const struct rb_world *world,
-                     const struct rb_step_points *points, int *place)
+/* Union-find over points, joints and springs. */
+static void join_all(struct pass *pass)
 {
-	for (int k = 0; k < solver->active_count; k++)
-		solver->parent[solver->active[k]] = solver->active[k];
-	for (size_t k = 0; k < points->count; k++) {
-		const struct rb_step_point *point = &points->row[k];
+	const struct rb_solver *solver = pass->solver;
 
-		place[k] = owner_of(solver, point);
-		RB_ASSERT_COSTLY(is_dynamic(solver, place[k]));
-		if (!is_dynamic(solver, point->a) || !is_dynamic(solver, point->b))
-			continue;
-		join(solver, point->a, point->b);
-	}
+	share_out(pass, pass->points->count, join_points);
 	for (int k = 0; k < solver->joined_count; k++) {
-		const struct rb_joint *joint = &world->model->joints->joint[solver->joined[k]];
+		const struct rb_joint *joint =
+			&pass->world->model->joints->joint[solver->joined[k]];
 
 		if (joint->b >= 0 && is_dynamic(solver, joint->a) && is_dynamic(solver, joint->b))
-			join(solver, joint->a, joint->b);
+			rb_forest_join(solver->parent, joint->a, joint->b, false);
 	}
 	for (int k = 0; k < solver->spring_count; k++) {
 		const int *end = solver->spring[k].end;
 
 		if (has_rows(solver, &solver->spring[k]) && is_dynamic(solver, end[0]) &&
 		    is_dynamic(solver, end[1]))
-			join(solver, end[0], end[1]);
+			rb_forest_join(solver->parent, end[0], end[1], false);
+	}
+}
+
+/* Roots of what has points are marked; place[k] becomes the root of point k. */
+static void find_roots(void *user, size_t first, size_t end)
+{
+	const struct pass *pass = user;
+	const struct rb_solver *solver = pass->solver;
+
+	for (size_t k = first; k < end; k++) {
+		const int root = rb_forest_root_shared(solver->parent, pass->place[k]);
+
+		pass->place[k] = root;
+		if (__atomic_load_n(&solver->island_of[root], __ATOMIC_RELAXED) < 0)
+			__atomic_store_n(&solver->island_of[root], 0, __ATOMIC_RELAXED);
 	}
 }
 
@@ -424,15 +434,13 @@ static void join_all(struct rb_solver *solver, const struct rb_world *world,
  * Numbers the groups that have points or joints, in order of their smallest body, and counts their
  * members.
  */
-static enum rb_status number_groups(struct rb_solver *solver, const struct rb_world *world,
-                                    const struct rb_step_points *points, const int *place,
-                                    struct rb_error *err)
+static enum rb_status number_groups(struct pass *pass, struct rb_error *err)
 {
+	struct rb_solver *solver = pass->solver;
+	const struct rb_world *world = pass->world;
+
 	solver->island_count = 0;
-	for (int k = 0; k < solver->active_count; k++)
-		solver->island_of[solver->active[k]] = -1;
-	for (size_t k = 0; k < points->count; k++)
-		solver->island_of[rb_forest_root(solver->parent, place[k])] = 0;
+	share_out(pass, pass->points->count, find_roots);
 	for (int k = 0; k < solver->joined_count; k++)
 		solver->island_of[rb_forest_root(solver->parent,
 		                                 holder_of(world, solver->joined[k]))] = 0;
@@ -458,28 +466,42 @@ static enum rb_status number_groups(struct rb_solver *solver, const struct rb_wo
 	return RB_OK;
 }
 
-/*
- * Counting sorts of members and rows by island. place[k] becomes the row of point k, -1 in islands
- * that stay at rest.
- */
-static void lay_out(struct rb_solver *solver, const struct rb_world *world,
-                    const struct rb_step_points *points, int *place)
+/* Counts rows of groups; place[k] becomes the group of point k. */
+static void count_rows(void *user, size_t first, size_t end)
 {
-	int row = 0, member = 0;
+	const struct pass *pass = user;
+	struct rb_solver *solver = pass->solver;
+	bool moved = false;
+	int count = 0;
 
-	for (size_t k = 0; k < points->count; k++) {
-		struct rb_island *island = &solver->island[solver->island_of[place[k]]];
+	/* points in succession mostly are of one group */
+	for (size_t k = first; k < end; k++) {
+		const int g = solver->island_of[pass->place[k]];
 
-		island->row_count++;
-		island->carried = island->carried || is_moved(solver, &points->row[k]);
+		pass->place[k] = g;
+		moved = moved || is_moved(solver, &pass->points->row[k]);
+		count++;
+		if (k + 1 < end && solver->island_of[pass->place[k + 1]] == g)
+			continue;
+		__atomic_fetch_add(&solver->island[g].row_count, count, __ATOMIC_RELAXED);
+		if (moved)
+			__atomic_store_n(&solver->island[g].carried, true, __ATOMIC_RELAXED);
+		moved = false;
+		count = 0;
 	}
-	count_joints(solver, world);
-	count_springs(solver);
+}
+
+/* Counting sort of members by group. */
+static void place_members(struct rb_solver *solver)
+{
+	int member = 0;
+
 	for (size_t g = 0; g < solver->island_count; g++) {
 		solver->island[g].first_member = member;
 		member += solver->island[g].member_count;
 		solver->island[g].member_count = 0;
 	}
+	RB_ASSERT(member <= solver->active_count);
 	for (int k = 0; k < solver->active_count; k++) {
 		const int i = solver->active[k];
 
@@ -490,7 +512,22 @@ static void lay_out(struct rb_solver *solver, const struct rb_world *world,
 		solver->member[island->first_member + island->member_count++] = i;
 	}
 	solver->local[solver->body_count] = -1;
-	RB_ASSERT(member <= solver->active_count);
+}
+
+/*
+ * Counting sorts of members and rows by island. place[k] becomes the row of point k, -1 in islands
+ * that stay at rest.
+ */
+static void lay_out(struct pass *pass)
+{
+	struct rb_solver *solver = pass->solver;
+	int *const place = pass->place;
+	int row = 0;
+
+	share_out(pass, pass->points->count, count_rows);
+	count_joints(solver, pass->world);
+	count_springs(solver);
+	place_members(solver);
 	for (size_t g = 0; g < solver->island_count; g++) {
 		struct rb_island *island = &solver->island[g];
 
@@ -504,14 +541,14 @@ static void lay_out(struct rb_solver *solver, const struct rb_world *world,
 
 		solver->asleep[i] = g >= 0 && solver->island[g].rests;
 	}
-	for (size_t k = 0; k < points->count; k++) {
-		struct rb_island *island = &solver->island[solver->island_of[place[k]]];
-
+	for (size_t k = 0; k < pass->points->count; k++) {
+		struct rb_island *island = &solver->island[place[k]];
 		const int at = island->first_row + island->row_count++;
+
 		place[k] = island->rests ? -1 : at;
 	}
 	RB_ASSERT(row >= 0);
-	place_joints(solver, world);
+	place_joints(solver, pass->world);
 	place_springs(solver);
 	solver->dense.row_count = row;
 }
@@ -610,23 +647,6 @@ static const struct rb_step_point *nearest_of_face(const struct rb_step_points *
 	return nearest;
 }
 
-/* Moves an arm along the normal into the plane of the nearest point. */
-static rb_vec3 level(rb_vec3 arm, rb_vec3 nearest, rb_vec3 normal)
-{
-	return rb_vec3_add_scaled(arm, rb_vec3_dot(rb_vec3_sub(nearest, arm), normal), normal);
-}
-
-/*
- * Arms of a face end in one plane, which no normal velocity sees and no torque of a push. Where
- * gaps differ, turning would else ask for different slips of points on one line, and friction would
- * creep on against itself.
- */
-static void level_arms(const struct rb_step_point *nearest, struct rb_constraint *row)
-{
-	row->arm_a = level(row->arm_a, nearest->arm_a, row->normal);
-	row->arm_b = level(row->arm_b, nearest->arm_b, row->normal);
-}
-
 /* A ball that joints stiffen has no inertia that is a multiple of one. */
 static bool is_stiff(const struct rb_solver *solver, const struct rb_step_point *point)
 {
@@ -653,7 +673,8 @@ static void set_arms(const struct pass *pass, struct rb_constraint *row, int num
 	}
 	if (row->central)
 		return;
-	level_arms(nearest_of_face(pass->points, number), row);
+	const struct rb_step_point *const nearest = nearest_of_face(pass->points, number);
+	rb_levers_level(nearest->arm_a, nearest->arm_b, row);
 	const double angle = rb_pivot_angle(pass->world, point->a, point->b, point->normal,
 	                                    pass->solver->h_s);
 	if (angle != 0) {
@@ -701,20 +722,19 @@ static void fill_row(const struct pass *pass, struct rb_constraint *row, int num
 	rb_effective_mass_fill(&solver->dense.bodies, row);
 }
 
-static void fill_rows_block(void *user, int block, int worker)
+static void fill_rows(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
 
-	(void)worker;
-	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
+	for (size_t k = first; k < end; k++) {
 		struct rb_constraint fixed_row, *row = &fixed_row;
 
 		if (pass->place[k] >= 0) {
 			row = &pass->solver->dense.row[pass->place[k]];
-			pass->solver->point[pass->place[k]] = k;
-			fill_row(pass, row, k);
+			pass->solver->point[pass->place[k]] = (int)k;
+			fill_row(pass, row, (int)k);
 		} else {
-			set_arms(pass, row, k);
+			set_arms(pass, row, (int)k);
 		}
 		if (!row->central)
 			pass->points->row[k].lever = row->arm_a;
@@ -736,17 +756,17 @@ static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struc
 	    !rb_memory_reserve(&solver->point, &solver->point_capacity, rows,
 	                       sizeof *solver->point))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", rows);
-	join_all(solver, world, points, place);
-	const enum rb_status status = number_groups(solver, world, points, place, err);
+	pass->place = place;
+	join_all(pass);
+	const enum rb_status status = number_groups(pass, err);
 	if (status != RB_OK)
 		return status;
-	lay_out(solver, world, points, place);
+	lay_out(pass);
 	if (solver->joined_count > 0)
 		find_halves(solver, world);
-	pass->place = place;
-	run_pass(pass, points->count, fill_rows_block);
+	share_out(pass, points->count, fill_rows);
 	if (solver->joined_count > 0)
-		run_pass(pass, (size_t)solver->joined_count, fill_joints_block);
+		share_out(pass, (size_t)solver->joined_count, fill_joints);
 	fill_springs(solver);
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&solver->dense, solver->body_count + 1));
 	return RB_OK;
@@ -760,7 +780,7 @@ enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
 	const rb_arena_mark here = rb_arena_here(arena);
 
 	RB_ASSERT(solver->active_count >= 0 && solver->active_count <= solver->body_count);
-	run_pass(&pass, (size_t)solver->active_count, fill_bodies_block);
+	share_out(&pass, (size_t)solver->active_count, fill_bodies);
 	solver->dense.bodies.body[solver->body_count] = (struct rb_solver_body){.inverse_mass = 0};
 	for (int k = 0; solver->joint && k < solver->active_count; k++)
 		stiffen(solver, world, solver->active[k]);

@@ -6,27 +6,18 @@
 
 #include "base/error.h"
 
-/* A parallel pass over bodies, joints or rows; each writes only its own. */
+/* A parallel pass over bodies, points or rows; each writes only its own, or marks as others do. */
 struct pass {
 	struct rb_solver *solver;
 	struct rb_world *world;
 	struct rb_step_points *points;
-	int count;
 };
 
 enum { PER_BLOCK = 512 };
 
-static int end_of(const struct pass *pass, int block)
+static void share_out(struct pass *pass, size_t count, rb_team_part *part)
 {
-	const int end = (block + 1) * PER_BLOCK;
-
-	return end < pass->count ? end : pass->count;
-}
-
-static void run_pass(struct pass *pass, size_t count, rb_team_work *work)
-{
-	pass->count = (int)count;
-	rb_team_run(pass->world->team, (pass->count + PER_BLOCK - 1) / PER_BLOCK, work, pass);
+	rb_team_share(pass->world->team, count, PER_BLOCK, part, pass);
 }
 
 static bool is_dynamic(const struct rb_solver *solver, int i)
@@ -41,21 +32,11 @@ void rb_islands_store_body(const struct rb_solver *solver, struct rb_world *worl
 		rb_vec3_to(world->state.spin + 3 * (size_t)i, solver->dense.bodies.body[i].angular);
 }
 
-static void store_bodies_block(void *user, int block, int worker)
+static void store_rows(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
 
-	(void)worker;
-	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++)
-		rb_islands_store_body(pass->solver, pass->world, pass->solver->active[k]);
-}
-
-static void store_rows_block(void *user, int block, int worker)
-{
-	const struct pass *pass = user;
-
-	(void)worker;
-	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
+	for (size_t k = first; k < end; k++) {
 		const struct rb_constraint *row = &pass->solver->dense.row[k];
 
 		if (row->set != RB_CONSTRAINT_CONE)
@@ -74,14 +55,13 @@ static const struct rb_island *group_of(const struct rb_solver *solver,
 	return &solver->island[solver->island_of[row->a]];
 }
 
-static void store_joints_block(void *user, int block, int worker)
+static void store_joints(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
 	const struct rb_solver *const solver = pass->solver;
 	struct rb_joint_query query = rb_islands_joints(solver, pass->world);
 
-	(void)worker;
-	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
+	for (size_t k = first; k < end; k++) {
 		struct rb_step_joint *of = &solver->joint[solver->joined[k]];
 		const struct rb_constraint *const row = solver->dense.row + of->first_row;
 
@@ -114,19 +94,46 @@ static void store_springs(struct rb_solver *solver)
 	}
 }
 
-/* Marks bodies with an impulse on them. */
-static void find_pushed(struct rb_solver *solver, const struct rb_joints *joints,
-                        const struct rb_step_points *points)
+/* Residuals that the next step takes into account; nobody has been pushed yet. */
+static void note_left(void *user, size_t first, size_t end)
 {
-	for (int k = 0; k < solver->active_count; k++)
-		solver->pushed[solver->active[k]] = 0;
-	for (size_t k = 0; k < points->count; k++) {
-		const struct rb_step_point *point = &points->row[k];
-		const int b = point->b < solver->body_count ? point->b : solver->body_count;
+	struct rb_solver *solver = ((const struct pass *)user)->solver;
 
-		if (point->normal_impulse > 0)
-			solver->pushed[point->a] = solver->pushed[b] = 1;
+	for (size_t k = first; k < end; k++) {
+		const int i = solver->active[k], g = solver->island_of[i];
+		const double left = g < 0 ? 0 : solver->island[g].residual;
+
+		/* written so that NaN is not good */
+		solver->left[i] = left < solver->tolerance ? left : solver->tolerance;
+		solver->pushed[i] = 0;
 	}
+}
+
+static void push(struct rb_solver *solver, int i)
+{
+	if (!__atomic_load_n(&solver->pushed[i], __ATOMIC_RELAXED))
+		__atomic_store_n(&solver->pushed[i], 1, __ATOMIC_RELAXED);
+}
+
+/* Marks bodies with an impulse of a contact on them. */
+static void find_pushed(void *user, size_t first, size_t end)
+{
+	const struct pass *pass = user;
+	struct rb_solver *solver = pass->solver;
+
+	for (size_t k = first; k < end; k++) {
+		const struct rb_step_point *point = &pass->points->row[k];
+
+		if (!(point->normal_impulse > 0))
+			continue;
+		push(solver, point->a);
+		push(solver, point->b < solver->body_count ? point->b : solver->body_count);
+	}
+}
+
+/* The same of joints and springs. */
+static void find_pulled(struct rb_solver *solver, const struct rb_joints *joints)
+{
 	for (int k = 0; k < solver->joined_count; k++) {
 		const struct rb_joint *joint = &joints->joint[solver->joined[k]];
 		const int ends[2] = {joint->a, joint->b};
@@ -143,32 +150,20 @@ static void find_pushed(struct rb_solver *solver, const struct rb_joints *joints
 
 /*
  * A body whose impulses all ended at zero gets its free velocity back exactly: the sum has rounding
- * in it, and a top without torque should take the closed form.
+ * in it, and a top without torque should take the closed form. Not after the projection, which has
+ * no velocities.
  */
-static void free_unpushed(struct rb_solver *solver)
+static void store_bodies(void *user, size_t first, size_t end)
 {
-	for (int k = 0; k < solver->active_count; k++) {
+	const struct pass *pass = user;
+	struct rb_solver *solver = pass->solver;
+
+	for (size_t k = first; k < end; k++) {
 		const int i = solver->active[k];
 
-		if (solver->island_of[i] >= 0 && !solver->pushed[i])
+		if (solver->before && solver->island_of[i] >= 0 && !solver->pushed[i])
 			solver->dense.bodies.body[i] = solver->free[i];
-	}
-}
-
-/*
- * Residuals that the next step takes into account; not after the projection, which has no
- * velocities.
- */
-static void note_left(struct rb_solver *solver)
-{
-	for (int k = 0; solver->before && k < solver->active_count; k++) {
-		const int i = solver->active[k], g = solver->island_of[i];
-
-		/* written so that NaN is not good */
-		solver->left[i] = g < 0 ? 0
-		                  : solver->island[g].residual < solver->tolerance
-		                          ? solver->island[g].residual
-		                          : solver->tolerance;
+		rb_islands_store_body(solver, pass->world, i);
 	}
 }
 
@@ -177,15 +172,14 @@ void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_
 	struct pass pass = {.solver = solver, .world = world, .points = points};
 
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&solver->dense, solver->body_count + 1));
-	run_pass(&pass, (size_t)solver->dense.row_count, store_rows_block);
+	share_out(&pass, (size_t)solver->dense.row_count, store_rows);
 	if (solver->before && solver->joined_count > 0) /* else positions are moved */
-		run_pass(&pass, (size_t)solver->joined_count, store_joints_block);
-	if (solver->before)
+		share_out(&pass, (size_t)solver->joined_count, store_joints);
+	if (solver->before) {
 		store_springs(solver);
-	note_left(solver);
-	if (solver->before) { /* else positions are moved */
-		find_pushed(solver, world->model->joints, points);
-		free_unpushed(solver);
+		share_out(&pass, (size_t)solver->active_count, note_left);
+		share_out(&pass, points->count, find_pushed);
+		find_pulled(solver, world->model->joints);
 	}
-	run_pass(&pass, (size_t)solver->active_count, store_bodies_block);
+	share_out(&pass, (size_t)solver->active_count, store_bodies);
 }

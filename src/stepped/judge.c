@@ -26,6 +26,48 @@
  */
 static const double before_share = 1 - 2e-4, shortest_share = 0x1p-20;
 
+/* ---- a glance at all ---- */
+
+struct glance {
+	const struct rb_world *world;
+	const struct rb_cohort *cohort;
+	bool wild, thrown; /* somebody is; written by all */
+};
+
+/*
+ * A body farther from its start than it would have flown without impacts, by more than half its
+ * size, may have tunnelled through bodies that are not among its candidates.
+ */
+static inline bool is_thrown(const struct rb_world *world, const struct rb_cohort *cohort, int i)
+{
+	const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, i),
+	                              rb_world_origin_at(world, &world->mark, i));
+	const double max = cohort->candidates->reach[i] + 0.5 * rb_model_reach(world->model, i);
+
+	return !(rb_vec3_dot(d, d) <= max * max);
+}
+
+/* Of most steps nobody is: then bodies need not be gone through one by one. */
+static void glance_at(void *user, size_t first, size_t end)
+{
+	struct glance *glance = user;
+	const struct rb_cohort *cohort = glance->cohort;
+	const bool throws = glance->world->broadphase &&
+	                    glance->world->model->rollback != RB_ROLLBACK_NONE;
+
+	for (size_t k = first; k < end; k++) {
+		const int i = cohort->body[k];
+
+		glance->world->stepped->bad[i] = 0;
+		if (!rb_verdict_finite(&glance->world->state, i))
+			__atomic_store_n(&glance->wild, true, __ATOMIC_RELAXED);
+		if (throws && (int)k < cohort->member_count && is_thrown(glance->world, cohort, i))
+			__atomic_store_n(&glance->thrown, true, __ATOMIC_RELAXED);
+	}
+}
+
+/* ---- reasons ---- */
+
 /* Bodies with a state that is not finite; the first is kept for the message. */
 static void blame_wild(struct rb_world *world, const struct rb_cohort *cohort,
                        struct rb_attempt_outcome *outcome)
@@ -91,22 +133,11 @@ static void blame_impacts(struct rb_world *world, double h, struct rb_attempt_ou
 		outcome->clear_s = (double)INFINITY;
 }
 
-/*
- * A body farther from its start than it would have flown without impacts, by more than half its
- * size, may have tunnelled through bodies that are not among its candidates.
- */
 static void blame_thrown(struct rb_world *world, const struct rb_cohort *cohort)
 {
-	for (int k = 0; k < cohort->member_count; k++) {
-		const int i = cohort->body[k];
-		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, i),
-		                              rb_world_origin_at(world, &world->mark, i));
-		const double max = cohort->candidates->reach[i] +
-		                   0.5 * rb_model_reach(world->model, i);
-
-		if (!(rb_vec3_dot(d, d) <= max * max))
-			rb_stepped_blame(world->stepped, i);
-	}
+	for (int k = 0; k < cohort->member_count; k++)
+		if (is_thrown(world, cohort, cohort->body[k]))
+			rb_stepped_blame(world->stepped, cohort->body[k]);
 }
 
 /* The broadphase needs finite positions, also of bodies that will be taken back. */
@@ -121,16 +152,18 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
                         struct rb_attempt_outcome *outcome, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
+	struct glance glance = {.world = world, .cohort = cohort};
 	struct rb_depths found;
 	enum rb_status status = RB_OK;
 
 	RB_ASSERT(h > 0);
 	*outcome = (struct rb_attempt_outcome){
 		.pair = {-1, -1}, .body = -1, .joint = -1, .clear_s = (double)INFINITY};
-	for (int k = 0; k < cohort->body_count; k++)
-		s->bad[cohort->body[k]] = 0;
+	rb_team_share(world->team, (size_t)cohort->body_count, RB_BODIES_PER_BLOCK, glance_at,
+	              &glance);
 	s->bad_count = 0;
-	blame_wild(world, cohort, outcome);
+	if (glance.wild)
+		blame_wild(world, cohort, outcome);
 	blame_residuals(world, h, outcome);
 	rb_joints_blame(world, cohort, outcome);
 	if (world->model->rollback != RB_ROLLBACK_NONE && h > shortest_share * s->solver.whole_s)
@@ -138,7 +171,7 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 	blame_impacts(world, h, outcome);
 	if (!world->broadphase)
 		return RB_OK;
-	if (world->model->rollback != RB_ROLLBACK_NONE)
+	if (glance.thrown)
 		blame_thrown(world, cohort);
 	rb_impacts_blame(s, world, cohort);
 	if (s->bad_count > 0 && !cohort->divides)

@@ -50,3 +50,15 @@ void rb_levers_join_row(const struct rb_world *world, rb_vec3 between, struct rb
 	row->arm_a = arm[0];
 	row->arm_b = arm[1];
 }
+
+/* Moves an arm along the normal into the plane of the nearest point. */
+static rb_vec3 level(rb_vec3 arm, rb_vec3 nearest, rb_vec3 normal)
+{
+	return rb_vec3_add_scaled(arm, rb_vec3_dot(rb_vec3_sub(nearest, arm), normal), normal);
+}
+
+void rb_levers_level(rb_vec3 nearest_a, rb_vec3 nearest_b, struct rb_constraint *row)
+{
+	row->arm_a = level(row->arm_a, nearest_a, row->normal);
+	row->arm_b = level(row->arm_b, nearest_b, row->normal);
+}

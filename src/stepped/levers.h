@@ -39,4 +39,11 @@ void rb_levers_join(const struct rb_world *world, const int of[2], rb_vec3 betwe
 /* The same for the arms of a contact's row. */
 void rb_levers_join_row(const struct rb_world *world, rb_vec3 between, struct rb_constraint *row);
 
+/*
+ * Arms of a face end in one plane, which no normal velocity sees and no torque of a push. Where
+ * gaps differ, turning would else ask for different slips of points on one line, and friction would
+ * creep on against itself.
+ */
+void rb_levers_level(rb_vec3 nearest_a, rb_vec3 nearest_b, struct rb_constraint *row);
+
 #endif

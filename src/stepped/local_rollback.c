@@ -249,14 +249,15 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 	local->last = swapped;
 	local->last.count = 0;
 	if (status == RB_OK)
+		status = rb_step_points_choose(&part->points, world, -(double)INFINITY, err);
+	if (status == RB_OK)
 		status = rb_record_contacts(world, part, h, NULL, &local->last, err);
 	if (status == RB_OK && world->keeps_means)
 		status = rb_record_part(part, &local->last, h, &s->part_contacts, &local->means,
 		                        err);
 	rb_contacts_sort(&local->last);
 	if (status == RB_OK)
-		status = rb_step_points_keep(&part->points, h, s->solver.asleep, NULL,
-		                             &world->arena[0], err);
+		status = rb_step_points_keep(&part->points, world, h, s->solver.asleep, NULL, err);
 	rb_step_points_index_members(&part->points, part->body, part->member_count);
 	return status;
 }
@@ -539,8 +540,10 @@ static enum rb_status join_impulses(struct rb_world *world, double dt, struct rb
 		if (!local->swept.failed[points->row[k].a])
 			points->row[kept++] = points->row[k];
 	points->count = kept;
-	const enum rb_status status = rb_step_points_keep(points, dt, s->solver.asleep,
-	                                                  s->sleep.sleeps, &world->arena[0], err);
+	enum rb_status status = rb_step_points_choose(points, world, -(double)INFINITY, err);
+	if (status == RB_OK)
+		status = rb_step_points_keep(points, world, dt, s->solver.asleep, s->sleep.sleeps,
+		                             err);
 	if (status != RB_OK)
 		return status;
 	const size_t count = points->last_count + local->impulse_count;

@@ -8,8 +8,9 @@
 /*
  * Points of each body that yields: of[first[i]] to of[first[i + 1] - 1]; first: [bodies + 3], of:
  * two for each point. held, [bodies + 1]: whether a contact had a force on it in the step before.
+ * False: no memory.
  */
-void rb_points_of_bodies(const struct rb_world *world, const struct rb_step_points *points,
+bool rb_points_of_bodies(const struct rb_world *world, const struct rb_step_points *points,
                          size_t *first, size_t *of, unsigned char *held);
 
 #endif

@@ -115,8 +115,10 @@ static enum rb_status prepare(struct rb_world *world, struct rb_error *err)
 		status = rb_state_init(&world->mark, model->body_count, model->features, err);
 	if (status == RB_OK && (model->features & RB_FEATURE_CONTACT) && !world->broadphase)
 		status = rb_broadphase_create(&world->broadphase, model, err);
-	if (world->broadphase)
+	if (world->broadphase) {
 		rb_broadphase_borrow(world->broadphase, &world->arena[0]);
+		rb_broadphase_share(world->broadphase, world->team);
+	}
 	if (status == RB_OK)
 		status = rb_candidates_create(&made->candidates, model, err);
 	if (status == RB_OK)
@@ -182,7 +184,7 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model)
 {
 	const bool central = !model->parts;
 	const size_t point = sizeof(struct rb_step_point) + sizeof(struct rb_constraint) +
-	                     sizeof(int) + sizeof(struct rb_contact) +
+	                     2 * sizeof(int) + sizeof(struct rb_contact) +
 	                     sizeof(struct rb_named_impulse);
 	/* of turning bodies, points are also kept where they are closed, or looked at again */
 	const size_t closing = central ? 0 : sizeof(struct rb_step_point);
@@ -214,8 +216,8 @@ static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_
 	if (status == RB_OK)
 		status = rb_contacts_reserve(&world->contacts, made.count, err);
 	if (status == RB_OK)
-		status = rb_step_points_keep(&s->all.points, h, s->solver.asleep, s->sleep.sleeps,
-		                             &world->arena[0], err);
+		status = rb_step_points_keep(&s->all.points, world, h, s->solver.asleep,
+		                             s->sleep.count > 0 ? s->sleep.sleeps : NULL, err);
 	if (status != RB_OK)
 		return status;
 	world->contacts.count = 0;

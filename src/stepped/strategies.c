@@ -34,10 +34,7 @@ static const double joints_share = 4e4;
 
 /* Of the tolerance, what sweeps may leave of a gap's closing in one step. */
 static const double sweep_share = RB_STRATEGY_SWEEP_SHARE, direct_share = 1e-2, close_share = 1e-7;
-/*
- * Of the tolerance, gaps and overlaps that count as closed where bodies stand, and those beside
- * what touches.
- */
+/* Of the tolerance, gaps and overlaps that count as closed: of what stands, beside touches. */
 static const double let_share = 1.0 / 32, touch_share = 0.5;
 static const double stiff_ratio = 30, hold_slack = 16;
 /*
@@ -432,10 +429,11 @@ static void clear_separation(const struct rb_row_system *dense)
  * nothing. What is between two solutions is in the cones, and closes no gap that neither closes.
  */
 static struct rb_energy push_less(const struct rb_solver *solver, struct rb_island *island,
-                                  const struct rb_row_system *dense, struct rb_arena *arena)
+                                  const struct rb_row_system *dense, struct rb_team *team,
+                                  struct rb_arena *arena)
 {
 	const struct rb_energy none = {0};
-	struct rb_sweeper sweeper = sweeper_of(solver, island, dense, NULL);
+	struct rb_sweeper sweeper = sweeper_of(solver, island, dense, team);
 	struct rb_kept kept;
 	const bool good = rb_energy_keep(solver, island, arena, &kept);
 	const bool solved = island->residual <= solver->tolerance;
@@ -449,7 +447,7 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 	if (!sweep_more(solver, &sweeper, island, aim_of(solver, island, &sweeper), SWEEPS_CLOSE) &&
 	    !(island->residual <= solver->tolerance))
 		(void)try_factors(solver, island, dense, STALLED, arena);
-	const struct rb_energy least = rb_energy_of(solver, island);
+	const struct rb_energy least = rb_energy_of(solver, island, team, arena);
 	const bool gains = rb_energy_gain(&least) > least.noise;
 	const double share = gains || !solved ? 0
 	                                      : rb_energy_between(solver, island, &least, &kept);
@@ -465,7 +463,8 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
  * the tolerance, and the shorter the step, the faster it would have to part.
  */
 static void keep_energy(const struct rb_solver *solver, struct rb_island *island,
-                        const struct rb_row_system *dense, struct rb_arena *arena)
+                        const struct rb_row_system *dense, struct rb_team *team,
+                        struct rb_arena *arena)
 {
 	island->energy_budget = 0;
 	/* half a step's way says nothing; what pushes one way has held on, or is far off */
@@ -473,9 +472,9 @@ static void keep_energy(const struct rb_solver *solver, struct rb_island *island
 		return;
 	const bool squeezed = solver->h_s < solver->whole_s &&
 	                      !(island->residual <= solver->tolerance);
-	struct rb_energy energy = rb_energy_of(solver, island);
+	struct rb_energy energy = rb_energy_of(solver, island, team, arena);
 	if ((squeezed || rb_energy_gain(&energy) > energy.noise) && rb_energy_has_separation(dense))
-		energy = push_less(solver, island, dense, arena);
+		energy = push_less(solver, island, dense, team, arena);
 	if (rb_energy_gain(&energy) > energy.noise)
 		rb_energy_take(solver, island, rb_energy_share(&energy));
 	else
@@ -514,9 +513,10 @@ static bool even_out(const struct rb_solver *solver, struct rb_sweeper *sweeper,
  * steps.
  */
 static bool start_over(const struct rb_solver *solver, struct rb_island *island,
-                       const struct rb_row_system *dense, struct rb_arena *arena)
+                       const struct rb_row_system *dense, struct rb_team *team,
+                       struct rb_arena *arena)
 {
-	struct rb_sweeper sweeper = sweeper_of(solver, island, dense, NULL);
+	struct rb_sweeper sweeper = sweeper_of(solver, island, dense, team);
 
 	for (int k = 0; k < dense->row_count; k++)
 		rb_constraint_clear(&dense->row[k]);
@@ -525,7 +525,7 @@ static bool start_over(const struct rb_solver *solver, struct rb_island *island,
 	const bool good = rb_sweeper_take(&sweeper, arena) &&
 	                  sweep_more(solver, &sweeper, island, solver->tolerance / sweep_share,
 	                             max_of(&sweeper));
-	if (rb_energy_bounds(solver, island, dense, true))
+	if (rb_energy_bounds(solver, island, dense, true, team, arena))
 		return good;
 	island->residual = (double)INFINITY;
 	return false;
@@ -761,11 +761,11 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 		return;
 	}
 	const rb_arena_mark here = rb_arena_here(arena);
+	sweeper.warms = true;
 	if (!rb_sweeper_take(&sweeper, arena)) {
 		island->residual = (double)INFINITY; /* no memory: taken back */
 		return;
 	}
-	rb_sweep_warm(&rows);
 	const struct trial trial = {.solver = solver,
 	                            .island = island,
 	                            .rows = &rows,
@@ -783,8 +783,8 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 	bool good = strategy < STRATEGIES;
 	if (island->contact_count > 0 && island->row_count > island->contact_count)
 		polish_joints(solver, island, &rows, arena);
-	if (!rb_energy_bounds(solver, island, &rows, false))
-		good = start_over(solver, island, &rows, arena);
+	if (!rb_energy_bounds(solver, island, &rows, false, team, arena))
+		good = start_over(solver, island, &rows, team, arena);
 	if (good && !is_close && solver->before) {
 		solve_closely(&trial);
 		if (!sweeper.wide)
@@ -792,7 +792,7 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 	}
 	rb_arena_back(arena, here); /* the next sweeper is as large */
 	if (solver->before)
-		keep_energy(solver, island, &rows, arena);
+		keep_energy(solver, island, &rows, team, arena);
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&rows, solver->body_count + 1));
 	RB_ASSERT(!(island->residual < 0) && island->energy_budget >= 0);
 	find_rest(solver, island);

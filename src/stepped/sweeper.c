@@ -19,61 +19,126 @@ struct colours {
 	bool tail;
 };
 
-/* Where a body that yields keeps its colours, as bits; NULL: it does not yield. */
-static uint64_t *taken_of(const struct rb_sweeper *sweeper, uint64_t *taken, int body)
+/* Places of a row's bodies among those that yield; -1: it does not. */
+struct ends {
+	int a, b;
+};
+
+/* What is known of the rows before they are swept, by several threads where there are. */
+struct preparation {
+	const struct rb_sweeper *sweeper;
+	struct colours *colours;
+	struct ends *ends;     /* [rows] */
+	uint64_t *taken;       /* [members]: colours of a body's rows, as bits */
+	unsigned char *colour; /* [rows] */
+	bool other, eccentric; /* somewhere there is no contact, or one that is not central */
+};
+
+enum { ROWS_PER_BLOCK = 1024 };
+
+static void share_out(struct preparation *preparation, rb_team_part *part)
 {
-	return sweeper->dense->bodies.body[body].inverse_mass > 0 ? &taken[sweeper->local[body]]
-	                                                          : NULL;
+	const size_t count = (size_t)preparation->sweeper->dense->row_count;
+
+	if (preparation->sweeper->team)
+		rb_team_share(preparation->sweeper->team, count, ROWS_PER_BLOCK, part, preparation);
+	else
+		part(preparation, 0, count);
 }
 
-static void choose(const struct rb_sweeper *sweeper, struct colours *colours, uint64_t *taken,
-                   unsigned char *colour)
+static int place_of(const struct rb_sweeper *sweeper, int body)
 {
-	for (int k = 0; k < sweeper->dense->row_count; k++) {
-		const struct rb_constraint *row = &sweeper->dense->row[k];
-		uint64_t *const of_a = taken_of(sweeper, taken, row->a);
-		uint64_t *const of_b = taken_of(sweeper, taken, row->b);
-		const uint64_t left = ~((of_a ? *of_a : 0) | (of_b ? *of_b : 0));
-		const int c = left ? __builtin_ctzll(left) : COLOURS_MAX - 1;
+	return sweeper->dense->bodies.body[body].inverse_mass > 0 ? sweeper->local[body] : -1;
+}
 
-		colour[k] = (unsigned char)c;
-		colours->tail = colours->tail || c == COLOURS_MAX - 1;
-		colours->count = c + 1 > colours->count ? c + 1 : colours->count;
-		colours->first[c + 1]++;
-		if (of_a)
-			*of_a |= (uint64_t)1 << c;
-		if (of_b)
-			*of_b |= (uint64_t)1 << c;
+static void find_ends(void *user, size_t first, size_t end)
+{
+	const struct preparation *preparation = user;
+	const struct rb_sweeper *sweeper = preparation->sweeper;
+
+	for (size_t k = first; k < end; k++) {
+		const struct rb_constraint *row = &sweeper->dense->row[k];
+
+		preparation->ends[k] = (struct ends){place_of(sweeper, row->a),
+		                                     place_of(sweeper, row->b)};
 	}
 }
 
-/* Rows by colour, those of one colour as they stood. False: no memory. */
-static bool colour_rows(const struct rb_sweeper *sweeper, struct colours *colours,
-                        struct rb_arena *arena)
+static void choose(const struct preparation *preparation)
 {
-	const size_t count = (size_t)sweeper->dense->row_count;
-	const size_t members = (size_t)sweeper->member_count;
-	uint64_t *taken = rb_arena_take(arena, members, sizeof *taken);
-	unsigned char *colour = rb_arena_take(arena, count, 1);
-	int *first = rb_arena_take(arena, COLOURS_MAX + 2, sizeof *first);
-	int *order = rb_arena_take(arena, count, sizeof *order);
+	struct colours *const colours = preparation->colours;
+	uint64_t *const taken = preparation->taken;
 
-	if (!taken || !colour || !first || !order)
-		return false;
-	colours->first = first;
-	colours->order = order;
-	for (int k = 0; k < sweeper->member_count; k++)
-		sweeper->local[sweeper->member[k]] = k;
-	memset(taken, 0, members * sizeof *taken);
-	memset(first, 0, (COLOURS_MAX + 2) * sizeof *first);
-	choose(sweeper, colours, taken, colour);
+	for (int k = 0; k < preparation->sweeper->dense->row_count; k++) {
+		const struct ends ends = preparation->ends[k];
+		const uint64_t left = ~((ends.a < 0 ? 0 : taken[ends.a]) |
+		                        (ends.b < 0 ? 0 : taken[ends.b]));
+		const int c = left ? __builtin_ctzll(left) : COLOURS_MAX - 1;
+
+		preparation->colour[k] = (unsigned char)c;
+		colours->tail = colours->tail || c == COLOURS_MAX - 1;
+		colours->count = c + 1 > colours->count ? c + 1 : colours->count;
+		colours->first[c + 1]++;
+		if (ends.a >= 0)
+			taken[ends.a] |= (uint64_t)1 << c;
+		if (ends.b >= 0)
+			taken[ends.b] |= (uint64_t)1 << c;
+	}
+}
+
+/* Rows by colour, those of one colour as they stood. */
+static void colour_rows(const struct preparation *preparation)
+{
+	const struct colours *const colours = preparation->colours;
+	int *const first = colours->first;
+
+	choose(preparation);
 	for (int c = 0; c < colours->count; c++)
 		first[c + 1] += first[c];
-	for (size_t k = 0; k < count; k++)
-		order[first[colour[k]]++] = (int)k;
+	for (int k = 0; k < preparation->sweeper->dense->row_count; k++)
+		colours->order[first[preparation->colour[k]]++] = k;
 	for (int c = colours->count; c > 0; c--)
 		first[c] = first[c - 1];
 	first[0] = 0;
+}
+
+/* Colours do not ask for velocities, nor what makes these for colours. */
+static void colour_or_warm(void *user, int block, int worker)
+{
+	const struct preparation *preparation = user;
+
+	(void)worker;
+	if (block == 0)
+		colour_rows(preparation);
+	else
+		rb_sweep_warm(preparation->sweeper->dense);
+}
+
+/* False: no memory. */
+static bool prepare_packs(struct preparation *preparation, struct rb_arena *arena)
+{
+	const struct rb_sweeper *sweeper = preparation->sweeper;
+	struct colours *const colours = preparation->colours;
+	const size_t count = (size_t)sweeper->dense->row_count;
+	const size_t members = (size_t)sweeper->member_count;
+
+	preparation->ends = rb_arena_take(arena, count, sizeof *preparation->ends);
+	preparation->taken = rb_arena_take(arena, members, sizeof *preparation->taken);
+	preparation->colour = rb_arena_take(arena, count, 1);
+	colours->first = rb_arena_take(arena, COLOURS_MAX + 2, sizeof *colours->first);
+	colours->order = rb_arena_take(arena, count, sizeof *colours->order);
+	if (!preparation->ends || !preparation->taken || !preparation->colour || !colours->first ||
+	    !colours->order)
+		return false;
+	for (int k = 0; k < sweeper->member_count; k++)
+		sweeper->local[sweeper->member[k]] = k;
+	memset(preparation->taken, 0, members * sizeof *preparation->taken);
+	memset(colours->first, 0, (COLOURS_MAX + 2) * sizeof *colours->first);
+	share_out(preparation, find_ends);
+	if (sweeper->team && sweeper->warms)
+		rb_team_run(sweeper->team, 2, colour_or_warm, preparation);
+	else
+		colour_rows(preparation);
 	return true;
 }
 
@@ -87,23 +152,56 @@ static bool is_central(const struct rb_row_system *dense)
 	return true;
 }
 
+static void find_kinds(void *user, size_t first, size_t end)
+{
+	struct preparation *preparation = user;
+	const struct rb_constraint *const row = preparation->sweeper->dense->row;
+	bool other = false, eccentric = false;
+
+	for (size_t k = first; k < end && !(other && eccentric); k++) {
+		other = other || row[k].set != RB_CONSTRAINT_CONE;
+		eccentric = eccentric || !row[k].central;
+	}
+	if (other)
+		__atomic_store_n(&preparation->other, true, __ATOMIC_RELAXED);
+	if (eccentric)
+		__atomic_store_n(&preparation->eccentric, true, __ATOMIC_RELAXED);
+}
+
+/* Velocities that the impulses of the rows make, if they are asked for. */
+static void warm(const struct rb_sweeper *sweeper)
+{
+	if (sweeper->warms)
+		rb_sweep_warm(sweeper->dense);
+}
+
 bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 {
 	struct colours colours = {.count = 0};
+	struct preparation preparation = {.sweeper = sweeper, .colours = &colours};
 
-	sweeper->central = is_central(sweeper->dense);
+	if (sweeper->team)
+		share_out(&preparation, find_kinds);
+	else
+		preparation.eccentric = !is_central(sweeper->dense);
+	if (!sweeper->team && preparation.eccentric)
+		preparation.other = !rb_row_system_is_of_contacts(sweeper->dense);
+	sweeper->central = !preparation.eccentric;
 	sweeper->wide = sweeper->dense->row_count >=
 	                        (sweeper->central ? RB_WIDE_CENTRAL_ROWS : RB_WIDE_ROWS) &&
-	                (sweeper->central || rb_row_system_is_of_contacts(sweeper->dense));
+	                !preparation.other;
 	if (!sweeper->wide) {
 		sweeper->one = (struct rb_sweep){.dense = sweeper->dense,
 		                                 .central = sweeper->central,
 		                                 .interrupt = sweeper->interrupt};
 		sweeper->impulses = rb_arena_take(arena, (size_t)sweeper->member_count + 1,
 		                                  sizeof *sweeper->impulses);
-		return sweeper->impulses && rb_sweep_take(&sweeper->one, arena);
+		if (!sweeper->impulses || !rb_sweep_take(&sweeper->one, arena))
+			return false;
+		warm(sweeper);
+		return true;
 	}
-	if (!colour_rows(sweeper, &colours, arena))
+	if (!prepare_packs(&preparation, arena))
 		return false;
 	sweeper->many = (struct rb_wide){.dense = sweeper->dense,
 	                                 .central = sweeper->central,
@@ -114,7 +212,11 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 	                                 .colour_count = colours.count,
 	                                 .tail = colours.tail,
 	                                 .interrupt = sweeper->interrupt};
-	return rb_wide_take(&sweeper->many, arena);
+	if (!rb_wide_take(&sweeper->many, arena))
+		return false;
+	if (!sweeper->team)
+		warm(sweeper);
+	return true;
 }
 
 struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double tolerance, int max)

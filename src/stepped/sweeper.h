@@ -20,8 +20,9 @@ struct rb_sweeper {
 	int fixed;         /* a body that does not yield */
 	const int *member; /* bodies that yield */
 	int member_count;
-	int *local;                     /* by body: scratch, -1 for what does not yield */
-	struct rb_team *team;           /* of packs; NULL: in one thread */
+	int *local;           /* by body: scratch, -1 for what does not yield */
+	struct rb_team *team; /* of packs; NULL: in one thread */
+	bool warms;           /* bodies do not feel the rows' impulses yet: `take` makes them */
 	struct rb_interrupt *interrupt; /* borrowed; NULL: none */
 	/* rb_sweeper_take */
 	bool wide, central; /* central: of spheres alone */

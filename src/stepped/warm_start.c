@@ -190,29 +190,64 @@ static struct rb_named_impulse impulse_of(const struct rb_step_points *points,
 		.friction_impulse = rb_vec3_scale(1 / h, point->friction_impulse)};
 }
 
-enum rb_status rb_step_points_keep(struct rb_step_points *points, double h,
-                                   const unsigned char *asleep, const unsigned char *sleeps,
-                                   struct rb_arena *arena, struct rb_error *err)
+struct keeping {
+	const struct rb_step_points *points;
+	struct rb_named_impulse *to;
+	const unsigned char *asleep;
+	double h_s;
+};
+
+static void keep_chosen(void *user, size_t first, size_t end)
 {
-	const size_t max = points->count + (sleeps ? points->last_count : 0);
-	size_t old = sleeps ? 0 : points->last_count, count = 0;
-	const rb_arena_mark here = rb_arena_here(arena);
-	struct rb_named_impulse *const to = rb_arena_take(arena, max, sizeof *to);
+	const struct keeping *keeping = user;
+	const struct rb_step_points *points = keeping->points;
 
-	if (!to)
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", max);
-	for (size_t k = 0; k <= points->count; k++) {
-		const struct rb_step_point *point = k < points->count ? &points->row[k] : NULL;
+	for (size_t c = first; c < end; c++)
+		keeping->to[c] = impulse_of(points, &points->row[points->chosen[c]], keeping->h_s,
+		                            keeping->asleep);
+}
 
-		if (point && !(point->normal_impulse > 0))
-			continue;
+/* With what bodies that sleep have; returns how many there are. */
+static size_t keep_with_sleepers(const struct keeping *keeping, const unsigned char *sleeps)
+{
+	const struct rb_step_points *points = keeping->points;
+	struct rb_named_impulse *const to = keeping->to;
+	size_t old = 0, count = 0;
+
+	for (size_t c = 0; c <= points->chosen_count; c++) {
+		const struct rb_step_point *point = c < points->chosen_count
+		                                            ? &points->row[points->chosen[c]]
+		                                            : NULL;
+
 		for (; old < points->last_count && (!point || points->last[old].a < point->a);
 		     old++)
 			if (sleeps[points->last[old].a])
 				to[count++] = points->last[old];
 		if (point)
-			to[count++] = impulse_of(points, point, h, asleep);
+			to[count++] = impulse_of(points, point, keeping->h_s, keeping->asleep);
 	}
+	return count;
+}
+
+enum { IMPULSES_PER_BLOCK = 512 };
+
+enum rb_status rb_step_points_keep(struct rb_step_points *points, const struct rb_world *world,
+                                   double h, const unsigned char *asleep,
+                                   const unsigned char *sleeps, struct rb_error *err)
+{
+	struct rb_arena *const arena = &world->arena[0];
+	const rb_arena_mark here = rb_arena_here(arena);
+	const size_t max = points->chosen_count + (sleeps ? points->last_count : 0);
+	size_t count = points->chosen_count;
+	struct rb_named_impulse *const to = rb_arena_take(arena, max, sizeof *to);
+	struct keeping keeping = {points, to, asleep, h};
+
+	if (!to)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", max);
+	if (sleeps)
+		count = keep_with_sleepers(&keeping, sleeps);
+	else
+		rb_team_share(world->team, count, IMPULSES_PER_BLOCK, keep_chosen, &keeping);
 	const bool good = rb_step_points_reserve(points, count);
 	if (good && count > 0)
 		memcpy(points->last, to, count * sizeof *to);

@@ -2,11 +2,14 @@
 #include "stepped/wide.h"
 
 #include <stdint.h>
+#include <string.h>
 #if defined(__SSE2__)
 #include <emmintrin.h>
 #endif
 
-enum { WIDTH = 4, BLOCK_PACKS = 32 };
+enum { WIDTH = 4 };
+/* Packs that are one piece of work: as long as what the threads take to part and meet, or more. */
+enum { BLOCK_CENTRAL_PACKS = 32, BLOCK_PACKS = 12 };
 
 /*
  * Share of its last way that a row is led on by, at most, to begin with: more swings where rows
@@ -492,20 +495,21 @@ __attribute__((target("avx2"))) static double run_avx2(const struct rb_wide *wid
 }
 #endif
 
-/* A phase is a colour: those that lead on come first, if any. */
-static void run_block(void *user, int phase, int block, int worker)
+static int block_packs(const struct rb_wide *wide, int colour)
 {
-	const struct work *work = user;
+	return is_tail(wide, colour) ? wide->first[colour + 1] - wide->first[colour]
+	       : wide->central       ? BLOCK_CENTRAL_PACKS
+	                             : BLOCK_PACKS;
+}
+
+static void run_colour(const struct work *work, int c, int block, double lead)
+{
 	const struct rb_wide *wide = work->wide;
-	const bool leads = work->lead > 0 && phase < wide->colour_count;
-	const int c = work->lead > 0 && !leads ? phase - wide->colour_count : phase;
-	const int max = is_tail(wide, c) ? wide->first[c + 1] - wide->first[c] : BLOCK_PACKS;
+	const int max = block_packs(wide, c);
 	const int first = wide->first[c] + block * max;
 	const int end = first + max < wide->first[c + 1] ? first + max : wide->first[c + 1];
-	const double lead = leads ? work->lead : 0;
 	double change;
 
-	(void)worker;
 	if (work->task != SWEEP) {
 		carry_packs(wide, work->task, c, first, end);
 		return;
@@ -516,14 +520,30 @@ static void run_block(void *user, int phase, int block, int worker)
 	else
 #endif
 		change = run_plain(wide, lead, first, end);
-	if (!leads)
+	if (lead == 0)
 		wide->partial[wide->first_block[c] + block] = change;
+}
+
+/*
+ * A phase is a colour, or several in succession of one block each, for which threads need not wait
+ * for each other: those that lead on come first, if any.
+ */
+static void run_block(void *user, int phase, int block, int worker)
+{
+	const struct work *work = user;
+	const struct rb_wide *wide = work->wide;
+	const bool leads = work->lead > 0 && phase < wide->phase_count;
+	const int p = work->lead > 0 && !leads ? phase - wide->phase_count : phase;
+
+	(void)worker;
+	for (int c = wide->phase[p]; c < wide->phase[p + 1]; c++)
+		run_colour(work, c, block, leads ? work->lead : 0);
 }
 
 static void run_all(const struct rb_wide *wide, enum task task, double lead)
 {
 	struct work work = {.wide = wide, .task = task, .lead = lead};
-	const int phases = (lead > 0 ? 2 : 1) * wide->colour_count;
+	const int phases = (lead > 0 ? 2 : 1) * wide->phase_count;
 
 	if (wide->team)
 		rb_team_run_phases(wide->team, wide->blocks, phases, run_block, &work);
@@ -551,6 +571,25 @@ size_t rb_wide_row_bytes(bool central)
 	return (sizeof(struct rb_wide_pack) + (central ? 0 : sizeof(struct rb_wide_turn))) / WIDTH;
 }
 
+/* Phases, once blocks of colours are known. */
+static void part_phases(struct rb_wide *wide)
+{
+	int count = 0;
+
+	for (int c = 0; c < wide->colour_count; c++) {
+		const int blocks = wide->first_block[c + 1] - wide->first_block[c];
+		const bool goes_on = count > 0 && blocks == 1 && wide->blocks[count - 1] == 1;
+
+		if (goes_on)
+			continue;
+		wide->phase[count] = c;
+		wide->blocks[count++] = blocks;
+	}
+	wide->phase[count] = wide->colour_count;
+	wide->phase_count = count;
+	memcpy(wide->blocks + count, wide->blocks, (size_t)count * sizeof *wide->blocks);
+}
+
 bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
 {
 	const int colours = wide->colour_count;
@@ -558,22 +597,23 @@ bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
 
 	wide->first = rb_arena_take(arena, (size_t)colours + 1, sizeof *wide->first);
 	wide->first_block = rb_arena_take(arena, (size_t)colours + 1, sizeof *wide->first_block);
+	wide->phase = rb_arena_take(arena, (size_t)colours + 1, sizeof *wide->phase);
 	wide->blocks = rb_arena_take(arena, 2 * (size_t)colours, sizeof *wide->blocks);
-	if (!wide->first || !wide->first_block || !wide->blocks)
+	if (!wide->first || !wide->first_block || !wide->phase || !wide->blocks)
 		return false;
 	for (int c = 0; c < colours; c++) {
 		const int width = width_of(wide, c);
 		const int more = (wide->colour[c + 1] - wide->colour[c] + width - 1) / width;
 
 		wide->first[c] = packs;
+		wide->first[c + 1] = packs + more;
 		wide->first_block[c] = blocks;
-		wide->blocks[c] = is_tail(wide, c) ? 1 : (more + BLOCK_PACKS - 1) / BLOCK_PACKS;
-		wide->blocks[colours + c] = wide->blocks[c];
+		blocks += more == 0 ? 0 : (more - 1) / block_packs(wide, c) + 1;
 		packs += more;
-		blocks += wide->blocks[c];
 	}
 	wide->first[colours] = packs;
 	wide->first_block[colours] = blocks;
+	part_phases(wide);
 	wide->pack = rb_arena_take(arena, (size_t)packs, sizeof *wide->pack);
 	wide->partial = rb_arena_take(arena, (size_t)blocks, sizeof *wide->partial);
 	wide->turn = NULL;

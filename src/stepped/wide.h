@@ -29,10 +29,12 @@ struct rb_wide {
 	bool tail; /* rows of the last colour share bodies after all: one after the other */
 	/* scratch, rb_wide_take */
 	struct rb_wide_pack *pack;
-	struct rb_wide_turn *turn;      /* [packs]; NULL: all rows are central */
-	int *first;                     /* [colour_count + 1]: first pack of each colour */
-	int *first_block;               /* the same of blocks */
-	int *blocks;                    /* [2 colour_count]: of each colour, for two passes */
+	struct rb_wide_turn *turn; /* [packs]; NULL: all rows are central */
+	int *first;                /* [colour_count + 1]: first pack of each colour */
+	int *first_block;          /* the same of blocks */
+	int *phase;                /* [phase_count + 1]: first colour of each phase */
+	int phase_count;
+	int *blocks;                    /* [2 phase_count]: of each phase, for two passes */
 	double *partial;                /* [blocks] */
 	struct rb_interrupt *interrupt; /* borrowed; NULL: none */
 };
