@@ -85,8 +85,10 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 		.holds = purpose == AT_REST,
 		.steps_max = steps_max[purpose],
 		.slip_tolerance = solver->tolerance,
-		/* polish_joints follows all but this one */
-		.joint_tolerance = purpose == CLOSE ? 0 : solver->tolerance,
+		/* where polish_joints follows */
+		.joint_tolerance = purpose == CLOSE || island->contact_count == 0
+	                                   ? 0
+	                                   : solver->tolerance,
 		.max = fmin(share * (double)dense->row_count, factors_max),
 		.interrupt = solver->interrupt,
 		.arena = arena};
