@@ -358,11 +358,6 @@ struct rb_contact_point rb_touch_nearest(const struct rb_located *l, int a, int 
 
 /* Share of the size by which a point's gap may be below its pair's by rounding. */
 static const double astray = 1e-9;
-/*
- * Share of the size by which bodies may move until what leaves its features has left them by bands:
- * what takes longer is not seen to leave, and where they are then says nothing of now.
- */
-static const double soon = 1e-6;
 
 struct search {
 	const struct rb_located *l;
@@ -553,6 +548,16 @@ static int by_name(const void *left, const void *right)
 	return rb_contact_name_compare(&x, &y);
 }
 
+/*
+ * m/s: what leaves its features more slowly is not seen to leave, since where the bodies are once it
+ * has says nothing of now. Over a way x, turning and curvature change gaps by x^2 / size, which must
+ * be within the bands by which it has left.
+ */
+static double slowest_of(const struct search *s, const struct rb_contact_point *m, double band)
+{
+	return s->speed * sqrt(AHEAD_BANDS * band / rb_contact_point_size(s->l, m));
+}
+
 /* True if the point is close to the end of its features and moving there. */
 static bool is_leaving(const struct rb_contact_point *m, double band, double slowest)
 {
@@ -576,10 +581,7 @@ static int collect(struct search *s, const struct rb_touch_pair *pair, double sl
 		                                              &pair->pose_b);
 		const double band = rb_contact_point_band(s->l, &m, pair->t);
 		const double noise = rb_contact_point_noise(s->l, &m);
-		const double slowest = s->speed * AHEAD_BANDS * band /
-		                       (soon * rb_contact_point_size(s->l, &m));
-
-		const bool leaves = is_leaving(&m, band, fmax(noise, slowest));
+		const bool leaves = is_leaving(&m, band, fmax(noise, slowest_of(s, &m, band)));
 
 		if (m.beyond != 0 && (leaves || m.inside < -band)) {
 			const struct rb_contact_name next = {

@@ -78,4 +78,37 @@ for turn in 0 0.7 1.9; do
 	answers stands.lua -p turn=$turn -p share=1.01 -p way=-0.3
 	answers stands.lua -p turn=$turn -p share=1.1 -p way=1
 done
+# prisms that meet end to end, corners exactly opposite: what drifts past the other's border by rounding alone still meets it,
+# level or tilted by rounding; level they rebound by the restitution
+cat >ends.lua <<'LUA'
+local frame = require "frame"
+local tilt = param("tilt", 0.0, "rad: half of that of one of them")
+local drift = param("drift", 0.0, "1/s, of the other's turning")
+world { duration = 0.2 }
+local m = material { name = "m", friction = 0, restitution = 0.7 }
+local r = 0.1
+local function prism(x, speed, tilt, turning)
+	local points = {}
+	for i = -1, 1, 2 do
+		for _, p in ipairs { {0.1, 0.1}, {-0.1, 0.1}, {0, -0.2} } do points[#points + 1] = {i * r, p[1], p[2]} end
+	end
+	local q, y = frame.orientation, frame.y * tilt
+	return hull { points = points, center_of_mass = {0, 0, 0}, mass = 1, material = m, position = frame.at(x, 0, 0),
+		velocity = frame.x * speed, angular_velocity = frame.y * turning,
+		orientation = {q[1], q[2] + y.x, q[3] + y.y, q[4] + y.z} }
+end
+local a = prism(0.555, 0.3, 0, drift / 30)
+local b = prism(0.77464518819444417, -0.7, tilt, -drift)
+expect("they part", function()
+	local speed = frame.x:dot(b.velocity - a.velocity)
+	if tilt == 0 then return math.abs(speed - 0.7), 1e-13 end
+	return math.max(0, 0.1 - speed), 1e-13
+end)
+LUA
+for turn in 0 0.7; do
+	answers ends.lua -p turn=$turn
+	answers ends.lua -p turn=$turn -p drift=7.5e-14
+	answers ends.lua -p turn=$turn -p tilt=-1e-14 -p drift=7.5e-14
+	answers ends.lua -p turn=$turn -p tilt=-1e-9 -p drift=1e-9
+done
 exit 0
