@@ -74,6 +74,8 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 	/* errors of what stands on each other add up: to n^2 / 2 of them at the top of n bodies */
 	const double levers = (double)island->member_count * (double)island->member_count;
 	const double close = close_share / (purpose == AT_REST ? levers : 1);
+	/* polish_joints follows */
+	const bool is_polished = purpose != CLOSE && island->contact_count > 0;
 	const struct rb_direct direct = {
 		.dense = dense,
 		.free = solver->free,
@@ -85,10 +87,7 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 		.holds = purpose == AT_REST,
 		.steps_max = steps_max[purpose],
 		.slip_tolerance = solver->tolerance,
-		/* where polish_joints follows */
-		.joint_tolerance = purpose == CLOSE || island->contact_count == 0
-	                                   ? 0
-	                                   : solver->tolerance,
+		.joint_tolerance = is_polished ? solver->tolerance : 0,
 		.max = fmin(share * (double)dense->row_count, factors_max),
 		.interrupt = solver->interrupt,
 		.arena = arena};
