@@ -23,9 +23,10 @@ static void add_contact(struct rb_located *l, struct rb_contacts *contacts,
 		.point = m.point,
 		.normal = m.normal,
 		.gap = m.gap,
-		/* a contact about to end may pull by rounding */
+		/* a contact about to end may pull by rounding: without friction then */
 		.normal_force = fmax(0, normal),
-		.tangent_force = rb_vec3_add_scaled(force, -normal, m.normal),
+		.tangent_force = normal > 0 ? rb_vec3_add_scaled(force, -normal, m.normal)
+	                                    : (rb_vec3){0, 0, 0},
 		.parts = name.parts,
 		.key = name.key};
 }

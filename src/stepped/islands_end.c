@@ -78,14 +78,16 @@ static void store_springs(struct rb_solver *solver)
 {
 	for (int k = 0; k < solver->spring_count; k++) {
 		struct rb_step_spring *spring = &solver->spring[k];
-		const struct rb_constraint *row = solver->dense.row + spring->first_row;
+		const struct rb_constraint *row = spring->first_row >= 0
+		                                          ? solver->dense.row + spring->first_row
+		                                          : NULL;
 
-		if (!spring->joined || (spring->first_row >= 0 && group_of(solver, row)->kept))
+		if (!spring->joined || (row && group_of(solver, row)->kept))
 			continue;
 		const struct rb_spring_query query = rb_islands_springs(solver, spring);
 
 		memset(spring->on, 0, sizeof spring->on);
-		if (spring->first_row >= 0)
+		if (row)
 			rb_step_spring_store(&query, spring, row);
 		else
 			rb_step_spring_add(spring, rb_vec3_scale(-solver->h_s * spring->stiffness *

@@ -15,15 +15,16 @@ for scene in "$scenes"/*.lua "$scenes"/examples/*.lua; do
 	*/walker.lua) set -- "$@" --param turns=0.15 ;;
 	*/hopper.lua) set -- "$@" --param n=30 --param seconds=1 ;;
 	esac
-	worst=0
-	if [ "${RBSIM_MODE:-release}" != release ]; then
-		set -- "$@" --duration 0.2
-		worst=1
-	fi
+	[ "${RBSIM_MODE:-release}" = release ] || set -- "$@" --duration 0.2
 	status=0
 	"$RBSIM" "$scene" "$@" || status=$?
-	[ $status -le $worst ] || {
+	case ${RBSIM_MODE:-release}/$status in
+	*/0) ;;
+	# the end that a scene expects is not there yet
+	asan/1 | asan/65 | tsan/1 | tsan/65) ;;
+	*)
 		echo "$scene: exit $status"
 		exit 1
-	}
+		;;
+	esac
 done
