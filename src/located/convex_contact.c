@@ -549,9 +549,9 @@ static int by_name(const void *left, const void *right)
 }
 
 /*
- * m/s: what leaves its features more slowly is not seen to leave, since where the bodies are once it
- * has says nothing of now. Over a way x, turning and curvature change gaps by x^2 / size, which must
- * be within the bands by which it has left.
+ * m/s: what leaves its features more slowly is not seen to leave, since where the bodies are once
+ * it has says nothing of now. Over a way x, turning and curvature change gaps by x^2 / size, which
+ * must be within the bands by which it has left.
  */
 static double slowest_of(const struct search *s, const struct rb_contact_point *m, double band)
 {
