@@ -115,7 +115,7 @@ void rb_effective_mass_fill(const struct rb_solver_bodies *bodies, struct rb_con
 
 	add_entries(bodies, row->a, rb_constraint_arm_a(row), axis, &k);
 	add_entries(bodies, row->b, rb_constraint_arm_b(row), axis, &k);
-	RB_ASSERT_COSTLY(!(k.nn <= 0)); /* NaN where motors overflow: the verdict will say */
+	RB_ASSERT_COSTLY(k.nn > 0);
 	/* the larger eigenvalue of what is across; as in rb_effective_mass_across, without hypot */
 	const double half = 0.5 * (k.xx - k.yy);
 	row->inverse_mass_n = k.nn;

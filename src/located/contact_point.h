@@ -49,6 +49,12 @@ static inline bool rb_pair_has_features(const struct rb_located *l, int a, int b
 }
 
 /*
+ * Height of the smallest rebound of a corner in ulp of the size: its position is less exact than a
+ * sphere's surface.
+ */
+enum { RB_SMALLEST_CORNER_ULP = 64 };
+
+/*
  * m: how large the larger body of the two is (of those that move, where one does); a plane has no
  * size.
  */

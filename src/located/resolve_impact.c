@@ -32,10 +32,10 @@
 static const double dear = 1e3;
 
 /*
- * Height of the smallest rebound in ulp of the size, of spheres and of corners; passes of stopping;
+ * Height of the smallest rebound of spheres in ulp of the size; passes of stopping;
  * rounds of impact and contacts, each of which doubles the digits of a rim's point.
  */
-enum { SMALLEST_ULP = 8, SMALLEST_CORNER_ULP = 64, STOP_PASSES = 64, ROUNDS_MAX = 16 };
+enum { SMALLEST_ULP = 8, STOP_PASSES = 64, ROUNDS_MAX = 16 };
 
 /* ---- one pair ---- */
 
@@ -86,8 +86,7 @@ static double turn_inverse_mass(const struct rb_located *l, int i)
 static bool ends_here(const struct rb_located *l, const struct rb_contact_point *m,
                       double target_velocity, double closing)
 {
-	/* a corner's position is less exact than a sphere's surface */
-	const double ulp = rb_set_is_single(l, m->a, m->b) ? SMALLEST_ULP : SMALLEST_CORNER_ULP;
+	const double ulp = rb_set_is_single(l, m->a, m->b) ? SMALLEST_ULP : RB_SMALLEST_CORNER_ULP;
 
 	return closing > 0 && target_velocity * target_velocity <=
 	                              2 * closing * ulp * DBL_EPSILON * rb_contact_point_size(l, m);

@@ -17,8 +17,6 @@
 
 /* Share of friction that the solver left out where no solution has all of it; above its residue. */
 static const double left_out = 1e-9;
-/* Height of a lift that counts as none, ulp of the size: of the smallest rebound of a corner. */
-enum { LIFT_ULP = 64 };
 
 /* True for a member of the set. */
 static bool is_dynamic(const struct rb_resolution *s, int body)
@@ -166,7 +164,8 @@ static void stop_small_lifts(struct rb_resolution *s)
 
 		rb_drift_point(s->l, s->pose, m);
 		const double rate = rb_vec3_dot(m->velocity, m->normal);
-		const double height = LIFT_ULP * DBL_EPSILON * rb_contact_point_size(s->l, m);
+		const double height = RB_SMALLEST_CORNER_ULP * DBL_EPSILON *
+		                      rb_contact_point_size(s->l, m);
 
 		kept[k] = rate * rate <= 2 * s->external_max * height;
 		any = any || (kept[k] && rate > rb_contact_point_noise(s->l, m));
@@ -187,7 +186,8 @@ static bool stop_slight_slips(struct rb_resolution *s, int part)
 
 	for (int k = 0; k < s->contact_point_count; k++) {
 		const struct rb_contact_point *const m = &s->contact_point[k];
-		const double height = LIFT_ULP * DBL_EPSILON * rb_contact_point_size(s->l, m);
+		const double height = RB_SMALLEST_CORNER_ULP * DBL_EPSILON *
+		                      rb_contact_point_size(s->l, m);
 		const bool own = kept && part_of(s, k) == part;
 
 		if (!kept ||

@@ -101,7 +101,7 @@ static void add_unknown(struct system *s, int row_number, rb_vec3 along)
 	if (!row->couple)
 		u->diagonal += bodies->body[row->a].inverse_mass +
 		               bodies->body[row->b].inverse_mass;
-	RB_ASSERT_COSTLY(!(u->diagonal <= 0)); /* NaN where motors overflow */
+	RB_ASSERT_COSTLY(u->diagonal > 0);
 	if (is_held(row)) {
 		u->compliance = compliance_share * u->diagonal;
 		u->diagonal += u->compliance;

@@ -20,7 +20,7 @@ LUA
 
 answers()
 {
-	timeout 60 "$RBSIM" "$@" --method located --no-record --quiet >out 2>err </dev/null || fail "rbsim $*: exit status $?"
+	exits 0 run "$@" --method located --no-record --quiet
 }
 
 # on a spring and no friction: where it turns back nothing happens, whatever way rounding makes its corners go
@@ -111,4 +111,3 @@ for turn in 0 0.7; do
 	answers ends.lua -p turn=$turn -p tilt=-1e-14 -p drift=7.5e-14
 	answers ends.lua -p turn=$turn -p tilt=-1e-9 -p drift=1e-9
 done
-exit 0
