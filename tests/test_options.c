@@ -167,26 +167,6 @@ static void what_follows_the_socket_is_a_command(void **state)
 	assert_wrong("check s.lua --listen s.sock", "does not belong to 'check'");
 }
 
-static void what_comes_later_is_refused_by_name(void **state)
-{
-	(void)state;
-	for (int i = 0; rb_later_options[i]; i++) {
-		char line[64], wanted[96];
-		snprintf(line, sizeof line, "s.lua --%s", rb_later_options[i]);
-		snprintf(wanted, sizeof wanted, "option '--%s' is not in this version",
-		         rb_later_options[i]);
-		assert_wrong(line, wanted);
-	}
-	for (int i = 0; rb_later_verbs[i]; i++) {
-		char wanted[96];
-		snprintf(wanted, sizeof wanted, "verb '%s' is not in this version",
-		         rb_later_verbs[i]);
-		assert_wrong(rb_later_verbs[i], wanted);
-	}
-	assert_wrong("s.lua --method leaped",
-	             "'leaped' is not one of: auto, classic, located, stepped");
-}
-
 static void a_command_line_that_makes_no_sense_is_refused(void **state)
 {
 	(void)state;
@@ -323,7 +303,6 @@ int main(void)
 		cmocka_unit_test(a_number_is_read_whole_finite_and_in_range),
 		cmocka_unit_test(what_is_not_known_gets_the_nearest_name),
 		cmocka_unit_test(what_follows_the_socket_is_a_command),
-		cmocka_unit_test(what_comes_later_is_refused_by_name),
 		cmocka_unit_test(a_command_line_that_makes_no_sense_is_refused),
 		cmocka_unit_test(every_option_stands_in_the_help_of_its_verbs),
 		cmocka_unit_test(a_failed_allocation_is_told),

@@ -97,8 +97,8 @@ static void check_texts(const struct rb_row_table *table)
 		if (row->type == RB_ROW_CHOICE || row->type == RB_ROW_SWITCH ||
 		    row->type == RB_ROW_FLAGS)
 			assert_non_null(row->choices);
-		if (row->type == RB_ROW_LATER || row->type == RB_ROW_LIST ||
-		    row->type == RB_ROW_NAMES || row->type == RB_ROW_TABLE)
+		if (row->type == RB_ROW_LIST || row->type == RB_ROW_NAMES ||
+		    row->type == RB_ROW_TABLE)
 			assert_true(row->at == RB_ROW_BY_HAND);
 		assert_int_equal(row->count > 0,
 		                 row->type == RB_ROW_NUMBERS || row->type == RB_ROW_INTEGERS);

@@ -299,9 +299,6 @@ const struct rb_option_row rb_option_rows[] = {
 };
 const int rb_option_row_count = sizeof rb_option_rows / sizeof *rb_option_rows;
 
-const char *const rb_later_verbs[] = {NULL};
-const char *const rb_later_options[] = {NULL};
-
 /* One command line being read. */
 struct parse {
 	struct rb_options *options;
@@ -322,21 +319,10 @@ bool rb_text_number(const char *text, double *value)
 	return *end == '\0' && isfinite(*value);
 }
 
-static bool listed(const char *const *names, const char *name, size_t length)
-{
-	for (; *names; names++)
-		if (strlen(*names) == length && memcmp(*names, name, length) == 0)
-			return true;
-	return false;
-}
-
 static enum rb_status unknown_option(struct parse *parse, const char *name, size_t length)
 {
 	char word[64];
 
-	if (listed(rb_later_options, name, length))
-		return RB_FAIL(parse->err, RB_ERR_USAGE, "option '--%.*s' is not in this version",
-		               (int)length, name);
 	snprintf(word, sizeof word, "%.*s", (int)length, name);
 	struct rb_nearest nearest = rb_nearest_to(word);
 	for (int i = 0; i < rb_option_row_count; i++)
@@ -519,8 +505,6 @@ static enum rb_status check_not_verb(struct parse *parse, const char *word)
 {
 	char hint[96];
 
-	if (listed(rb_later_verbs, word, strlen(word)))
-		return RB_FAIL(parse->err, RB_ERR_USAGE, "verb '%s' is not in this version", word);
 	if (strpbrk(word, "./") || access(word, F_OK) == 0)
 		return RB_OK;
 	struct rb_nearest nearest = rb_nearest_to(word);

@@ -121,9 +121,6 @@ struct rb_option_row {
 extern const struct rb_option_row rb_option_rows[];
 extern const int rb_option_row_count;
 
-/* Verbs and options that are spoken for but not in this version; both end with NULL. */
-extern const char *const rb_later_verbs[], *const rb_later_options[];
-
 /*
  * RB_ERR_USAGE with the nearest name for what is not known. --help and --version excuse missing
  * operands. Release with rb_options_release in any case.

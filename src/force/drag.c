@@ -14,9 +14,9 @@
 #define AT(member) offsetof(struct rb_drag_def, member)
 
 static const struct rb_row keys[] = {
-	{"linear", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(linear), NULL, NULL, "0", "N s/m",
+	{"linear", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(linear), NULL, "0", "N s/m",
          "times the velocity"},
-	{"quadratic", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(quadratic), NULL, NULL, "0",
+	{"quadratic", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(quadratic), NULL, "0",
          "N s^2/m^2", "times the speed, times the velocity"},
 };
 

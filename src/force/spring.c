@@ -16,19 +16,18 @@
 #define AT(member) offsetof(struct rb_spring_def, member)
 
 static const struct rb_row keys[] = {
-	{"a", RB_ROW_BODY, 0, 0, AT(a), NULL, NULL, "required", "",
-         "the body at one end, or its name"},
-	{"b", RB_ROW_BODY, 0, 0, AT(b), NULL, NULL, "required", "",
+	{"a", RB_ROW_BODY, 0, 0, AT(a), NULL, "required", "", "the body at one end, or its name"},
+	{"b", RB_ROW_BODY, 0, 0, AT(b), NULL, "required", "",
          "the body at the other end, or its name"},
-	{"stiffness", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(stiffness), NULL, NULL,
-         "required", "N/m", "force per metre of extension; a shortened spring pushes"},
-	{"damping", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(damping), NULL, NULL, "0", "N s/m",
+	{"stiffness", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(stiffness), NULL, "required",
+         "N/m", "force per metre of extension; a shortened spring pushes"},
+	{"damping", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(damping), NULL, "0", "N s/m",
          "force per speed of extension, against it"},
-	{"rest_length", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rest_length_m), NULL, NULL,
+	{"rest_length", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rest_length_m), NULL,
          "its length at the start", "m", "length without a force"},
-	{"at_a", RB_ROW_VECTOR, 0, 0, AT(at_a), NULL, NULL, "the centre of mass", "m",
+	{"at_a", RB_ROW_VECTOR, 0, 0, AT(at_a), NULL, "the centre of mass", "m",
          "where it is fixed to a, in object coordinates"},
-	{"at_b", RB_ROW_VECTOR, 0, 0, AT(at_b), NULL, NULL, "the centre of mass", "m",
+	{"at_b", RB_ROW_VECTOR, 0, 0, AT(at_b), NULL, "the centre of mass", "m",
          "where it is fixed to b, in object coordinates"},
 };
 

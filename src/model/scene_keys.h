@@ -36,7 +36,6 @@ enum rb_row_type {
 	RB_ROW_LIST,        /* by hand */
 	RB_ROW_NAMES,       /* by hand: a text or a list of texts */
 	RB_ROW_TABLE,       /* by hand: a table of keys of its own */
-	RB_ROW_LATER,       /* belongs to a later version: refused by name */
 	RB_ROW_TYPE_COUNT
 };
 
@@ -63,7 +62,6 @@ struct rb_row {
 	int count;           /* of RB_ROW_NUMBERS and RB_ROW_INTEGERS */
 	size_t at;           /* offset in the definition */
 	const char *choices; /* "a, b, c" */
-	const char *later;   /* choices of later versions */
 	const char *fallback, *unit, *help;
 };
 

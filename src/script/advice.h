@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Words of other programs and of later versions, and what a scene writes instead. */
+/* Words of other programs, and what a scene writes instead. */
 #ifndef RB_SCRIPT_ADVICE_H
 #define RB_SCRIPT_ADVICE_H
 

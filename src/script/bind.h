@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* world, material, contact_pair, record: a call's table to the scene. And the words of later
- * versions, refused by name. */
+/* world, material, contact_pair, record: a call's table to the scene. */
 #ifndef RB_SCRIPT_BIND_H
 #define RB_SCRIPT_BIND_H
 

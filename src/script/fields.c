@@ -130,12 +130,8 @@ void rb_call_read(struct rb_call *call, void *definition)
 				continue;
 			lua_pushstring(L, row->key);
 			(void)lua_rawget(L, call->index);
-			if (row->type == RB_ROW_LATER) {
-				rb_call_mistake(call, "'%s': not in this version", row->key);
-				right = false;
-			} else if (row->at != RB_ROW_BY_HAND) {
+			if (row->at != RB_ROW_BY_HAND)
 				right = rb_call_value(call, row, -1, (char *)definition + row->at);
-			}
 			*(right ? &call->given : &call->wrong) |= (uint64_t)1 << index;
 			lua_pop(L, 1);
 		}

@@ -341,11 +341,6 @@ static int read_choice(struct rb_call *call, const struct rb_row *row, int index
 			return k;
 		rb_nearest_offer(&nearest, name, size);
 	}
-	if (is_choice(row->later, text)) {
-		rb_call_mistake(call, "'%s' '%s': not in this version (this one has %s)", row->key,
-		                text, row->choices);
-		return -1;
-	}
 	rb_call_mistake(call, "'%s' must be one of %s (got '%.60s')%s", row->key, row->choices,
 	                text, rb_nearest_hint(&nearest, hint));
 	return -1;

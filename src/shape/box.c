@@ -12,7 +12,7 @@
 #define AT(member) offsetof(struct rb_body_def, shape.member)
 
 static const struct rb_row keys[] = {
-	{"size", RB_ROW_NUMBERS, RB_RANGE_POSITIVE, 3, AT(size), NULL, NULL, "required", "m",
+	{"size", RB_ROW_NUMBERS, RB_RANGE_POSITIVE, 3, AT(size), NULL, "required", "m",
          "{x, y, z}: lengths of its edges"},
 };
 

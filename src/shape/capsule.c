@@ -8,9 +8,8 @@
 #define AT(member) offsetof(struct rb_body_def, shape.member)
 
 static const struct rb_row keys[] = {
-	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(radius), NULL, NULL, "required", "m",
-         ""},
-	{"length", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(size[2]), NULL, NULL, "required", "m",
+	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(radius), NULL, "required", "m", ""},
+	{"length", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(size[2]), NULL, "required", "m",
          "of the straight part, without the round ends"},
 };
 

@@ -3,7 +3,7 @@
 #include "shape/shape_types.h"
 
 static const struct rb_row keys[] = {
-	{"shapes", RB_ROW_LIST, 0, 0, RB_ROW_BY_HAND, NULL, NULL, "required", "",
+	{"shapes", RB_ROW_LIST, 0, 0, RB_ROW_BY_HAND, NULL, "required", "",
          "a list of tables with the keys below"},
 };
 

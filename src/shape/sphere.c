@@ -8,8 +8,7 @@
 #define AT(member) offsetof(struct rb_body_def, shape.member)
 
 static const struct rb_row keys[] = {
-	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(radius), NULL, NULL, "required", "m",
-         ""},
+	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(radius), NULL, "required", "m", ""},
 };
 
 static bool fault(const struct rb_shape *shape, char text[RB_SHAPE_FAULT_SIZE])

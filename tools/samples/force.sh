@@ -18,8 +18,8 @@ struct tether {
 #define AT(member) offsetof(struct tether, member)
 
 static const struct rb_row keys[] = {
-	{"center", RB_ROW_VECTOR, 0, 0, AT(center), NULL, NULL, "{0, 0, 0}", "m", "where it pulls to"},
-	{"stiffness", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(stiffness), NULL, NULL, "required", "N/m",
+	{"center", RB_ROW_VECTOR, 0, 0, AT(center), NULL, "{0, 0, 0}", "m", "where it pulls to"},
+	{"stiffness", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(stiffness), NULL, "required", "N/m",
 	 "times the distance"},
 };
 

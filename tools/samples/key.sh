@@ -6,13 +6,10 @@ add()
 {
 	edit include/rbsim/scene.h 's|^	double mass, density; .*|&\n	double mass_factor; /* 1; times the mass that follows from all else */|'
 	edit src/model/scene.c '/^struct rb_body_def rb_body_def_default/,/^}/s|^		.density = .*|&\n		.mass_factor = 1,|'
-	after src/script/rows.c '	{"material", RB_ROW_MATERIAL, 0, 0, AT(rb_body_def, material), NULL, NULL, "a plain one",' <<'END'
-         "", "a material or its name"},
-	{"mass_factor", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, mass_factor), NULL, NULL, "1",
+	after src/script/rows.c '	{"name", RB_ROW_TEXT, 0, 0, AT(rb_body_def, name), NULL, "none", "", "unique; recorded"},' <<'END'
+	{"mass_factor", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, mass_factor), NULL, "1",
+	 "1", "times the mass that follows from all else"},
 END
-	edit src/script/rows.c '/"mass_factor", /{n
-s|.*|	 "1", "times the mass that follows from all else"},|
-}'
 	edit src/model/validate.c '/^double rb_body_mass/,/^}/s|return isnan|return body->mass_factor * (isnan|' \
 		'/^double rb_body_mass/,/^}/s|: body->mass;|: body->mass);|'
 	edit src/model/validate.c '/^static void check_tolerance/i\

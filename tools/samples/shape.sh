@@ -16,9 +16,9 @@ add()
 #define AT(member) offsetof(struct rb_body_def, shape.member)
 
 static const struct rb_row keys[] = {
-	{"sides", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(size[0]), NULL, NULL, "required", "", "3 to 99"},
-	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(radius), NULL, NULL, "required", "m", "of its corners"},
-	{"length", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(size[2]), NULL, NULL, "required", "m", "along its axis"},
+	{"sides", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(size[0]), NULL, "required", "", "3 to 99"},
+	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(radius), NULL, "required", "m", "of its corners"},
+	{"length", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(size[2]), NULL, "required", "m", "along its axis"},
 };
 
 static bool fault(const struct rb_shape *shape, char text[RB_SHAPE_FAULT_SIZE])
