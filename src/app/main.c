@@ -151,6 +151,13 @@ static int print_overview(void)
 	return rb_app_finish(&options, 0);
 }
 
+/* Ends with the status of SIGTERM, which their own would not be: nothing is written yet. */
+static void leave(int signal)
+{
+	(void)signal;
+	_exit(128 + SIGTERM);
+}
+
 int main(int argc, char **argv)
 {
 	struct rb_options options;
@@ -163,6 +170,10 @@ int main(int argc, char **argv)
 	signal(SIGXFSZ, SIG_IGN);
 	/* inherited as ignored, the ends of children would be told to nobody */
 	signal(SIGCHLD, SIG_DFL);
+	/* until a run blocks them to wait for them; nohup(1) ignores SIGHUP, and it stays so */
+	signal(SIGUSR1, leave);
+	if (signal(SIGHUP, leave) == SIG_IGN)
+		signal(SIGHUP, SIG_IGN);
 
 	if (wants_overview(argc, argv))
 		return check_memory(print_overview());

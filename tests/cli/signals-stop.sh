@@ -32,6 +32,19 @@ sleep 0.3
 kill -TERM $pid
 ended 143 "--no-record"
 
+# while the scene is loaded
+cat >loads.lua <<'END'
+print("begun")
+for i = 1, math.huge do end
+END
+for case in "TERM 143" "USR1 143" "HUP 143"; do
+	env --default-signal=HUP "$RBSIM" loads.lua --no-record >out 2>err &
+	pid=$!
+	until_true grep -q begun out err
+	kill -"${case% *}" $pid
+	ended "${case#* }" "SIG${case% *} while the scene is loaded"
+done
+
 # one that is ignored, as nohup(1) does, stays ignored
 env --ignore-signal=HUP "$RBSIM" s.lua --force -q -o ignored.h5 >out 2>err &
 pid=$!
