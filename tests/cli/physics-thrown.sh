@@ -40,3 +40,7 @@ thrown hull plane 1e9 0 2.4 1e-3 -1 303
 thrown hull box 1e9 0 2.4 1 -1 584
 thrown capsule plane 1e9 0 1.0 1e-3 -1 700
 thrown box box 1e6 0 2.4 1e-3 1 140
+
+# where one feature takes over from another, two points lay 1e-7 of the size apart: their gaps of 1e-14 were closed by turns of 1e-8
+thrown cylinder terrain 0 0 0 1 -1 69124
+thrown capsule terrain 0.1 0.5 0 1 -1 47806
