@@ -605,22 +605,25 @@ static enum what touching(const struct rb_located *l, const struct rb_touch_pair
 	return found;
 }
 
+/* A pair, in order, at a time. */
+static struct rb_touch_pair pair_at(const struct rb_located *l, int a, int b, double t)
+{
+	return (struct rb_touch_pair){a, b, t, rb_arc_pose(l, a, t), rb_arc_pose(l, b, t)};
+}
+
 bool rb_approach_now(const struct rb_located *l, int a, int b, double t)
 {
-	const struct rb_touch_pair pair = {a < b ? a : b, a < b ? b : a, t,
-	                                   rb_arc_pose(l, a < b ? a : b, t),
-	                                   rb_arc_pose(l, a < b ? b : a, t)};
-
 	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
 	RB_ASSERT_COSTLY(a != b);
+	const struct rb_touch_pair pair = pair_at(l, a < b ? a : b, a < b ? b : a, t);
+
 	return touching(l, &pair) == CLOSING;
 }
 
 /* Gap of the pair at another time, m. */
 static double gap_at(const struct course *c, double t)
 {
-	const struct rb_touch_pair pair = {c->pair.a, c->pair.b, t, rb_arc_pose(c->l, c->pair.a, t),
-	                                   rb_arc_pose(c->l, c->pair.b, t)};
+	const struct rb_touch_pair pair = pair_at(c->l, c->pair.a, c->pair.b, t);
 	uint32_t parts;
 
 	return rb_touch_gap(c->l, &pair, &parts);
@@ -628,23 +631,26 @@ static double gap_at(const struct course *c, double t)
 
 /*
  * Root of the gap between two times with gaps above and below zero, to rounding: secants, with a
- * bisection every third round.
+ * bisection every third round. A point that parts so slowly that it is within the band all the time
+ * hides that another one comes to touch: that is later.
  */
 static double crossing(const struct course *c, double low, double high)
 {
 	double above = gap_at(c, low), below = gap_at(c, high);
 
 	for (int k = 0; k < HALVINGS && high - low > 2 * DBL_EPSILON * high; k++) {
-		/* secant, and every third time the middle */
-		double t = low + (high - low) * (k % 3 == 2 ? 0.5 : above / (above - below));
+		const bool halves = !(above > 0) || k % 3 == 2;
+		double t = low + (high - low) * (halves ? 0.5 : above / (above - below));
 		t = fmin(fmax(t, low + DBL_EPSILON * high), high - DBL_EPSILON * high);
 		const double gap = gap_at(c, t);
+		const struct rb_touch_pair pair = pair_at(c->l, c->pair.a, c->pair.b, t);
+		const bool part = fabs(gap) <= c->band && touching(c->l, &pair) == PARTING;
 
-		if (fabs(gap) <= 0.125 * c->band)
+		if (!part && fabs(gap) <= 0.125 * c->band)
 			return t;
-		if (gap > 0) {
+		if (gap > 0 || part) {
 			low = t;
-			above = gap;
+			above = fmax(gap, 0);
 		} else {
 			high = t;
 			below = gap;
