@@ -10,6 +10,12 @@
 /* Changes of who is at a bound, all at once at first, then one at a time; refinements of each. */
 enum { ROUNDS_MAX = 48, ROUNDS_TOGETHER = 8, REFINEMENTS_MAX = 10 };
 
+/*
+ * Refinements after which targets are those that agree: a share e of compliance to what a row
+ * answers has then become e cubed.
+ */
+enum { AGREEMENTS = 3 };
+
 /* Blocks that share a body with a block, in the mean: more are not tried. */
 enum { NEIGHBOURS_MAX = 96 };
 
@@ -34,6 +40,11 @@ static const double compliance_share = 1e-9;
  * one that depends on those with bounds.
  */
 static const double damping_share = 5e-10;
+/*
+ * Of its diagonal, the pivot up to which a row may depend on others: what those give way by is in
+ * it.
+ */
+static const double suspect_share = 1e-6;
 /* A refinement that leaves more than this of what was off is the last one. */
 static const double progress_share = 0.5;
 
@@ -67,6 +78,7 @@ struct system {
 	struct rb_blocks blocks;
 	double *change, *scratch; /* [6 blocks] */
 	double *least;            /* [6 blocks] */
+	bool stiff;               /* rows are off by what they give way by, too */
 };
 
 /* ---- unknowns ---- */
@@ -298,7 +310,7 @@ static double short_of(const struct system *s, const struct unknown *x)
 	const rb_vec3 begun = rb_constraint_joined(row, s->begun[x->row]);
 
 	return rb_vec3_dot(off, x->along) - row->softness * row->impulse.n -
-	       x->compliance *
+	       (s->stiff ? 0 : x->compliance) *
 	               rb_vec3_dot(rb_vec3_sub(rb_constraint_impulse(row), begun), x->along);
 }
 
@@ -337,6 +349,14 @@ static double residuals(struct system *s)
 	return max;
 }
 
+static void correct(struct system *s)
+{
+	rb_blocks_solve(&s->blocks, s->change, s->scratch);
+	for (int x = 0; x < s->count; x++)
+		if (s->unknown[x].bound == INSIDE)
+			give(s, &s->unknown[x], s->change[RB_BLOCK * s->block[x] + s->place[x]]);
+}
+
 static double refine(struct system *s)
 {
 	double left = residuals(s);
@@ -344,11 +364,7 @@ static double refine(struct system *s)
 	for (int k = 0; k < REFINEMENTS_MAX && left > s->dual->tolerance; k++) {
 		const double before = left;
 
-		rb_blocks_solve(&s->blocks, s->change, s->scratch);
-		for (int x = 0; x < s->count; x++)
-			if (s->unknown[x].bound == INSIDE)
-				give(s, &s->unknown[x],
-				     s->change[RB_BLOCK * s->block[x] + s->place[x]]);
+		correct(s);
 		left = residuals(s);
 		if (!(left <= progress_share * before))
 			break;
@@ -436,6 +452,87 @@ static bool pivot_all(struct system *s, bool together, double tolerance)
 	return any;
 }
 
+/* ---- targets ---- */
+
+/* Whether some row may depend on others; the system is factored. */
+static bool has_suspects(struct system *s)
+{
+	for (int x = 0; x < s->count; x++) {
+		bool turned;
+		const struct unknown *const u = &s->unknown[x];
+		const rb_block *const d = rb_blocks_at(&s->blocks, s->block[x], s->block[x],
+		                                       &turned);
+		const double root = d->m[s->place[x]][s->place[x]];
+
+		if (u->compliance > 0 &&
+		    root * root <= suspect_share * s->blocks.scale * u->diagonal)
+			return true;
+	}
+	return false;
+}
+
+/* Leaves out rows with bounds, or takes them as they were; whether that changes the system. */
+static bool leave_bounded(struct system *s, enum bound *bound)
+{
+	bool any = false;
+
+	for (int x = 0; x < s->count; x++) {
+		struct unknown *const u = &s->unknown[x];
+
+		bound[x] = u->bound;
+		if (is_held(&s->dense->row[u->row]))
+			continue;
+		any = any || u->bound == INSIDE;
+		u->bound = AT_LOW;
+	}
+	return any;
+}
+
+/* A row is to do what it does now. */
+static void take_target(struct system *s, const struct unknown *x)
+{
+	struct rb_constraint *const row = &s->dense->row[x->row];
+	const double off = short_of(s, x);
+
+	if (row->set == RB_CONSTRAINT_FREE)
+		row->target = rb_constraint_split(
+			row,
+			rb_vec3_add_scaled(rb_constraint_joined(row, row->target), -off, x->along));
+	else
+		row->target.n -= off;
+}
+
+/*
+ * Rows that depend on each other get targets that do not contradict each other: those nearest to
+ * what they want. Joints are off by something within the tolerance, and what rows give way by would
+ * answer contradictions by forces of joints against each other, a thousand million times larger.
+ * Refinement that takes back what rows give way by comes to what can be done, with impulses that
+ * are of no use. Which rows depend on which is not asked: it changes as a mechanism moves.
+ */
+static bool agree(struct system *s)
+{
+	enum bound *const bound = rb_arena_take(s->dual->arena, (size_t)s->count, sizeof *bound);
+	bool good = bound != NULL;
+
+	if (!good)
+		return false;
+	const bool fewer = leave_bounded(s, bound);
+	good = !fewer || factor(s);
+	s->stiff = true;
+	for (int k = 0; good && k < AGREEMENTS; k++) {
+		(void)residuals(s);
+		correct(s);
+	}
+	for (int x = 0; good && x < s->count; x++)
+		if (s->unknown[x].bound == INSIDE && !isinf(*least_of(s, x)))
+			take_target(s, &s->unknown[x]);
+	s->stiff = false;
+	go_back(s);
+	for (int x = 0; x < s->count; x++)
+		s->unknown[x].bound = bound[x];
+	return good && (!fewer || factor(s));
+}
+
 struct rb_dual_result rb_dual_solve(const struct rb_dual *dual)
 {
 	struct rb_dual_result result = {.residual = (double)INFINITY};
@@ -451,7 +548,7 @@ struct rb_dual_result rb_dual_solve(const struct rb_dual *dual)
 		for (int round = 0; more && round < ROUNDS_MAX; round++) {
 			result.steps++;
 			keep_round(&s);
-			if (!factor(&s) ||
+			if (!factor(&s) || (round == 0 && has_suspects(&s) && !agree(&s)) ||
 			    rb_interrupt_after(dual->interrupt, (uint64_t)s.blocks.work))
 				break;
 			const double left = refine(&s);

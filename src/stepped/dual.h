@@ -5,9 +5,10 @@
  * bodies, by sparse factors (stepped/blocks): a chain costs a multiple of its length, whatever its
  * masses.
  *
- * Rows that are at a bound are left out; which ones are is found by pivoting. Rows that depend on
- * others get no impulse: they hold as the others do, but for what is of second order in drift,
- * which would else grow into forces of joints against each other. Rows with bounds depend on
+ * Rows that are at a bound are left out; which ones are is found by pivoting. Targets of rows that
+ * depend on each other are changed to the nearest ones that do not contradict each other: what is
+ * of second order in drift would else grow into forces of joints against each other. Rows that
+ * depend on others evidently get no impulse, and hold as the others do. Rows with bounds depend on
  * nothing: several on one coordinate, as motors, friction, limits and ropes, are told apart by
  * their bounds.
  */
