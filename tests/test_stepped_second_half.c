@@ -437,6 +437,36 @@ static void a_linkage_with_redundant_hinges_in_space_falls_as_its_energy_says(vo
 	assert_near(angle[1], angle[2], 1e-2 / 8);
 }
 
+/* What lands while something else is looked at again. */
+static void what_rests_on_a_limit_carries_its_weight_and_no_impact(void **state)
+{
+	struct rb_joint_def slider = rb_joint_def_default();
+	struct lab lab;
+
+	(void)state;
+	open_stepped(&lab, 0.4, 60, 1.0 / 120);
+	for (int k = 0; k < 2; k++)
+		lab_box(&lab, (rb_vec3){1, 0.2, 0.2}, 2, (rb_vec3){0.5, 3.0 * k, 0}, straight);
+	const struct rb_joint_def pendulum = hinge(0, -1, nothing, y_axis);
+
+	slider.kind = RB_JOINT_SLIDER;
+	slider.a = 1;
+	slider.axis = (rb_vec3){0, 0, -1};
+	slider.limits[0] = -0.5;
+	slider.limits[1] = 1;
+	add(&lab, &pendulum);
+	add(&lab, &slider);
+	seal(&lab, NULL);
+	while (rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world))
+		lab_step(&lab);
+	rb_vec3 pull, twist;
+
+	rb_joints_load(lab.world->stepped, 1, &pull, &twist);
+	assert_near(rb_world_position(lab.world, 1).z, -0.5, 1e-12);
+	assert_near(pull.z, -2 * g, 1e-9);
+	lab_close(&lab);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -446,6 +476,7 @@ int main(void)
 		cmocka_unit_test(a_rope_gives_back_what_it_is_to_wherever_the_step_ends),
 		cmocka_unit_test(impacts_of_mechanisms_do_not_depend_on_where_a_step_ends),
 		cmocka_unit_test(a_linkage_with_redundant_hinges_in_space_falls_as_its_energy_says),
+		cmocka_unit_test(what_rests_on_a_limit_carries_its_weight_and_no_impact),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

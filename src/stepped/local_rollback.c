@@ -276,6 +276,7 @@ static enum rb_status begin_group(struct rb_world *world, struct rb_error *err)
 	rb_step_points_take_last(&s->part.points, &s->all.points, s->part.body,
 	                         s->part.member_count);
 	rb_joints_go_back(world, &s->part);
+	rb_solver_forget_rest(&s->solver, s->part.body, s->part.member_count);
 	local->fresh = true;
 	local->entries = (struct rb_entries){0};
 	local->last.count = local->means.count = 0;
@@ -380,9 +381,11 @@ static bool is_separate(struct rb_world *world, struct rb_swept_group *group,
 /* Restores the beginning of the current substep. */
 static void take_back(struct rb_world *world)
 {
-	const struct rb_cohort *part = &world->stepped->part;
+	struct rb_stepped *s = world->stepped;
+	const struct rb_cohort *part = &s->part;
 
 	rb_state_copy_rows(&world->state, &world->mark, part->body, part->body_count);
+	rb_solver_forget_rest(&s->solver, part->body, part->member_count);
 	world->frame_counts.discarded_body_steps += (uint64_t)part->member_count;
 }
 

@@ -237,6 +237,7 @@ struct earlier {
 	struct rb_solver_body *body; /* by body */
 	struct rb_island *island;
 	int *island_of;
+	unsigned char *rests;
 };
 
 static bool take_earlier(const struct rb_solver *solver, struct rb_arena *arena,
@@ -247,8 +248,10 @@ static bool take_earlier(const struct rb_solver *solver, struct rb_arena *arena,
 	earlier->body = rb_arena_take(arena, n, sizeof *earlier->body);
 	earlier->island_of = rb_arena_take(arena, n, sizeof *earlier->island_of);
 	earlier->island = rb_arena_take(arena, solver->island_count + 1, sizeof *earlier->island);
-	if (!earlier->body || !earlier->island_of || !earlier->island)
+	earlier->rests = rb_arena_take(arena, n, 1);
+	if (!earlier->body || !earlier->island_of || !earlier->island || !earlier->rests)
 		return false;
+	memcpy(earlier->rests, solver->rests, (size_t)solver->body_count);
 	memcpy(earlier->body, solver->dense.bodies.body, n * sizeof *earlier->body);
 	memcpy(earlier->island_of, solver->island_of, n * sizeof *earlier->island_of);
 	if (solver->island_count > 0)
@@ -275,9 +278,17 @@ static void put_back(struct rb_solver *solver, const struct earlier *earlier,
 		island->residual = was->residual;
 		island->slip = was->slip;
 		island->energy_budget = was->energy_budget;
-		for (int k = 0; k < island->member_count; k++)
+		for (int k = 0; k < island->member_count; k++) {
 			solver->dense.bodies.body[member[k]] = earlier->body[member[k]];
+			solver->rests[member[k]] = earlier->rests[member[k]];
+		}
 	}
+}
+
+void rb_solver_forget_rest(struct rb_solver *solver, const int *body, int count)
+{
+	for (int k = 0; k < count; k++)
+		solver->rests[body[k]] = solver->rests[body[k]] && solver->asleep[body[k]];
 }
 
 enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_world *world,
@@ -289,6 +300,7 @@ enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_world *world,
 
 	if (!take_earlier(solver, &world->arena[0], &earlier))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
+	rb_solver_forget_rest(solver, solver->active, solver->active_count);
 	enum rb_status status = rb_islands_make(solver, world, points, err);
 	if (status != RB_OK)
 		return status;

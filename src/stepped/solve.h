@@ -38,6 +38,12 @@ RB_CHECKED enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_wo
 /* The beginning of the step, with the velocities that its forces have made. */
 void rb_solver_go_back(const struct rb_solver *solver, struct rb_world *world);
 
+/*
+ * Of a try that is not kept, or will be looked at again: who stands still only since then has no
+ * forces yet that it stands still with.
+ */
+void rb_solver_forget_rest(struct rb_solver *solver, const int *body, int count);
+
 /* Positions have moved: groups that take impulses in halves get the second one (second_half). */
 RB_CHECKED enum rb_status rb_solver_end(struct rb_solver *solver, struct rb_world *world,
                                         struct rb_error *err);

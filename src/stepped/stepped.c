@@ -388,6 +388,7 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 		}
 		rb_state_copy(&world->state, &world->mark);
 		rb_sleep_forget(s);
+		rb_solver_forget_rest(&s->solver, s->all.body, s->all.member_count);
 		s->candidates.valid = false;
 		world->frame_counts.rollbacks++;
 		world->frame_counts.discarded_body_steps += (uint64_t)s->member_count;
