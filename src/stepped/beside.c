@@ -93,9 +93,23 @@ static bool misses(const struct parts *parts, rb_vec3 n, double depth)
 	return rb_overlay(&a, &b, &def, point) == 0;
 }
 
-/* Whether a face keeps the parts apart through the step; n from a to b. */
-static bool parts_them(const struct rb_beside *beside, const struct parts *parts, rb_vec3 n,
+/* m: gap along a direction that turns with the owner of a face, when a has moved. */
+static double gap_then(const struct parts *parts, rb_vec3 n, const struct rb_beside_motion *motion,
                        bool of_a)
+{
+	return of_a ? gap_before(parts, n, motion) : gap_behind(parts, n, motion);
+}
+
+/* Of what the step closes along the normal, what it may close along a face that parts go past. */
+static const double past_share = 0.5;
+
+/*
+ * Whether a face keeps the parts apart through the step; n from a to b. `normal`: along which they
+ * come near. The way of a step may be less than the tolerance, then what comes as near to the face
+ * meets it all the same.
+ */
+static bool parts_them(const struct rb_beside *beside, const struct parts *parts, rb_vec3 normal,
+                       rb_vec3 n, bool of_a)
 {
 	const double gap = gap_along(parts, n);
 
@@ -104,9 +118,10 @@ static bool parts_them(const struct rb_beside *beside, const struct parts *parts
 	const struct rb_beside_motion *const motion = beside->held || gap <= beside->tolerance
 	                                                      ? &beside->before
 	                                                      : &beside->forced;
-	const double then = of_a ? gap_before(parts, n, motion) : gap_behind(parts, n, motion);
+	const double then = gap_then(parts, n, motion, of_a);
+	const double closing = gap_along(parts, normal) - gap_then(parts, normal, motion, of_a);
 
-	return then >= -beside->tolerance;
+	return then >= -beside->tolerance && gap - then <= past_share * fmax(closing, 0);
 }
 
 /*
@@ -145,7 +160,7 @@ bool rb_beside(const struct rb_beside *beside, const rb_placed *a, const rb_plac
 			const rb_vec3 m = rb_vec3_scale(k ? -1 : 1,
 			                                rb_placed_face_normal(owner, f));
 
-			if (parts_them(beside, &parts, m, !k) &&
+			if (parts_them(beside, &parts, n, m, !k) &&
 			    is_aside(beside, &parts, n, m, closes))
 				return true;
 		}

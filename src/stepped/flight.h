@@ -17,7 +17,6 @@ struct rb_flight {
 	const unsigned char *held; /* [bodies] a contact had a force on it in the step before */
 	double h_s;
 	double tolerance; /* m/s: what a solution may leave */
-	double touching;  /* m: nearer than that is a touch */
 	bool mixed; /* impacts without restitution matter, since they are passed on to others */
 };
 
@@ -27,7 +26,7 @@ struct rb_flight {
  * step gives one part now, and the other one in the next step. Friction of two parts, each in a
  * cone of its own and against the slip that is left after it, is not that of the whole, by as much
  * as it is itself, however short the step. What forces alone bring about in some steps is no
- * impact.
+ * impact, nor what the solution before may have left.
  */
 bool rb_flight_splits(const struct rb_flight *flight, const struct rb_step_point *point);
 

@@ -713,7 +713,6 @@ enum rb_status rb_impacts_resolve(struct rb_world *world, struct rb_cohort *coho
 	                      .flight = {.world = world,
 	                                 .h_s = h,
 	                                 .tolerance = rb_solver_tolerance(world->model, h),
-	                                 .touching = world->model->stepped_tolerance_m,
 	                                 .mixed = s->solver.mixed}};
 	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
 
