@@ -68,6 +68,7 @@ struct search {
 	unsigned char *inspected;    /* by pair */
 	unsigned char *anchored;     /* by body: something static is in its group of the solution */
 	unsigned char *frozen;       /* by body: gives no way in this round */
+	unsigned char *astray;       /* by group of the solver: it stays where it is */
 	struct rb_solver_body *kept; /* what the solver has of those */
 	int waves, waves_max;
 	int *wave, *active,
@@ -99,6 +100,7 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->inspected = rb_arena_take(arena, pairs + 1, 1);
 	search->anchored = rb_arena_take(arena, n, 1);
 	search->frozen = rb_arena_take(arena, n, 1);
+	search->astray = rb_arena_take(arena, n + 1, 1);
 	search->kept = rb_arena_take(arena, n, sizeof *search->kept);
 	search->wave = rb_arena_take(arena, n, sizeof *search->wave);
 	search->active = rb_arena_take(arena, n, sizeof *search->active);
@@ -106,8 +108,8 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->pair = rb_arena_take(arena, pairs + 1, sizeof *search->pair);
 	if (search->place && search->first && search->of && search->seen && search->moved &&
 	    search->stopped && search->parent && search->lost && search->inspected &&
-	    search->anchored && search->frozen && search->kept && search->wave && search->active &&
-	    search->at_rest && search->pair) {
+	    search->anchored && search->frozen && search->astray && search->kept && search->wave &&
+	    search->active && search->at_rest && search->pair) {
 		memset(search->moved, 0, n);
 		memset(search->stopped, 0, n);
 		return RB_OK;
@@ -411,6 +413,39 @@ static void thaw(struct search *search)
 				search->kept[search->body[k]];
 }
 
+/*
+ * Groups that would go farther than points were looked for, m: nobody has seen what they meet
+ * there. Where friction or rounding wedges a group, sweeps may end as far off as that.
+ */
+static void find_astray(struct search *search, double max)
+{
+	const struct rb_world *world = search->world;
+	const struct rb_solver *solver = &world->stepped->solver;
+	struct rb_step_points *points = &world->stepped->closing;
+	bool any = false;
+
+	memset(search->astray, 0, solver->island_count);
+	for (int k = 0; k < search->active_count; k++) {
+		const int i = search->active[k];
+
+		if (solver->island_of[i] < 0)
+			continue;
+		const struct rb_solver_body *body = &solver->dense.bodies.body[i];
+		const double way = rb_vec3_length(body->linear) +
+		                   rb_vec3_length(body->angular) *
+		                           rb_candidates_size(world->model, i);
+
+		/* written so that NaN is far */
+		if (way <= max)
+			continue;
+		search->astray[solver->island_of[i]] = 1;
+		any = true;
+	}
+	for (size_t k = 0; any && k < points->count; k++)
+		if (search->astray[solver->island_of[points->row[k].a]])
+			points->row[k].normal_impulse = 0;
+}
+
 /* Moves positions by what the solver's velocities have become. */
 static void shift(struct search *search)
 {
@@ -420,7 +455,7 @@ static void shift(struct search *search)
 	for (int k = 0; k < search->active_count; k++) {
 		const int i = search->active[k];
 
-		if (solver->island_of[i] < 0)
+		if (solver->island_of[i] < 0 || search->astray[solver->island_of[i]])
 			continue;
 		search->moved[i] = 1;
 		const struct rb_solver_body *body = &solver->dense.bodies.body[i];
@@ -496,6 +531,7 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 	if (status == RB_OK)
 		status = rb_solver_step(&s->solver, world, NULL, &s->closing, 1, err);
 	if (status == RB_OK) {
+		find_astray(search, max);
 		rb_lift_turn(&search->lift, world, &s->closing);
 		shift(search);
 	}
