@@ -8,7 +8,7 @@
  * on each other 84, and twenty-six rollers that begin to slip together 137; of more, steps would
  * cost less. By the world: those of some crowds.
  */
-enum { CROWD_BODY = 5, CROWD_MORE = 16, CROWD_SHARE = 128, FEW_SHARE = 512 };
+enum { CROWD_BODY = 4, CROWD_MORE = 16, CROWD_SHARE = 128, FEW_SHARE = 512 };
 enum { WORLD_BODY = 2, WORLD_MORE = 512 };
 
 uint64_t rb_crowd_world_max(int bodies)
@@ -28,7 +28,7 @@ static uint64_t crowd_max(const struct rb_located *l, int bodies)
  * Products of a step of a body, and of one that stands. Whether it is known to, which makes it
  * cheap, is not kept with the state, and nothing may depend on it.
  */
-enum { STEP_WORK = RB_LOCATED_PRODUCTS / RB_LOCATED_BODY_STEPS, IDLE_WORK = STEP_WORK / 16 };
+enum { STEP_WORK = RB_LOCATED_PRODUCTS / RB_LOCATED_BODY_STEPS, IDLE_WORK = STEP_WORK / 32 };
 
 static bool is_idle(const struct rb_state *state, int i)
 {
@@ -52,7 +52,7 @@ void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *bef
 }
 
 /* Share of the work of steps that the next attempt may take. */
-enum { TRY_SHARE = 4 };
+enum { TRY_SHARE = 8 };
 
 /*
  * Bodies that count when all are brought to their contacts, and a few more: what an attempt takes

@@ -391,16 +391,28 @@ static inline uint64_t rb_located_cost(double unknowns)
 	return (uint64_t)fmin(unknowns * unknowns * unknowns / (3.0 * RB_LOCATED_PRODUCTS), 1e15);
 }
 
+/* Bodies that may count until it is too much. */
+static inline uint64_t rb_located_left(const struct rb_located *l)
+{
+	const uint64_t crowd = rb_located_crowd(l);
+
+	return crowd < l->crowd_max ? l->crowd_max - crowd : 0;
+}
+
 /* Of a vector with the matrix of so many contacts: how many until it is too dense; 0: no limit. */
 static inline long rb_located_products(const struct rb_located *l, int contacts)
 {
-	const uint64_t crowd = rb_located_crowd(l), row = RB_LOCATED_PRODUCTS / RB_LOCATED_ROW;
+	const uint64_t row = RB_LOCATED_PRODUCTS / RB_LOCATED_ROW;
 
 	if (l->crowd_max == UINT64_MAX)
 		return 0;
-	const uint64_t left = crowd < l->crowd_max ? l->crowd_max - crowd : 0;
+	return 1 + (long)(rb_located_left(l) * row / (uint64_t)(contacts > 0 ? contacts : 1));
+}
 
-	return 1 + (long)(left * row / (uint64_t)(contacts > 0 ? contacts : 1));
+/* Bodies that forces at rest count for, about: of contacts, as many products with their matrix. */
+static inline uint64_t rb_located_rest_cost(int contacts)
+{
+	return (uint64_t)contacts * (uint64_t)contacts * RB_LOCATED_ROW / RB_LOCATED_PRODUCTS;
 }
 
 static inline void rb_located_count(struct rb_located *l, long products, int contacts)

@@ -684,16 +684,11 @@ static void record_lifts(struct rb_resolution *s)
 	}
 }
 
-/*
- * True if the set moves: what is at rest is solved once at any cost; what moves is solved again
- * soon, as is what is found after steps.
- */
+/* True if the set moves. */
 static bool is_moving(const struct rb_resolution *s)
 {
 	const struct rb_located *l = s->l;
 
-	if (l->starting && l->world->dense_steps > 0)
-		return true;
 	for (int k = 0; k < l->set_count; k++) {
 		const double size = rb_model_reach(l->model, l->set[k]);
 		const double rest_speed = s->slack +
@@ -704,6 +699,18 @@ static bool is_moving(const struct rb_resolution *s)
 			return true;
 	}
 	return false;
+}
+
+/*
+ * True if steps cost less than what the set takes: its motion, eliminations; what is at rest, one
+ * solution, after which it costs nothing.
+ */
+static bool takes_too_much(const struct rb_resolution *s)
+{
+	const int count = s->contact_point_count;
+	const uint64_t cost = s->moves ? rb_located_cost(3.0 * count) : rb_located_rest_cost(count);
+
+	return cost > rb_located_left(s->l);
 }
 
 /*
@@ -748,7 +755,7 @@ static bool resolve_once(struct rb_resolution *s, bool inspects, int round)
 	const struct rb_ledger before = l->world->ledger;
 	keep_what_lasts(s);
 	s->moves = is_moving(s);
-	if (s->moves && rb_located_cost(3.0 * s->contact_point_count) > l->crowd_max)
+	if (takes_too_much(s))
 		rb_slips_too_many(s);
 	else
 		sample_external(s);

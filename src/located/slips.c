@@ -233,7 +233,7 @@ static bool solve(struct rb_resolution *s)
 	if (!s->joint.joint_row)
 		return false;
 	s->joint.interrupt = &s->l->world->interrupt;
-	s->joint.products_max = s->moves ? rb_located_products(s->l, s->contact_point_count) : 0;
+	s->joint.products_max = rb_located_products(s->l, s->contact_point_count);
 	if (s->contact_point_count > 0 || rb_joint_rows_drive(&s->joints)) {
 		s->joint.joint_count = rb_joint_rows_pose_problem(
 			&s->joints, true, s->joint.joint_row, s->joint.body, &s->joint.body_count);
@@ -241,8 +241,7 @@ static bool solve(struct rb_resolution *s)
 	} else if (s->joints.count > 0 && !solve_joints(s)) {
 		return false;
 	}
-	if (s->moves)
-		rb_located_count(s->l, s->joint.products, s->contact_point_count);
+	rb_located_count(s->l, s->joint.products, s->contact_point_count);
 	if (rb_simultaneous_is_over(&s->joint)) {
 		rb_slips_too_many(s);
 		return false;

@@ -19,7 +19,7 @@ struct rb_resolution {
 	struct rb_located *l;
 	double t, slack;
 	double drift; /* m/s: what rounding of forces has added to velocities of held contacts */
-	bool moves;   /* some body of it does, or may soon */
+	bool moves;   /* some body of it does */
 	bool after_impact; /* an impact has just happened */
 	int hit;           /* contact that approaches though it has lasted, -1: none */
 	int hit_joint;     /* joint that has come to a limit, or its rope taut, -1: none */

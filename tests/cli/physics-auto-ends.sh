@@ -66,6 +66,31 @@ done
 exits 0 "$TOP/scenes/arch.lua" --method auto --no-record --no-render --json --quiet --threads 1
 [ "$(value rollbacks)" -le 1 ] || fail "the arch: $(value rollbacks) frames were done again"
 
+# what stands at rest is located where that takes less than steps: a tower, and no pyramid
+cat >rest.lua <<'LUA'
+local stack = require "rbsim.stack"
+world { duration = 1, frame_rate = 10, gravity = {0, 0, -9.81} }
+local m = material { density = 1000, friction = 0.5, restitution = 0 }
+plane { material = m }
+local tower = param("kind", "tower") == "tower"
+local blocks = tower and stack.tower { count = 20, size = {1, 1, 1} } or stack.pyramid { rows = 12, size = {1, 1, 0.5} }
+stack.bodies(blocks, function() return { material = m } end)
+LUA
+for kind in tower:0 pyramid:1; do
+	exits 0 rest.lua -p kind=${kind%:*} --no-record --json --quiet --threads 1
+	[ "$(value stepped)" = "${kind#*:}" ] || fail "a ${kind%:*} at rest: stepped $(value stepped) s of 1"
+done
+
+# boxes that are let fall on each other and stand by steps: these cost next to nothing, so locating is not tried again
+cat >fall.lua <<'LUA'
+world { duration = 10, frame_rate = 10, gravity = {0, 0, -9.81}, time_step = 1 / 240 }
+local m = material { density = 1000, friction = 0.5, restitution = 0 }
+plane { material = m }
+for i = 1, 20 do box { size = {1, 1, 1}, material = m, position = {0, 0, i - 0.5 + 0.001 * i} } end
+LUA
+exits 0 fall.lua --no-record --json --quiet --threads 1
+[ "$(value rollbacks)" = 0 ] || fail "a stack that was let fall: $(value rollbacks) attempts to locate it"
+
 # what is integrated a million times a second, in flight, is left to steps as well
 cat >stiff.lua <<'LUA'
 world { duration = 0.2, frame_rate = 20, gravity = {0, 0, -9.81} }
