@@ -86,6 +86,26 @@ static void no_sample_of_random_polynomials_is_below_before_the_fall(void **stat
 	}
 }
 
+/* Polynomials that only just fall, and only just do not, between two turns. */
+static void a_dip_is_a_fall_however_shallow(void **state)
+{
+	(void)state;
+	for (uint64_t n = 0; n < 500; n++) {
+		const double at = 0.01 + 7.9 * rb_random_unit(3, n, 0), wide = 1e-6;
+		const double sharp = 1e-3 + rb_random_unit(3, n, 1);
+		const double dip[2] = {at - wide, at + wide};
+		/* ((t - at)^2 -+ wide^2) (sharp t^2 + 1) */
+		for (int sign = -1; sign <= 1; sign += 2) {
+			const double square = dip[0] * dip[1] + (sign > 0 ? 2 * wide * wide : 0);
+			const double c[5] = {square, -2 * at, 1 + sharp * square, -2 * at * sharp,
+			                     sharp};
+			const double fall = rb_quartic_falls(c, 8);
+
+			assert_true(sign > 0 ? isinf(fall) : fabs(fall - dip[0]) < 1e-8);
+		}
+	}
+}
+
 static void spheres_meet_at_any_size_and_speed(void **state)
 {
 	(void)state;
@@ -114,6 +134,7 @@ int main(void)
 		cmocka_unit_test(the_first_fall_of_known_roots_is_found),
 		cmocka_unit_test(a_double_root_is_no_fall_and_a_line_is_one),
 		cmocka_unit_test(roots_many_decades_apart_are_found),
+		cmocka_unit_test(a_dip_is_a_fall_however_shallow),
 		cmocka_unit_test(spheres_meet_at_any_size_and_speed),
 		cmocka_unit_test(no_sample_of_random_polynomials_is_below_before_the_fall),
 	};

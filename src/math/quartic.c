@@ -8,8 +8,10 @@
  */
 #include "math/quartic.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#include <string.h>
 
 #include "base/error.h"
 
@@ -81,9 +83,59 @@ static int roots(const double *c, int degree, double max, double *root)
 	return count;
 }
 
+/* Halvings of the interval by which a polynomial that stays above is recognized: most of them do. */
+enum { PARTS = 3 };
+
+/*
+ * True if Bernstein's coefficients, of which the polynomial is a mean, are above `rounding` in all
+ * halves of halves.
+ */
+static bool is_above(const double b[DEGREE + 1], double rounding, int parts)
+{
+	double least = HUGE_VAL, low[DEGREE + 1], high[DEGREE + 1];
+
+	if (!(b[0] > rounding && b[DEGREE] > rounding))
+		return false;
+	for (int k = 0; k <= DEGREE; k++)
+		least = fmin(least, b[k]);
+	if (least > rounding)
+		return true;
+	if (parts == 0)
+		return false;
+	/* de Casteljau */
+	memcpy(high, b, sizeof high);
+	for (int k = 0; k <= DEGREE; k++) {
+		low[k] = high[0];
+		for (int m = 0; m < DEGREE - k; m++)
+			high[m] = 0.5 * (high[m] + high[m + 1]);
+	}
+	return is_above(low, rounding, parts - 1) && is_above(high, rounding, parts - 1);
+}
+
+/* True if it has no root up to `max` by more than rounding; false says nothing. */
+static bool stays_above(const double c[DEGREE + 1], double max)
+{
+	double b[DEGREE + 1], term[DEGREE + 1], power = 1, sum = 0;
+
+	for (int k = 0; k <= DEGREE; k++) {
+		term[k] = c[k] * power;
+		sum += fabs(term[k]);
+		power *= max;
+	}
+	b[0] = term[0];
+	b[1] = b[0] + term[1] / 4;
+	b[2] = b[0] + term[1] / 2 + term[2] / 6;
+	b[3] = b[0] + 3 * term[1] / 4 + term[2] / 2 + term[3] / 4;
+	b[4] = b[0] + term[1] + term[2] + term[3] + term[4];
+	return is_above(b, 64 * DBL_EPSILON * sum, PARTS);
+}
+
 double rb_quartic_falls(const double c[5], double max)
 {
 	RB_ASSERT(max < (double)INFINITY);
+
+	if (stays_above(c, max))
+		return (double)INFINITY;
 
 	double root[DEGREE + 1];
 	/*
