@@ -108,6 +108,20 @@ end
 END
 interrupted dense.lua 3
 
+# a crowd that flies apart: auto steps while it is one, and then locates again
+cat >quiet.lua <<'END'
+world { duration = 6, frame_rate = 20, gravity = {0, 0, 0}, time_step = 1 / 240 }
+local m = material { name = "m", friction = 0.5, restitution = 0.3, density = 1000 }
+for k = 0, 63 do
+	local x, y, z = k % 4 - 1.5, k // 4 % 4 - 1.5, k // 16 - 1.5
+	box { material = m, size = {0.25, 0.25, 0.25}, position = {0.3 * x, 0.3 * y, 0.3 * z},
+		velocity = {-x + 0.1 * y, -y + 0.1 * z, -z}, angular_velocity = {1, k / 8, 0} }
+end
+END
+exits 0 quiet.lua --json --quiet --no-record
+awk -v s="$(value stepped)" 'BEGIN { exit !(s > 0.5 && s < 5) }' || fail "a crowd that flies apart: stepped $(value stepped) s of 6"
+interrupted quiet.lua 2
+
 # faces and edges that touch at several points, located and stepped
 cat >boxes.lua <<'END'
 world { duration = 1.2, gravity = {0, 0, -9.81}, frame_rate = 40 }
