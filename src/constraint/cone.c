@@ -135,6 +135,7 @@ bool rb_cone_open(struct rb_cone *cone)
 		if (row->slide && !row->given)
 			row->bound_n *= fmax(1, row->base.friction);
 	}
+	cone->joints = (struct rb_joint_factor){.tried = false};
 	return take_scratch(cone, largest);
 }
 

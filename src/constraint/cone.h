@@ -56,6 +56,16 @@ struct rb_cone_row {
 	double share;  /* slip: of the friction that was asked for, what the cone allows */
 };
 
+/* constraint/joint_factor: rows of the lower half of a matrix, from their first columns on: L. */
+struct rb_joint_factor {
+	bool tried, ready;
+	int count;                   /* unknowns */
+	int *place;                  /* [row_count + body_count]: of each row's first unknown */
+	int *first;                  /* [count]: column that a row reaches back to */
+	size_t *start;               /* [count]: of rows in `value` */
+	double *value, *inverse, *x; /* L; [count]: of D, 0 where a row is left out; [count] */
+};
+
 struct rb_cone {
 	struct rb_solver_bodies bodies; /* inverse inertias as roots */
 	int body_count;
@@ -72,6 +82,8 @@ struct rb_cone {
 	struct rb_solver_body *kept, *snapped;              /* [body_count] */
 	rb_along_across *direction, *image;                 /* [window][row_count] */
 	int window;
+	struct rb_joint_factor joints;
+	rb_along_across *undone, *weighed; /* [row_count], [window][row_count]: once it is ready */
 	bool held; /* friction is bounded by `limit`, not by the cone: then the problem is convex */
 	bool gave_way; /* friction was less than the law says, because the law found no solution */
 	double tolerance; /* in the unit of u: what may be left; 0: rounding */

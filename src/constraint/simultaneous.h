@@ -25,7 +25,8 @@
  * not depend on the order of bodies or of contacts, nor on which body of a contact is called a, and
  * mirror images in the coordinate planes come out to the bit: sums over the contacts of a body and
  * over all contacts are exact before they are rounded once (constraint/exact_sum), iterations are
- * simultaneous (no sweep uses what it has just found).
+ * simultaneous (no sweep uses what it has just found). Only where a linkage has to be eliminated
+ * (constraint/joint_factor) do they come out to rounding.
  */
 #ifndef RB_CONSTRAINT_SIMULTANEOUS_H
 #define RB_CONSTRAINT_SIMULTANEOUS_H
