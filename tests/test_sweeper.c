@@ -227,6 +227,32 @@ static void packs_of_any_shape_end_where_single_rows_do(void **slot)
 	unmake(rows);
 }
 
+/* Bodies of any shape with one moment of inertia: packs have no tensors, and the same numbers. */
+static void packs_of_one_moment_are_as_those_of_its_tensor(void **slot)
+{
+	struct heap *one = make(0.1), *three = make(0.1);
+
+	(void)slot;
+	spoil(one);
+	spoil(three);
+	for (int i = 0; i < BODIES; i++) {
+		three->tensor[i] = rb_mat3_diagonal(0.02, 0.02, 0.02);
+		one->body[i].inverse_inertia = one->free[i].inverse_inertia = 0.02;
+	}
+	struct rb_sweeper of_one = take(one, NULL), of_three = take(three, NULL);
+	assert_true(of_one.wide && !of_one.many.tensors && of_three.many.tensors);
+	(void)rb_sweeper_run(&of_one, 0, 50);
+	(void)rb_sweeper_run(&of_three, 0, 50);
+	for (int i = 0; i < BODIES; i++) {
+		const rb_vec3 v = rb_vec3_sub(one->body[i].linear, three->body[i].linear);
+		const rb_vec3 w = rb_vec3_sub(one->body[i].angular, three->body[i].angular);
+
+		assert_true(rb_vec3_length(v) == 0 && rb_vec3_length(w) == 0);
+	}
+	unmake(one);
+	unmake(three);
+}
+
 static void packs_carry_a_heap_at_rest_as_single_rows_do(void **slot)
 {
 	struct heap *packs = make(0), *rows = make(0);
@@ -449,6 +475,7 @@ int main(void)
 		cmocka_unit_test(packs_solve_a_heap_that_is_thrown_about),
 		cmocka_unit_test(packs_solve_bodies_of_any_shape),
 		cmocka_unit_test(packs_of_any_shape_end_where_single_rows_do),
+		cmocka_unit_test(packs_of_one_moment_are_as_those_of_its_tensor),
 		cmocka_unit_test(packs_carry_a_heap_at_rest_as_single_rows_do),
 		cmocka_unit_test(any_number_of_workers_leaves_the_same_bits),
 		cmocka_unit_test(taking_makes_the_velocities_of_the_impulses_if_asked),

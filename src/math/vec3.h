@@ -75,7 +75,11 @@ static inline rb_vec3 rb_vec3_cross(rb_vec3 a, rb_vec3 b)
 /* Largest absolute coordinate. */
 static inline double rb_vec3_max_abs(rb_vec3 a)
 {
-	return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
+	const double x = fabs(a.x), y = fabs(a.y), z = fabs(a.z);
+	/* as fmax, of which NaN is neither; that would be two calls */
+	const double yz = y > z || isnan(z) ? y : z;
+
+	return x > yz || isnan(yz) ? x : yz;
 }
 
 /*

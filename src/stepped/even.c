@@ -121,8 +121,9 @@ static void extend(struct span *span, double *v)
 	if (!(left > own_share * own_share * size))
 		return;
 	double *const unit = span->unit + (size_t)span->count++ * (size_t)span->n;
+	const double length = sqrt(left);
 	for (int i = 0; i < span->n; i++)
-		unit[i] = v[i] / sqrt(left);
+		unit[i] = v[i] / length;
 }
 
 static double component(rb_vec3 v, int k)

@@ -12,6 +12,12 @@
  */
 static const double far_ratio = 1024;
 
+/* As fmax, of which NaN is neither: that is a call. */
+static inline double larger(double a, double b)
+{
+	return a > b ? a : b;
+}
+
 /* What a sweep has come to. */
 struct share {
 	double change; /* m/s: the largest of a row's velocity */
@@ -39,8 +45,8 @@ static inline double solve_cone(const struct rb_row_system *dense, struct rb_con
 	 * the sum is clamped, not the change: a later sweep may take back what this one gives too
 	 * much
 	 */
-	const double normal_impulse = fmax(0, row->impulse.n +
-	                                              (row->target.n - u_n) / row->inverse_mass_n);
+	const double wanted = row->impulse.n + (row->target.n - u_n) / row->inverse_mass_n;
+	const double normal_impulse = larger(wanted, 0);
 
 	/* what a mixture has left across the normal goes as well */
 	if (normal_impulse == 0 && row->impulse.n == 0 && rb_vec3_max_abs(row->impulse.t) == 0) {
@@ -64,7 +70,8 @@ static inline double solve_cone(const struct rb_row_system *dense, struct rb_con
 		const rb_vec3 d = rb_vec3_sub(friction_impulse, row->impulse.t);
 		row->impulse.t = friction_impulse;
 		change = rb_vec3_add(change, d);
-		moved = fmax(moved, RB_SLIP_SHARE * row->inverse_mass_t * sqrt(rb_vec3_dot(d, d)));
+		moved = larger(RB_SLIP_SHARE * row->inverse_mass_t * sqrt(rb_vec3_dot(d, d)),
+		               moved);
 	}
 	RB_ASSERT_COSTLY(row->impulse.n >= 0);
 	*step = change;
@@ -120,7 +127,8 @@ static inline double solve_row(const struct rb_sweep *sweep, int k, rb_vec3 *ste
 	return solve_other(sweep, k, step);
 }
 
-static struct share solve_rows(const struct rb_sweep *sweep)
+/* Flat: what each row calls costs a tenth of the sweeps. */
+static __attribute__((flatten)) struct share solve_rows(const struct rb_sweep *sweep)
 {
 	const struct rb_row_system *const dense = sweep->dense;
 	struct share share = {0, 0};
@@ -129,7 +137,7 @@ static struct share solve_rows(const struct rb_sweep *sweep)
 		struct rb_constraint *row = &dense->row[k];
 		rb_vec3 *const step = &sweep->trace[k].step;
 
-		share.change = fmax(share.change, solve_row(sweep, k, step));
+		share.change = larger(solve_row(sweep, k, step), share.change);
 		share.size += row->inverse_mass_n * rb_vec3_dot(*step, *step);
 	}
 	return share;
@@ -141,11 +149,6 @@ struct sums {
 	double now[RB_SWEEP_MEMORY];    /* of the last change with all */
 	double way; /* m^2/s^2: the largest that the newest difference makes of a row's velocity */
 };
-
-static double larger(double a, double b)
-{
-	return a > b ? a : b;
-}
 
 /* Puts the last sweep into place `at` of the trace and adds up what the mixture needs. */
 static struct sums remember_rows(const struct rb_sweep *sweep, int at, int filled)
@@ -198,7 +201,7 @@ static void follow_rows(const struct rb_sweep *sweep, const double *mix, int fil
 				row->impulse.t, rb_vec3_add_scaled(extra, -normal, row->normal));
 		rb_constraint_apply(&sweep->dense->bodies, row, extra);
 		const rb_vec3 led = rb_constraint_impulse(row);
-		sweep->trace[k].max = fmax(sweep->trace[k].max, rb_vec3_max_abs(led));
+		sweep->trace[k].max = larger(rb_vec3_max_abs(led), sweep->trace[k].max);
 	}
 }
 

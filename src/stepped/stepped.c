@@ -188,7 +188,8 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model)
 	                     sizeof(struct rb_named_impulse);
 	/* of turning bodies, points are also kept where they are closed, or looked at again */
 	const size_t closing = central ? 0 : sizeof(struct rb_step_point);
-	const size_t scratch = rb_wide_row_bytes(central) + sizeof(struct rb_kept_row);
+	const bool tensors = (model->features & RB_FEATURE_GYROSCOPIC) != 0;
+	const size_t scratch = rb_wide_row_bytes(central, tensors) + sizeof(struct rb_kept_row);
 	const size_t pair = sizeof(struct rb_pair) + sizeof(double) + sizeof(uint32_t);
 	const size_t clue = central ? 0
 	                            : sizeof(double) + sizeof(uint32_t) + sizeof(struct rb_clue);

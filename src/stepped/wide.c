@@ -56,14 +56,24 @@ struct rb_wide_pack {
 	lanes count;         /* of sweeps that went one way */
 };
 
-/*
- * What else rows have that are not central: arms, m, and inverse tensors, 1/(kg m^2), xx xy xz yy
- * yz zz.
- */
+/* What else rows have that are not central. */
 struct rb_wide_turn {
-	struct lanes3 arm_a, arm_b;
-	lanes tensor_a[6], tensor_b[6];
-	struct lanes3 skew; /* 1/kg: slip that an impulse along the normal makes */
+	struct lanes3 arm_a, arm_b; /* m */
+	struct lanes3 skew;         /* 1/kg: slip that an impulse along the normal makes */
+};
+
+/*
+ * Inverse tensors, 1/(kg m^2), xx xy xz yy yz zz; apart, since bodies with one moment of inertia,
+ * as cubes are, need none: rows are read twice in each sweep, and heaps of them come from afar.
+ */
+struct rb_wide_tensors {
+	lanes of_a[6], of_b[6];
+};
+
+/* Of a pack that is not central; `tensors` is NULL where all inertias are multiples of one. */
+struct turns {
+	const struct rb_wide_turn *turn;
+	const struct rb_wide_tensors *tensors;
 };
 
 /* Four bodies. */
@@ -150,28 +160,41 @@ ALWAYS void turn_central(const struct rb_wide_pack *pack, struct four *a, struct
 	b->angular.z += turn_b * torque.z;
 }
 
-ALWAYS void turn_any(const struct rb_wide_turn *turn, struct four *a, struct four *b,
+/* What a torque turns four bodies by: by their tensors, if there are any. */
+ALWAYS void turn_by(struct lanes3 *w, const struct four *four, const lanes *tensor,
+                    const struct lanes3 *torque)
+{
+	if (tensor)
+		apply(w, tensor, torque);
+	else
+		*w = (struct lanes3){four->inverse_inertia * torque->x,
+		                     four->inverse_inertia * torque->y,
+		                     four->inverse_inertia * torque->z};
+}
+
+ALWAYS void turn_any(const struct turns *turns, struct four *a, struct four *b,
                      const struct lanes3 *impulse)
 {
+	const struct rb_wide_tensors *const tensors = turns->tensors;
 	struct lanes3 torque, w;
 
-	cross(&torque, &turn->arm_a, impulse);
-	apply(&w, turn->tensor_a, &torque);
+	cross(&torque, &turns->turn->arm_a, impulse);
+	turn_by(&w, a, tensors ? tensors->of_a : NULL, &torque);
 	a->angular.x -= w.x;
 	a->angular.y -= w.y;
 	a->angular.z -= w.z;
-	cross(&torque, &turn->arm_b, impulse);
-	apply(&w, turn->tensor_b, &torque);
+	cross(&torque, &turns->turn->arm_b, impulse);
+	turn_by(&w, b, tensors ? tensors->of_b : NULL, &torque);
 	b->angular.x += w.x;
 	b->angular.y += w.y;
 	b->angular.z += w.z;
 }
 
 /*
- * Adds an impulse along the normal and one across it. `turn` is NULL where rows are central, here
- * as below.
+ * Adds an impulse along the normal and one across it. `turns` has no `turn` where rows are central,
+ * here as below.
  */
-ALWAYS void apply_impulse(const struct rb_wide_pack *pack, const struct rb_wide_turn *turn,
+ALWAYS void apply_impulse(const struct rb_wide_pack *pack, const struct turns *turns,
                           struct four *a, struct four *b, const lanes *along,
                           const struct lanes3 *across)
 {
@@ -185,8 +208,8 @@ ALWAYS void apply_impulse(const struct rb_wide_pack *pack, const struct rb_wide_
 	b->linear.x += b->inverse_mass * impulse.x;
 	b->linear.y += b->inverse_mass * impulse.y;
 	b->linear.z += b->inverse_mass * impulse.z;
-	if (turn)
-		turn_any(turn, a, b, &impulse);
+	if (turns->turn)
+		turn_any(turns, a, b, &impulse);
 	else
 		turn_central(pack, a, b, across);
 }
@@ -221,12 +244,13 @@ ALWAYS void inspect(const struct rb_wide_pack *pack, const struct rb_wide_turn *
 }
 
 /*
- * Each row on its own, as in stepped/gauss_seidel. Returns the largest square of what a row's
- * velocity changed by.
+ * Each row on its own, as in stepped/gauss_seidel. `largest` becomes at least the squares of what
+ * the rows' velocities changed by.
  */
-ALWAYS double solve_pack(struct rb_solver_body *body, struct rb_wide_pack *pack,
-                         const struct rb_wide_turn *turn)
+ALWAYS void solve_pack(struct rb_solver_body *body, struct rb_wide_pack *pack,
+                       const struct turns *turns, lanes *largest)
 {
+	const struct rb_wide_turn *const turn = turns->turn;
 	const lanes none = {0, 0, 0, 0}, one = {1, 1, 1, 1};
 	struct four a, b;
 	lanes along, more, ratio, change;
@@ -239,7 +263,7 @@ ALWAYS double solve_pack(struct rb_solver_body *body, struct rb_wide_pack *pack,
 	along = CHOOSE(along > pack->least, along, pack->least);
 	const mask acts = (along > none) | (pack->normal_impulse != none);
 	if (!(acts[0] | acts[1] | acts[2] | acts[3]))
-		return 0;
+		return;
 	more = along - pack->normal_impulse;
 	if (turn) {
 		slip.x += more * turn->skew.x;
@@ -264,13 +288,13 @@ ALWAYS double solve_pack(struct rb_solver_body *body, struct rb_wide_pack *pack,
 	                    friction_impulse.z - pack->friction_impulse.z};
 	/* its sign only: whether the row goes on as it was led */
 	const lanes goes = more * DOT(pack->extra, pack->normal) + DOT(pack->extra, d);
-	pack->count = CHOOSE(goes < none, 0.5 * pack->count, pack->count + 1);
+	pack->count = CHOOSE(goes < none, 0.5 * pack->count, pack->count + CHOOSE(acts, one, none));
 	pack->extra.x += d.x + more * pack->normal.x;
 	pack->extra.y += d.y + more * pack->normal.y;
 	pack->extra.z += d.z + more * pack->normal.z;
 	pack->normal_impulse = along;
 	pack->friction_impulse = friction_impulse;
-	apply_impulse(pack, turn, &a, &b, &more, &d);
+	apply_impulse(pack, turns, &a, &b, &more, &d);
 	give(&a, body, pack->a, pack->writes_a);
 	give(&b, body, pack->b, pack->writes_b);
 	more *= pack->inverse_mass_n;
@@ -278,12 +302,12 @@ ALWAYS double solve_pack(struct rb_solver_body *body, struct rb_wide_pack *pack,
 	         pack->inverse_mass_t;
 	more *= more;
 	change = CHOOSE(change > more, change, more);
-	return fmax(fmax(change[0], change[1]), fmax(change[2], change[3]));
+	*largest = CHOOSE(change > *largest, change, *largest);
 }
 
 /* Leads the impulses on; the sweep that comes next projects back onto the cone. */
 ALWAYS void lead_pack(struct rb_solver_body *body, struct rb_wide_pack *pack,
-                      const struct rb_wide_turn *turn, double lead_max)
+                      const struct turns *turns, double lead_max)
 {
 	const lanes max = {lead_max, lead_max, lead_max, lead_max};
 	const struct lanes3 n = pack->normal;
@@ -306,7 +330,7 @@ ALWAYS void lead_pack(struct rb_solver_body *body, struct rb_wide_pack *pack,
 	                                         pack->friction_impulse.z + across.z};
 	take(&a, body, pack->a);
 	take(&b, body, pack->b);
-	apply_impulse(pack, turn, &a, &b, &along, &across);
+	apply_impulse(pack, turns, &a, &b, &along, &across);
 	give(&a, body, pack->a, pack->writes_a);
 	give(&b, body, pack->b, pack->writes_b);
 }
@@ -394,8 +418,6 @@ static void fill_turn(const struct rb_wide *wide, struct rb_wide_turn *turn, int
 	turn->skew.x[i] = skew.x;
 	turn->skew.y[i] = skew.y;
 	turn->skew.z[i] = skew.z;
-	fill_tensor(wide->dense, row->a, turn->tensor_a, i);
-	fill_tensor(wide->dense, row->b, turn->tensor_b, i);
 }
 
 static void load_lane(struct rb_wide_pack *pack, int i, const struct rb_constraint *row, bool holds)
@@ -425,8 +447,12 @@ static void carry_pack(const struct rb_wide *wide, int k, enum task task, int at
 	struct rb_wide_pack *const pack = &wide->pack[k];
 	struct rb_wide_turn *const turn = wide->turn ? &wide->turn[k] : NULL;
 
+	struct rb_wide_tensors *const tensors = wide->tensors ? &wide->tensors[k] : NULL;
+
 	if (task == FILL && turn)
-		*turn = (struct rb_wide_turn){.tensor_a = {{0}}};
+		*turn = (struct rb_wide_turn){.arm_a = {.x = {0}}};
+	if (task == FILL && tensors)
+		*tensors = (struct rb_wide_tensors){.of_a = {{0}}};
 	if (task == FILL) {
 		*pack = (struct rb_wide_pack){.count = {0}};
 		for (int i = 0; i < WIDTH; i++)
@@ -437,6 +463,10 @@ static void carry_pack(const struct rb_wide *wide, int k, enum task task, int at
 
 		if (task == FILL)
 			fill_lane(wide, pack, i, row);
+		if (task == FILL && tensors) {
+			fill_tensor(wide->dense, row->a, tensors->of_a, i);
+			fill_tensor(wide->dense, row->b, tensors->of_b, i);
+		}
 		if (task == FILL && turn)
 			fill_turn(wide, turn, i, row);
 		else if (task == STORE)
@@ -458,27 +488,38 @@ static void carry_packs(const struct rb_wide *wide, enum task task, int colour, 
 	}
 }
 
-ALWAYS double run_kind(const struct rb_wide *wide, bool turns, double lead, int first, int end)
+/* Whether rows are central, and inertias multiples of one. */
+enum kind { CENTRAL, MULTIPLES, TENSORS };
+
+ALWAYS double larger(double a, double b)
+{
+	return a > b ? a : b;
+}
+
+ALWAYS double run_kind(const struct rb_wide *wide, enum kind kind, double lead, int first, int end)
 {
 	struct rb_solver_body *body = wide->dense->bodies.body;
-	double max = 0;
+	lanes largest = {0, 0, 0, 0};
 
 	for (int k = first; k < end; k++) {
-		const struct rb_wide_turn *const turn = turns ? &wide->turn[k] : NULL;
+		const struct turns turns = {kind != CENTRAL ? &wide->turn[k] : NULL,
+		                            kind == TENSORS ? &wide->tensors[k] : NULL};
 
 		if (lead > 0)
-			lead_pack(body, &wide->pack[k], turn, lead);
+			lead_pack(body, &wide->pack[k], &turns, lead);
 		else
-			max = fmax(max, solve_pack(body, &wide->pack[k], turn));
+			solve_pack(body, &wide->pack[k], &turns, &largest);
 	}
-	return max;
+	return larger(larger(largest[0], largest[1]), larger(largest[2], largest[3]));
 }
 
 /* Each kind has code of its own. */
 ALWAYS double run_packs(const struct rb_wide *wide, double lead, int first, int end)
 {
-	return wide->turn ? run_kind(wide, true, lead, first, end)
-	                  : run_kind(wide, false, lead, first, end);
+	if (!wide->turn)
+		return run_kind(wide, CENTRAL, lead, first, end);
+	return wide->tensors ? run_kind(wide, TENSORS, lead, first, end)
+	                     : run_kind(wide, MULTIPLES, lead, first, end);
 }
 
 static double run_plain(const struct rb_wide *wide, double lead, int first, int end)
@@ -562,13 +603,27 @@ static double sweep_all(const struct rb_wide *wide, double lead)
 
 	run_all(wide, SWEEP, lead);
 	for (int b = 0; b < wide->first_block[wide->colour_count]; b++)
-		max = fmax(max, wide->partial[b]);
+		max = larger(max, wide->partial[b]);
 	return sqrt(max);
 }
 
-size_t rb_wide_row_bytes(bool central)
+size_t rb_wide_row_bytes(bool central, bool tensors)
 {
-	return (sizeof(struct rb_wide_pack) + (central ? 0 : sizeof(struct rb_wide_turn))) / WIDTH;
+	return (sizeof(struct rb_wide_pack) + (central ? 0 : sizeof(struct rb_wide_turn)) +
+	        (!central && tensors ? sizeof(struct rb_wide_tensors) : 0)) /
+	       WIDTH;
+}
+
+/* Whether some body of a row has an inertia that is no multiple of one. */
+static bool has_tensors(const struct rb_row_system *dense)
+{
+	const struct rb_solver_body *const body = dense->bodies.body;
+	bool any = false;
+
+	for (int k = 0; dense->bodies.tensor && k < dense->row_count && !any; k++)
+		any = isnan(body[dense->row[k].a].inverse_inertia) ||
+		      isnan(body[dense->row[k].b].inverse_inertia);
+	return any;
 }
 
 /* Phases, once blocks of colours are known. */
@@ -616,10 +671,15 @@ bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
 	part_phases(wide);
 	wide->pack = rb_arena_take(arena, (size_t)packs, sizeof *wide->pack);
 	wide->partial = rb_arena_take(arena, (size_t)blocks, sizeof *wide->partial);
+	const bool tensors = !wide->central && has_tensors(wide->dense);
 	wide->turn = NULL;
+	wide->tensors = NULL;
 	if (!wide->central)
 		wide->turn = rb_arena_take(arena, (size_t)packs, sizeof *wide->turn);
-	if (!wide->pack || !wide->partial || (!wide->central && !wide->turn))
+	if (tensors)
+		wide->tensors = rb_arena_take(arena, (size_t)packs, sizeof *wide->tensors);
+	if (!wide->pack || !wide->partial || (!wide->central && !wide->turn) ||
+	    (tensors && !wide->tensors))
 		return false;
 	run_all(wide, FILL, 0);
 	return true;

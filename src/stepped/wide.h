@@ -17,6 +17,7 @@
 
 struct rb_wide_pack;
 struct rb_wide_turn;
+struct rb_wide_tensors;
 
 struct rb_wide {
 	const struct rb_row_system *dense;
@@ -30,9 +31,11 @@ struct rb_wide {
 	/* scratch, rb_wide_take */
 	struct rb_wide_pack *pack;
 	struct rb_wide_turn *turn; /* [packs]; NULL: all rows are central */
-	int *first;                /* [colour_count + 1]: first pack of each colour */
-	int *first_block;          /* the same of blocks */
-	int *phase;                /* [phase_count + 1]: first colour of each phase */
+	/* [packs]; NULL: all rows are central, or all inertias multiples of one */
+	struct rb_wide_tensors *tensors;
+	int *first;       /* [colour_count + 1]: first pack of each colour */
+	int *first_block; /* the same of blocks */
+	int *phase;       /* [phase_count + 1]: first colour of each phase */
 	int phase_count;
 	int *blocks;                    /* [2 phase_count]: of each phase, for two passes */
 	double *partial;                /* [blocks] */
@@ -40,7 +43,7 @@ struct rb_wide {
 };
 
 /* Bytes of scratch for a row. */
-size_t rb_wide_row_bytes(bool central);
+size_t rb_wide_row_bytes(bool central, bool tensors);
 
 /* Scratch, once the rest is known; false: no memory. */
 bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena);
