@@ -109,7 +109,7 @@ static void trees_do_what_rows_do(void **state)
 	(void)state;
 	for (size_t n = 0; n < 2 * sizeof kind / sizeof kind[0]; n++) {
 		struct tree tree;
-		struct rb_articulated *articulated;
+		struct rb_joint_tree *articulated;
 		rb_vec3 x[2][BODIES], y[2][BODIES], free[2][BODIES], force = {0, 0, 0};
 		struct rb_entries rate = {0};
 		double off = 0;
@@ -120,7 +120,7 @@ static void trees_do_what_rows_do(void **state)
 		let_go(y[0], y[1]);
 		assert_true(rb_articulated_take(&tree.rows, &articulated));
 		assert_non_null(articulated);
-		rb_articulated_accelerate(articulated, tree.time_s, x[0], x[1]);
+		rb_joint_tree_accelerate(articulated, tree.time_s, x[0], x[1]);
 		assert_true(rb_joint_rows_accelerate(&tree.rows, y[0], y[1]));
 		for (int k = 0; k < BODIES; k++) {
 			off = fmax(off, rb_vec3_length(rb_vec3_sub(x[0][k], y[0][k])));
@@ -131,7 +131,7 @@ static void trees_do_what_rows_do(void **state)
 		print_message("kind %d: %.3g m/s^2\n", kind[n / 2], off);
 		assert_true(off < 1e-10); /* rows round, trees less */
 		/* what comes from outside is all that changes the momentum of all */
-		rb_articulated_enter(articulated, &rate);
+		rb_joint_tree_enter(articulated, &rate);
 		force = rb_vec3_sub(
 			force, rb_vec3_from(rate.row + RB_ENTRY_LINEAR + 3 * RB_MOMENTUM_STATIC));
 		assert_true(rb_vec3_length(force) < 1e-11);
@@ -144,7 +144,7 @@ static void other_rows_are_not_left_out(void **state)
 	(void)state;
 	for (enum extra extra = ROPE; extra <= ROD; extra++) {
 		struct tree tree;
-		struct rb_articulated *articulated;
+		struct rb_joint_tree *articulated;
 
 		open(&tree, extra == ROD ? RB_JOINT_ROD : RB_JOINT_HINGE, true, extra);
 		assert_true(rb_articulated_take(&tree.rows, &articulated));

@@ -50,10 +50,10 @@ struct rb_modes {
 	double doubt;                      /* N: what the modes at the beginning leave open */
 	double max; /* m/s^2: largest acceleration that forces are to balance */
 	struct rb_singular_piece singular;
-	struct rb_articulated *articulated; /* instead of rows; NULL: those (located/articulated) */
-	bool goes_on;                       /* from a piece that nothing has cut */
-	uint64_t *calls, counted;           /* of its rates, so far and at the last one */
-	double time_s;                      /* of the last evaluation */
+	struct rb_joint_tree *articulated; /* instead of rows; NULL: those (located/articulated) */
+	bool goes_on;                      /* from a piece that nothing has cut */
+	uint64_t *calls, counted;          /* of its rates, so far and at the last one */
+	double time_s;                     /* of the last evaluation */
 	struct rb_external_parts *parts; /* [member_count]: for the ledger; NULL: it is not kept */
 	double *seen;                    /* [RB_GAUSS_NODES][RB_ENTRIES]: what acted there */
 };

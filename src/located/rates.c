@@ -251,7 +251,7 @@ static bool evaluate_trees(struct rb_modes *w, double t, const double *value)
 	rb_rates_poses(w, value);
 	if (!rb_rates_external(w, t, &external))
 		return false;
-	rb_articulated_accelerate(w->articulated, t, w->linear, w->angular);
+	rb_joint_tree_accelerate(w->articulated, t, w->linear, w->angular);
 	are_at_rest(w, external);
 	return count_inspection(w);
 }

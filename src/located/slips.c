@@ -185,7 +185,7 @@ static bool solve_joints(struct rb_resolution *s)
 {
 	const size_t count = (size_t)s->l->set_count;
 	rb_vec3 *const linear = rb_slips_take(s, 2 * s->l->set_count, sizeof *linear);
-	struct rb_articulated *tree = NULL;
+	struct rb_joint_tree *tree = NULL;
 	bool finite = true;
 
 	if (!linear)
@@ -196,7 +196,7 @@ static bool solve_joints(struct rb_resolution *s)
 	if (s->moves && !rb_articulated_take(&s->joints, &tree))
 		return rb_slips_take(s, -1, SIZE_MAX / 2) != NULL;
 	if (tree)
-		rb_articulated_accelerate(tree, s->t, linear, linear + count);
+		rb_joint_tree_accelerate(tree, s->t, linear, linear + count);
 	for (size_t k = 0; k < 2 * count; k++)
 		finite = finite && rb_vec3_finite(linear[k]);
 	if (tree && !finite) {

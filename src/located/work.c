@@ -249,7 +249,7 @@ void rb_work_rates(const struct rb_modes *w, const struct rb_external_parts *par
 		add_sides(w->l, m, w->force[k], rate);
 	}
 	if (w->articulated)
-		rb_articulated_enter(w->articulated, rate);
+		rb_joint_tree_enter(w->articulated, rate);
 	for (int k = 0; k < w->joints.count && !w->articulated; k++)
 		rb_joint_rows_enter(&w->joints, &w->joints.row[k], w->multiplier[k], t, rate);
 	rb_joint_rows_enter_springs(&w->joints, w->multiplier, t, rate);
