@@ -92,7 +92,7 @@ static void run(struct lab *lab, double left[3])
 
 /* ---- scenes: each returns a place or a velocity that depends on all of it ---- */
 
-/* Three boards, turned against each other in space, and a constant torque on the last. */
+/* Three boards, turned against each other in space, a spring about the last hinge. */
 static rb_vec3 boards(double h, double left[3])
 {
 	struct lab lab;
@@ -102,9 +102,11 @@ static rb_vec3 boards(double h, double left[3])
 	for (int k = 0; k < 3; k++) {
 		const int x = lab_box(&lab, (rb_vec3){0.5, 0.2, 0.1}, 1,
 		                      (rb_vec3){0.5 * k + 0.25, 0, 0}, straight);
-		const struct rb_joint_def def = hinge(x, last, (rb_vec3){0.5 * k, 0, 0},
-		                                      k == 1 ? z_axis : y_axis);
+		struct rb_joint_def def = hinge(x, last, (rb_vec3){0.5 * k, 0, 0},
+		                                k == 1 ? z_axis : y_axis);
 
+		/* without it all would be free: stepped/swing */
+		def.stiffness = k == 2 ? 1 : 0;
 		add(&lab, &def);
 		last = x;
 	}

@@ -226,6 +226,22 @@ static void find_clear(struct rb_world *world, const struct rb_cohort *cohort, d
 	rb_team_run_phases(world->team, blocks, CLEAR_PHASES, clear_block, &clear);
 }
 
+static bool swings(const struct rb_world *world, int i)
+{
+	const struct rb_solver *const solver = &world->stepped->solver;
+
+	return solver->island_of[i] >= 0 && solver->island[solver->island_of[i]].swings;
+}
+
+/* A body of a group without rows goes where its joints have led it. */
+static void move_swung(struct rb_world *world, int i)
+{
+	const struct rb_swung *const swung = &world->stepped->solver.swung[i];
+
+	rb_vec3_to(world->state.position + 3 * (size_t)i, swung->position);
+	rb_quat_to(world->state.orientation + 4 * (size_t)i, swung->orientation);
+}
+
 /* Moves one block of the cohort's bodies; blocks write disjoint rows. */
 static void move_block(void *user, int block, int worker)
 {
@@ -242,6 +258,10 @@ static void move_block(void *user, int block, int worker)
 		const int i = flow->cohort->body[k];
 		const rb_vec3 v = moving_velocity(world, i);
 
+		if (swings(world, i)) {
+			move_swung(world, i);
+			continue;
+		}
 		rb_vec3_to(
 			world->state.position + 3 * (size_t)i,
 			rb_vec3_add_scaled(rb_world_row3(world->state.position, i), flow->h_s, v));

@@ -153,6 +153,8 @@ static rb_vec3 even_place(const struct entering *n, int i)
 	const struct rb_tally_body *body = &n->tally->body[i];
 	const rb_vec3 begin = rb_world_row3(n->before->position, i);
 
+	if (body->swings && body->kind == RB_TALLY_JOINED)
+		return body->place;
 	if (body->kind != RB_TALLY_FREE)
 		return body->halves ? mean(begin, body->place) : begin;
 	return n->world->stepped->varied

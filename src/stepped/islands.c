@@ -15,7 +15,6 @@
 #include "base/forest.h"
 #include "base/memory.h"
 #include "constraint/effective_mass.h"
-#include "force/spring.h"
 #include "stepped/pivot.h"
 #include "stepped/stiffening.h"
 #include "world/joint_state.h"
@@ -49,11 +48,6 @@ void rb_islands_fill_body(struct rb_solver *solver, const struct rb_world *world
 				rb_quat_from(state->orientation + 4 * (size_t)i));
 	}
 	solver->free[i] = *body;
-}
-
-static rb_vec3 mean(rb_vec3 x, rb_vec3 y)
-{
-	return rb_vec3_scale(0.5, rb_vec3_add(x, y));
 }
 
 /* A parallel pass over bodies, points or rows; each writes only its own, or marks as others do. */
@@ -226,9 +220,9 @@ static void place_joints(struct rb_solver *solver, const struct rb_world *world)
 		struct rb_island *island = group_of_joint(solver, world, number);
 		const int at = island->first_row + island->row_count;
 
-		solver->joint[number].first_row = island->rests ? -1 : at;
+		solver->joint[number].first_row = rb_islands_has_no_rows(island) ? -1 : at;
 		island->row_count += rows;
-		for (int r = 0; r < rows && !island->rests; r++)
+		for (int r = 0; r < rows && !rb_islands_has_no_rows(island); r++)
 			solver->point[at + r] = -1;
 	}
 }
@@ -331,6 +325,7 @@ static void count_springs(struct rb_solver *solver)
 
 		island->row_count += rb_step_spring_row_count(spring);
 		island->carried = island->carried || is_drawn(solver, spring);
+		island->sprung = true;
 	}
 }
 
@@ -349,8 +344,8 @@ static void place_springs(struct rb_solver *solver)
 
 		island->row_count += rows;
 		island->spring_count += rows;
-		spring->first_row = island->rests ? -1 : at;
-		for (int r = 0; r < rows && !island->rests; r++)
+		spring->first_row = rb_islands_has_no_rows(island) ? -1 : at;
+		for (int r = 0; r < rows && !rb_islands_has_no_rows(island); r++)
 			solver->point[at + r] = -1;
 	}
 }
@@ -525,15 +520,20 @@ static void lay_out(struct pass *pass)
 	int row = 0;
 
 	share_out(pass, pass->points->count, count_rows);
+	for (size_t g = 0; g < solver->island_count; g++)
+		solver->island[g].contact_count = solver->island[g].row_count;
 	count_joints(solver, pass->world);
 	count_springs(solver);
 	place_members(solver);
+	for (size_t g = 0; g < solver->island_count; g++)
+		solver->island[g].rests = goes_on_resting(solver, &solver->island[g]);
+	if (solver->joined_count > 0)
+		rb_islands_swing(solver, pass->world);
 	for (size_t g = 0; g < solver->island_count; g++) {
 		struct rb_island *island = &solver->island[g];
 
-		island->rests = goes_on_resting(solver, island);
 		island->first_row = row;
-		row += island->rests ? 0 : island->row_count;
+		row += rb_islands_has_no_rows(island) ? 0 : island->row_count;
 		island->row_count = 0;
 	}
 	for (int k = 0; solver->before && k < solver->active_count; k++) {
@@ -545,86 +545,12 @@ static void lay_out(struct pass *pass)
 		struct rb_island *island = &solver->island[place[k]];
 		const int at = island->first_row + island->row_count++;
 
-		place[k] = island->rests ? -1 : at;
+		place[k] = rb_islands_has_no_rows(island) ? -1 : at;
 	}
 	RB_ASSERT(row >= 0);
 	place_joints(solver, pass->world);
 	place_springs(solver);
 	solver->dense.row_count = row;
-}
-
-static bool is_joined(const struct rb_solver *solver, int row)
-{
-	int low = 0, end = solver->spring_count;
-
-	while (low < end) {
-		const int middle = (low + end) / 2;
-
-		if (solver->spring[middle].row < row)
-			low = middle + 1;
-		else
-			end = middle;
-	}
-	return low < solver->spring_count && solver->spring[low].row == row &&
-	       solver->spring[low].joined;
-}
-
-/* Whether a spring without rows pulls the body. */
-static bool is_pulled(const struct rb_solver *solver, const struct rb_elements *springs, int i)
-{
-	bool pulled = false;
-
-	for (int e = springs ? springs->first[i] : 0; springs && e < springs->first[i + 1]; e++) {
-		const struct rb_spring_def *def = rb_elements_row(springs, springs->of[e]);
-
-		pulled = pulled || ((def->stiffness > 0 || def->damping > 0) &&
-		                    !is_joined(solver, springs->of[e]));
-	}
-	return pulled;
-}
-
-/*
- * Groups that take impulses in halves, since joints, springs with rows and constant forces alone
- * act on them within what the step resolves; of forces their bodies get one half now.
- */
-static void find_halves(struct rb_solver *solver, const struct rb_world *world)
-{
-	const struct rb_joint_query query = rb_islands_joints(solver, world);
-	const struct rb_elements *springs = rb_model_elements(world->model, &rb_force_spring);
-	const rb_features others = RB_FEATURES_VARIED & ~(rb_features)RB_FEATURE_SPRINGS;
-	const bool varies = world->model->features & others;
-
-	for (size_t g = 0; g < solver->island_count; g++) {
-		struct rb_island *const island = &solver->island[g];
-
-		island->halves = solver->before && !varies && !island->rests &&
-		                 island->contact_count == 0;
-		for (int k = 0; island->halves && k < island->member_count; k++) {
-			const int i = solver->member[island->first_member + k];
-
-			/* what a spring joins to a mechanism may have been in an impact */
-			island->halves = !solver->stiff[i] && !is_pulled(solver, springs, i) &&
-			                 !(solver->kick && solver->kick[i].is_set);
-		}
-	}
-	for (int k = 0; k < solver->joined_count; k++) {
-		const int number = solver->joined[k];
-		struct rb_island *const island = group_of_joint(solver, world, number);
-
-		island->halves = island->halves && rb_step_joint_rows_are_smooth(
-							   &query, number, &solver->joint[number]);
-	}
-	for (int k = 0; k < solver->active_count; k++) {
-		const int i = solver->active[k], g = solver->island_of[i];
-		struct rb_solver_body *const body = &solver->dense.bodies.body[i];
-
-		if (g < 0 || !solver->island[g].halves)
-			continue;
-		body->linear = mean(body->linear, rb_world_row3(solver->before->velocity, i));
-		if (solver->before->spin)
-			body->angular = mean(body->angular, rb_world_row3(solver->before->spin, i));
-		solver->free[i] = *body;
-	}
 }
 
 /* Points of one face of a pair have bit for bit the same normal and are adjacent. */
@@ -763,7 +689,7 @@ static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struc
 		return status;
 	lay_out(pass);
 	if (solver->joined_count > 0)
-		find_halves(solver, world);
+		rb_islands_halve(solver, world);
 	share_out(pass, points->count, fill_rows);
 	if (solver->joined_count > 0)
 		share_out(pass, (size_t)solver->joined_count, fill_joints);

@@ -27,6 +27,8 @@ struct rb_island {
 	bool carried; /* what does not yield moves under or against it */
 	bool rests;   /* still: it has no rows */
 	bool kept;    /* as an earlier look at the step has solved it */
+	bool sprung;  /* springs have rows in it */
+	bool swings;  /* it has been stepped by its joints' freedoms: it has no rows (swing) */
 	/* joints, springs with rows and constant forces act: in halves, at both ends */
 	bool halves;
 	/* s: when the first impact of a mechanism is due within the step; INFINITY: none is */
@@ -51,11 +53,28 @@ struct rb_kick {
 	bool is_set;
 };
 
+/* Where a body is after a step without rows (stepped/swing). */
+struct rb_swung {
+	/* of the group that it is the first of, in this try: members of one that has been stepped,
+	   less than 0: that needs rows; 0: it was not asked about */
+	int members;
+	rb_vec3 position;
+	rb_quat orientation;
+	rb_vec3 velocity, spin;
+	rb_vec3 place, turning; /* m, rad/s: means of place and spin over the step */
+};
+
 /*
  * Whether a body of an island moves as a free one: MAYBE where no row of it has an impulse, BLOCKED
  * where the way of a free body would come too near.
  */
 enum rb_clear { RB_CLEAR_NO = 0, RB_CLEAR_MAYBE = 1, RB_CLEAR_BLOCKED = 2 };
+
+struct rb_solver;
+
+/* Steps a group without rows, in any worker; false: it does not, and rows are needed. */
+typedef bool rb_swing(struct rb_solver *solver, const struct rb_world *world,
+                      struct rb_island *island, struct rb_arena *arena);
 
 struct rb_solver {
 	int body_count;
@@ -86,6 +105,8 @@ struct rb_solver {
 	 * step of halves is solved, what it has moved with; NULL: the scene has no joints
 	 */
 	struct rb_solver_body *given;
+	rb_swing *swing;        /* tries to step a group without rows */
+	struct rb_swung *swung; /* owned, [bodies]: of groups that swing; NULL: no joints */
 	int *joined; /* owned: joints of the bodies of the step, in order of their owners */
 	int joined_count;
 	/* owned: those that the step does not resolve; NULL: the scene has no springs */
@@ -167,6 +188,17 @@ static inline struct rb_constraint rb_islands_row_of(const struct rb_solver *sol
 
 /* m: b's centre of mass from a's where the impulses of the step act; `position`: as it began. */
 rb_vec3 rb_islands_between(const struct rb_solver *solver, const double *position, int a, int b);
+
+static inline bool rb_islands_has_no_rows(const struct rb_island *island)
+{
+	return island->rests || island->swings;
+}
+
+/* Before rows are placed: steps groups that need none. */
+void rb_islands_swing(struct rb_solver *solver, struct rb_world *world);
+
+/* After that: groups that take impulses in halves. */
+void rb_islands_halve(struct rb_solver *solver, const struct rb_world *world);
 
 /* How a spring of the step under way is asked for its rows. */
 struct rb_spring_query rb_islands_springs(const struct rb_solver *solver,

@@ -19,6 +19,8 @@
  * come in halves, on a straight line through the last two, as they were measured), and found by
  * looking at the step again (stepped/again).
  *
+ * Groups that need no rows at all: stepped/swing.
+ *
  * SHAKE's velocities are half a step late. A group that nothing but joints, springs with rows of
  * their own (spring_rows) and constant forces acts on takes its impulses in two halves, at both
  * ends of the step: RATTLE (Andersen, J. Comput. Phys. 52 (1983) 24), which is of second order and
@@ -111,6 +113,7 @@ struct rb_step_joint {
 	double straight[RB_LINKAGE_ROWS_MAX];
 	bool is_measured; /* `miss` is that of the last solution */
 	bool halves;      /* of the try: its group has taken impulses in halves */
+	bool swings;      /* of the try: its group has no rows (swing) */
 	double drift;     /* m: the largest of these; INFINITY: not measured in this try */
 	double rate; /* m/s, rad/s: of the free coordinate as the step began; of a rope's length */
 	double impulse[RB_JOINT_PARTS]; /* N s, N m s: of the try */

@@ -148,7 +148,7 @@ enum rb_status rb_joints_try(struct rb_world *world, const struct rb_cohort *coh
 		}
 
 		of->drift = (double)INFINITY;
-		of->is_measured = of->halves = false;
+		of->is_measured = of->halves = of->swings = false;
 		for (int r = 0; r < RB_LINKAGE_ROWS_MAX; r++) {
 			const double since = 0.5 * (h + of->last.curve_s);
 
@@ -281,7 +281,7 @@ void rb_joints_keep(struct rb_world *world, const struct rb_cohort *cohort, doub
 		if (skip && skip[cohort->body[c.body]])
 			continue;
 		/* of groups that rest the forces are those that they have come to rest with */
-		if (of->first_row >= 0)
+		if (of->first_row >= 0 || of->swings)
 			remember(joint, of, h);
 		of->last.way = rb_joints_way(world, k, h);
 		of->sum[0] = rb_vec3_add_scaled(of->sum[0], h, of->last.reaction);

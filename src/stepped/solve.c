@@ -11,6 +11,7 @@
 #include "stepped/energy.h"
 #include "stepped/second_half.h"
 #include "stepped/strategies.h"
+#include "stepped/swing.h"
 
 /* Rows of small groups that one block of work has at least. */
 enum { BLOCK_ROWS = 256 };
@@ -27,7 +28,9 @@ static enum rb_status create_joints(struct rb_solver *solver, const struct rb_mo
 	solver->joined = rb_memory_take(count, sizeof *solver->joined);
 	solver->stiff = rb_memory_take((size_t)model->body_count, 1);
 	solver->given = rb_memory_take((size_t)model->body_count, sizeof *solver->given);
-	if (!solver->joint || !solver->joined || !solver->stiff || !solver->given) {
+	solver->swung = rb_memory_take((size_t)model->body_count, sizeof *solver->swung);
+	if (!solver->joint || !solver->joined || !solver->stiff || !solver->given ||
+	    !solver->swung) {
 		rb_solver_release(solver);
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu joints", count);
 	}
@@ -67,7 +70,8 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 	const size_t n = (size_t)model->body_count + 1;
 
 	*solver = (struct rb_solver){.body_count = model->body_count,
-	                             .joins_arms = rb_levers_matter(model)};
+	                             .joins_arms = rb_levers_matter(model),
+	                             .swing = rb_swing_try};
 	solver->dense.bodies.body = rb_memory_take(n, sizeof *solver->dense.bodies.body);
 	solver->free = rb_memory_take(n, sizeof *solver->free);
 	solver->parent = rb_memory_take(n, sizeof *solver->parent);
@@ -128,6 +132,7 @@ void rb_solver_release(struct rb_solver *solver)
 	rb_memory_free(solver->joined);
 	rb_memory_free(solver->stiff);
 	rb_memory_free(solver->given);
+	rb_memory_free(solver->swung);
 	rb_memory_free(solver->spring);
 	*solver = (struct rb_solver){0};
 }
@@ -150,7 +155,7 @@ static bool is_due(const struct work *work, const struct rb_island *island)
 {
 	if (work->second)
 		return rb_second_half_is_due(work->solver, island);
-	return work->rebound ? island->rebounds : !island->kept;
+	return work->rebound ? island->rebounds : !island->kept && !island->swings;
 }
 
 static void solve_block(void *user, int block, int worker)
@@ -217,6 +222,8 @@ enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
 	solver->h_s = h;
 	solver->before = before;
 	solver->tolerance = rb_solver_tolerance(world->model, h);
+	for (int k = 0; solver->swung && k < solver->active_count; k++)
+		solver->swung[solver->active[k]].members = 0;
 	status = rb_islands_make(solver, world, points, err);
 	if (status != RB_OK)
 		return status;

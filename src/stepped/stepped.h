@@ -24,7 +24,8 @@
  *                       |
  *       groups of points that share a dynamic body        (islands)
  *                       |
- *       each: strategies from a table, until one is good  (strategies: drawing there)
+ *       each: joints alone? by what they leave free       (swing)
+ *       else: strategies from a table, until one is good  (strategies: drawing there)
  *                       |
  *       move; impacts left for the end rebound            (attempt)
  *                       |

@@ -32,8 +32,8 @@ static const double factor_share = 4e3, factors_max = 1e8, stalled_share = 4e2;
 /* The same of joints, whose redundant rows nothing else finds: of some seventy on one body. */
 static const double joints_share = 4e4;
 
-/* Of the tolerance, what sweeps may leave of a gap's closing in one step. */
-static const double sweep_share = RB_STRATEGY_SWEEP_SHARE, direct_share = 1e-2, close_share = 1e-7;
+static const double sweep_share = RB_STRATEGY_SWEEP_SHARE, direct_share = 1e-2,
+		    close_share = RB_STRATEGY_CLOSE_SHARE;
 /* Of the tolerance, gaps and overlaps that count as closed: of what stands, beside touches. */
 static const double let_share = 1.0 / 32, touch_share = 0.5;
 static const double stiff_ratio = 30, hold_slack = 16;
@@ -360,7 +360,7 @@ static void stop(const struct rb_solver *solver, const struct rb_island *island)
  */
 static void find_rest(const struct rb_solver *solver, const struct rb_island *island)
 {
-	const double close = close_share * solver->tolerance, rest_speed = 16 * close;
+	const double rest_speed = rb_strategies_rest_speed(solver), close = rest_speed / 16;
 	const double each = 1 / rb_islands_lasts(solver, island);
 	bool rests = solver->before && island->residual <= close && !island->carried;
 

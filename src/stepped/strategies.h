@@ -29,6 +29,8 @@ enum { RB_STRATEGY_LARGE_ROWS = 2048 };
 
 /* Of the tolerance, what sweeps may leave of a gap's closing in one step. */
 #define RB_STRATEGY_SWEEP_SHARE 0.25
+/* The same of groups that are solved closely. */
+#define RB_STRATEGY_CLOSE_SHARE 1e-7
 
 /*
  * Impulses of the group's rows and velocities of its bodies, from warm impulses; `residual`,
@@ -37,6 +39,12 @@ enum { RB_STRATEGY_LARGE_ROWS = 2048 };
  */
 void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *island,
                          struct rb_team *team, struct rb_arena *arena);
+
+/* m/s: a group that is no faster, before the step and after it, is at rest. */
+static inline double rb_strategies_rest_speed(const struct rb_solver *solver)
+{
+	return 16 * RB_STRATEGY_CLOSE_SHARE * solver->tolerance;
+}
 
 /*
  * Largest change of velocity that forces make of these bodies in the step, squared, m^2/s^2; the

@@ -97,6 +97,16 @@ static void note_solved(const struct rb_world *world, int i, bool sleeps,
 		body->mean[1] = rb_vec3_scale(0.5, rb_vec3_add(body->mean[1], moved->angular));
 	}
 	body->place = rb_world_row3(world->state.position, i);
+	body->swings = body->kind == RB_TALLY_JOINED && s->solver.island_of[i] >= 0 &&
+	               s->solver.island[s->solver.island_of[i]].swings;
+	if (body->swings) {
+		const struct rb_swung *const swung = &s->solver.swung[i];
+
+		body->mean[0] = rb_vec3_scale(1 / s->solver.h_s,
+		                              rb_vec3_sub(body->place, body->acted));
+		body->mean[1] = swung->turning;
+		body->place = swung->place;
+	}
 }
 
 void rb_tally_solved(struct rb_world *world, const struct rb_cohort *cohort)

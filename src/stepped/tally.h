@@ -27,6 +27,7 @@ struct rb_tally_body {
 	rb_vec3 end[2];   /* as solved, before what rebounds */
 	rb_vec3 mean[2];  /* of both; of those that impulses in halves act at */
 	rb_vec3 acted;    /* m: where impulses of the step act on it */
+	bool swings;      /* of a group without rows: means are those of its way */
 	bool halves;      /* of a group that takes impulses in halves: at both ends of its way */
 	rb_vec3 place;    /* m: where the step has moved it */
 	rb_vec3 carry; /* m: where forces vary, free: from where it was to where the others act */

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The way of a tree of joints through a step, by what its joints leave free.
+ *
+ *     coordinates   of each joint what it leaves free, from where bodies stand as the step begins;
+ *                   of balls, and of what hangs on nothing, orientation and spin
+ *     rates         step/joint_tree
+ *     step          Gauss-Legendre collocation with three nodes: order 6, symplectic, reversible
+ *
+ * Joints cannot drift: bodies are placed from the roots on. What errors joints begin with stay;
+ * velocities that they do not let be are taken away, by the impulses that take the least energy.
+ * Nodes are found by iteration to rounding.
+ *
+ * Arrays are the caller's (stepped/swing), who fills `world`, `before`, `tree` and `force`.
+ */
+#ifndef RB_STEPPED_COURSE_H
+#define RB_STEPPED_COURSE_H
+
+#include "step/joint_tree.h"
+
+enum { RB_COURSE_NODES = 3 };
+
+/* What of a link's motion is free, in one part of the step. */
+struct rb_course {
+	int ways;        /* free ways and angles of its joint */
+	bool turns;      /* its orientation is free */
+	bool floats;     /* so is its place: it hangs on nothing */
+	double speed[2]; /* of ways and angles as the part begins */
+	rb_quat turn;    /* then, from the body that it hangs on */
+	rb_vec3 point; /* then, of the joint: in the axes of that body, m from its centre of mass */
+	struct rb_pose begin;
+	/* ways and angles; or the spin, and the velocity of the centre of mass */
+	double first[6], rate[RB_COURSE_NODES][6]; /* as the part begins, and at the nodes */
+	rb_vec3 spin[RB_COURSE_NODES];
+	rb_quat orientation[RB_COURSE_NODES];
+};
+
+struct rb_swing_step {
+	const struct rb_world *world;
+	const struct rb_state *before;
+	double h_s; /* of a part */
+	struct rb_joint_tree tree;
+	struct rb_course *course;                  /* [count] by link */
+	struct rb_pose *pose[RB_COURSE_NODES + 1]; /* [count] by place */
+	rb_vec3 *linear[RB_COURSE_NODES + 1];      /* [count] by place: accelerations */
+	rb_vec3 *angular[RB_COURSE_NODES + 1];
+	struct rb_wrench *force; /* [count] m/s^2; N m: by all but joints */
+	struct rb_wrench *on;    /* [count] by link: what its joint exerts on it */
+	struct rb_wrench *sum;   /* [count] the same over the step */
+	rb_vec3 *place, *spin;   /* [count] by place: integrals over the step */
+	rb_vec3 *kept;           /* [2 count] scratch */
+	uint64_t evaluations;
+};
+
+/*
+ * Takes the step of h_s in as few equal parts as converge, by powers of two: bodies end at
+ * pose[RB_COURSE_NODES], sums are filled. False: these are too many.
+ */
+bool rb_course_step(struct rb_swing_step *s, double h_s);
+
+/* As the step begins: m/s, m/s^2, the largest of what moves and of what it is accelerated by. */
+double rb_course_speed(struct rb_swing_step *s);
+double rb_course_acceleration(struct rb_swing_step *s);
+
+/* I v of a body in world axes: kg m^2/s for a spin. */
+rb_vec3 rb_course_weigh(const struct rb_model *model, int i, rb_quat q, rb_vec3 v);
+
+#endif

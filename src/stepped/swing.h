@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The step of groups that joints alone hold, whose joints form trees and move freely, under
+ * constant forces.
+ *
+ * They need no rows: stepped/course takes the step by what their joints leave free. A group that it
+ * does not resolve takes rows (islands), and so does one whose masses are so unequal that
+ * articulated inertias lose half of their digits.
+ *
+ * Any worker, one group each; the solver's rows of its bodies and joints.
+ */
+#ifndef RB_STEPPED_SWING_H
+#define RB_STEPPED_SWING_H
+
+#include "stepped/islands.h"
+
+/*
+ * Tries to step the group, whose members and joints are known, and says whether that is done: where
+ * its bodies end is in solver->swung, velocities are in its bodies, what joints exert in theirs.
+ */
+rb_swing rb_swing_try;
+
+#endif
