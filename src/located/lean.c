@@ -252,10 +252,12 @@ static bool count_anew(struct rb_resolution *s, const struct lean *lean, int cou
 			all[kept++] = (struct found){*m, s->before[k]};
 	}
 	for (int i = 0; all && i < count; i++) {
+		if (!lean[i].anew)
+			continue;
 		const struct rb_contact_point m = s->contact_point[lean[i].of];
 		rb_vec3 way = lean[i].from;
 
-		for (int quarter = 0; lean[i].anew && quarter < 4; quarter++) {
+		for (int quarter = 0; quarter < 4; quarter++) {
 			struct found *const f = &all[kept];
 
 			f->point = rb_touch_on_rim(s->l, &m, &lean[i].rim, way);
@@ -287,8 +289,11 @@ static bool leans(struct rb_resolution *s, struct lean *all, int *count)
 	double *const term = rb_slips_take(s, 5 * s->contact_point_count, sizeof *term);
 	bool any = false;
 
-	for (int i = 0; i < *count; i++)
+	/* no point may be left of a rim that was counted anew before */
+	for (int i = 0; i < *count; i++) {
 		all[i].of = -1;
+		all[i].anew = false;
+	}
 	for (int k = 0; term && k < s->contact_point_count; k++) {
 		struct lean *const lean = lean_of(s, k, all, count);
 
