@@ -594,14 +594,21 @@ static double rounding_of(const struct rb_cone *cone)
 /*
  * Until the problem as it stands is solved or nothing helps any more: what rounding leaves, or rows
  * that contradict each other (those of a mechanism that is closed more than once, whose closure is
- * rounded), along which impulses could grow for ever.
+ * rounded), along which impulses could grow for ever. Points of two faces are more than independent
+ * ones, and their accelerations may contradict each other by more than rounding: then each Newton
+ * step ends where it began. What is left is taken for a solution once as many steps as there are
+ * rows have not halved it, each of which could have opened one of them.
  */
 static double relax(struct rb_cone *cone, bool convex, double tolerance, int rounds)
 {
+	/* tolerances are at least two roundings of the scale */
+	const double small = failed_share / (2 * DBL_EPSILON) * tolerance;
 	double left = residual_of(cone, cone->residual), least = left;
-	int steps = FIRST_STEPS, stalled = 0;
+	int steps = FIRST_STEPS, stalled = 0, idle = 0;
 
-	for (int round = 0; round < rounds && left > tolerance && stalled < 4; round++) {
+	for (int round = 0;
+	     round < rounds && left > tolerance && stalled < 4 && idle < 4 + cone->row_count;
+	     round++) {
 		if (rb_cone_is_over(cone))
 			break;
 		left = walk(cone, steps, left, tolerance);
@@ -614,10 +621,12 @@ static double relax(struct rb_cone *cone, bool convex, double tolerance, int rou
 			steps = steps > FIRST_STEPS ? steps / 2 : FIRST_STEPS;
 		else
 			steps = steps < STEPS_LIMIT ? 2 * steps : STEPS_LIMIT;
-		if (left < 0.5 * least)
-			stalled = 0;
-		else if (ends || left < 256 * fmax(tolerance, rounding_of(cone)))
-			stalled++;
+		if (left < 0.5 * least) {
+			stalled = idle = 0;
+		} else {
+			stalled += ends || left < 256 * fmax(tolerance, rounding_of(cone));
+			idle += left < small;
+		}
 		least = fmin(left, least);
 	}
 	return left;

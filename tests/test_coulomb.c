@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT */
+#include "piles.h"
+
+/*
+ * A face on a plane, with more points than its three freedoms, which differ in acceleration by little. Forces that hold all of
+ * them do not exist; what comes nearest is found by Newton steps, each of a few products for each row, and not again and again.
+ */
+static void points_of_a_face_that_contradict_each_other_are_given_up_soon(void **state)
+{
+	const rb_vec3 gravity = {0.3, 0.1, -9.81};
+	const double contradiction = 1e-10;
+
+	(void)state;
+	for (int points = 4; points < 12; points++) {
+		struct pile p;
+
+		pile_open(&p, 1, points);
+		ball(&p, 1, 1, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 0});
+		for (int k = 0; k < points; k++) {
+			struct rb_solver_contact *c = plane(&p, 1, (rb_vec3){0, 0, 1}, 0, 0);
+
+			c->arm_a = (rb_vec3){cos(k), sin(k), -1};
+			c->bias = (rb_vec3){0, 0, contradiction * sin(k * k)};
+		}
+		assert_true(load(&p, gravity) <= 2 * contradiction);
+		assert_true(p.joint.products <= 32 * points * points);
+		pile_close(&p);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(points_of_a_face_that_contradict_each_other_are_given_up_soon),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
