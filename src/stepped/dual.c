@@ -472,7 +472,7 @@ static bool has_suspects(struct system *s)
 }
 
 /* Leaves out rows with bounds, or takes them as they were; whether that changes the system. */
-static bool leave_bounded(struct system *s, enum bound *bound)
+static bool without_bounded(struct system *s, enum bound *bound)
 {
 	bool any = false;
 
@@ -516,7 +516,7 @@ static bool agree(struct system *s)
 
 	if (!good)
 		return false;
-	const bool fewer = leave_bounded(s, bound);
+	const bool fewer = without_bounded(s, bound);
 	good = !fewer || factor(s);
 	s->stiff = true;
 	for (int k = 0; good && k < AGREEMENTS; k++) {
