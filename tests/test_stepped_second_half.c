@@ -439,6 +439,47 @@ static void a_linkage_with_redundant_hinges_in_space_falls_as_its_energy_says(vo
 	assert_near(angle[1], angle[2], 1e-2 / 8);
 }
 
+/*
+ * A heavy ball falls until two ropes with a light knot between them are straight: the knot is thrown
+ * so fast that no step of these resolves it, and throws the ball back.
+ */
+static void a_light_knot_gives_a_heavy_ball_no_energy(void **state)
+{
+	const double heavy = 1e4, step[2] = {1e-2, 1e-3};
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		struct rb_frame_numbers begin, end;
+		struct lab lab;
+
+		open_stepped(&lab, 1, 60, step[k]);
+		lab_sphere(&lab, 0.05, 1, (rb_vec3){0.6, 0, -0.8}, nothing);
+		lab_sphere(&lab, 0.05, heavy, (rb_vec3){0.6, 0.7, -0.9}, nothing);
+		for (int r = 0; r < 2; r++) {
+			struct rb_joint_def rope = rb_joint_def_default();
+
+			rope.kind = RB_JOINT_ROPE;
+			rope.a = 0;
+			rope.b = r == 0 ? -1 : 1;
+			if (r == 0)
+				rope.at_b = nothing;
+			add(&lab, &rope);
+		}
+		seal(&lab, NULL);
+		rb_numbers_measure(lab.world, &begin);
+		while (rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world))
+			lab_step(&lab);
+		rb_numbers_measure(lab.world, &end);
+		const double gain = end.kinetic_energy + end.potential_energy -
+		                    begin.potential_energy;
+
+		print_message("%g s: gains %g of the ball's weight times 1 m\n", step[k],
+		              gain / (heavy * g));
+		assert_near(gain / (heavy * g), 0, 0.1);
+		lab_close(&lab);
+	}
+}
+
 /* What lands while something else is looked at again. */
 static void what_rests_on_a_limit_carries_its_weight_and_no_impact(void **state)
 {
@@ -478,6 +519,7 @@ int main(void)
 		cmocka_unit_test(a_rope_gives_back_what_it_is_to_wherever_the_step_ends),
 		cmocka_unit_test(impacts_of_mechanisms_do_not_depend_on_where_a_step_ends),
 		cmocka_unit_test(a_linkage_with_redundant_hinges_in_space_falls_as_its_energy_says),
+		cmocka_unit_test(a_light_knot_gives_a_heavy_ball_no_energy),
 		cmocka_unit_test(what_rests_on_a_limit_carries_its_weight_and_no_impact),
 	};
 

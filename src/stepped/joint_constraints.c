@@ -509,6 +509,20 @@ static void note_work(struct rb_joint_work *work, bool one_sided, int part, doub
 		work->impacts -= done;
 }
 
+/*
+ * `done`: by the middle of the velocities before and after. What velocities did not fit the joint
+ * by as the step began has been taken away, whatever the step.
+ */
+static void note_held(const struct filling *f, const struct rb_constraint *row, double done)
+{
+	const rb_vec3 p = rb_constraint_impulse(row);
+
+	f->of->work.held += f->query->at_end ? done
+	                                     : 0.5 * rb_vec3_dot(p, rb_constraint_velocity(
+									    f->query->bodies, row));
+	f->of->work.pushed += rb_vec3_length(p);
+}
+
 /* Adds a row's impulse to the sums of the joint. */
 static void note_row(const struct filling *f, int part, const struct rb_constraint *whole)
 {
@@ -544,8 +558,12 @@ static void note_row(const struct filling *f, int part, const struct rb_constrai
 	}
 	alone.a = 0;
 	alone.b = 1;
-	note_work(&of->work, f->joint->link.type->one_sided, part,
-	          rb_vec3_dot(rb_constraint_impulse(row), rb_constraint_velocity(&pair, &alone)));
+	const double done = rb_vec3_dot(rb_constraint_impulse(row),
+	                                rb_constraint_velocity(&pair, &alone));
+
+	note_work(&of->work, f->joint->link.type->one_sided, part, done);
+	if (part < RB_JOINT_LOW)
+		note_held(f, &given, done);
 	if (two[1].inverse_mass == 0)
 		note_fixed(&of->work, row, sign < 0 ? f->a.position : f->b.position, &two[1]);
 }

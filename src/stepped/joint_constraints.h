@@ -89,6 +89,8 @@ RB_FIELDS_DECLARE(rb_joint_memory_fields);
 struct rb_joint_work {
 	/* J: by the motor; taken by friction; taken by limits and ropes; by spring and damper */
 	double motor, friction, impacts, spring;
+	/* J: by what holds it, next to nothing where the step resolves its motion; N s: impulses */
+	double held, pushed;
 	/* on what is dynamic, by a body that is not: N s, N m s about the origin; J */
 	rb_vec3 linear, angular;
 	double driven;

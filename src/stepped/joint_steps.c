@@ -5,12 +5,18 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "stepped/energy.h"
 #include "world/joint_state.h"
 
 /* Of the tolerance, what a joint may drift by without another look at the step. */
 static const double inspect_share = 1.0 / 16;
 /* Of what it was in the look before, what it has to have come to for yet another. */
 static const double gain_share = 0.5;
+/*
+ * Of its kinetic energy, what the joints of a group may do that do no work; of a whole step, the
+ * shortest part that is cut for that: what a jump takes does not become less.
+ */
+static const double held_share = 1.0 / 256, shortest_share = 0x1p-12;
 
 int rb_joints_next_of(const struct rb_world *world, int body, int *at)
 {
@@ -230,6 +236,68 @@ void rb_joints_blame(struct rb_world *world, const struct rb_cohort *cohort,
 			if (ends[e] >= 0 && rb_stepped_is_dynamic(world, ends[e]))
 				rb_stepped_blame(s, ends[e]);
 	}
+}
+
+/* J: of a group at the end of the step. */
+static double kinetic_energy(const struct rb_world *world, const struct rb_island *island)
+{
+	const struct rb_solver *solver = &world->stepped->solver;
+	double twice = 0;
+
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+		struct rb_solver_body motion = {.linear = rb_world_velocity(world, i)};
+
+		if (world->state.spin)
+			motion.angular = rb_world_row3(world->state.spin, i);
+		const struct rb_solver_body momentum = rb_energy_weigh(solver, i, &motion);
+		twice += rb_energy_product(&momentum, &motion);
+	}
+	return 0.5 * twice;
+}
+
+/* What a group's joints have done, J, and what they may: forces along what they may be off by. */
+struct held {
+	double work, max;
+};
+
+enum rb_status rb_joints_blame_held(struct rb_world *world, double h, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	const struct rb_solver *solver = &s->solver;
+	const double along = world->model->stepped_tolerance_m / h;
+	struct held *const held = rb_arena_take(&world->arena[0], solver->island_count + 1,
+	                                        sizeof *held);
+
+	if (!(h > shortest_share * solver->whole_s))
+		return RB_OK;
+	if (!held)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of a step");
+	memset(held, 0, (solver->island_count + 1) * sizeof *held);
+	for (int k = 0; solver->joint && k < solver->joined_count; k++) {
+		const int number = solver->joined[k];
+		const struct rb_joint *joint = &world->model->joints->joint[number];
+		const struct rb_joint_work *work = &solver->joint[number].work;
+		struct held *of =
+			&held[solver->island_of[rb_step_joint_rows_owner(world->model, joint)]];
+
+		if (solver->joint[number].halves) {
+			of->work += work->held;
+			of->max += along * work->pushed;
+		}
+	}
+	for (size_t g = 0; g < solver->island_count; g++) {
+		const struct rb_island *island = &solver->island[g];
+
+		/* written so that NaN is left to others */
+		if (!(fabs(held[g].work) > held[g].max) ||
+		    !(fabs(held[g].work) >
+		      held[g].max + held_share * kinetic_energy(world, island)))
+			continue;
+		for (int k = 0; k < island->member_count; k++)
+			rb_stepped_blame(s, solver->member[island->first_member + k]);
+	}
+	return RB_OK;
 }
 
 /* ---- what is kept ---- */

@@ -36,6 +36,13 @@ void rb_joints_bend(struct rb_world *world, const unsigned char *of_group);
 void rb_joints_blame(struct rb_world *world, const struct rb_cohort *cohort,
                      struct rb_attempt_outcome *outcome);
 
+/*
+ * Blames mechanisms with a second half whose joints have done work by what holds them: the step
+ * does not resolve how they move.
+ */
+RB_CHECKED enum rb_status rb_joints_blame_held(struct rb_world *world, double h,
+                                               struct rb_error *err);
+
 /* A step of h_s is kept, but for bodies with a mark in `skip` (or NULL). */
 void rb_joints_keep(struct rb_world *world, const struct rb_cohort *cohort, double h_s,
                     const unsigned char *skip);

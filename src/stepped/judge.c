@@ -168,6 +168,10 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 	rb_joints_blame(world, cohort, outcome);
 	if (world->model->rollback != RB_ROLLBACK_NONE && h > shortest_share * s->solver.whole_s)
 		rb_springs_blame(world);
+	if (world->model->rollback != RB_ROLLBACK_NONE && world->model->joints)
+		status = rb_joints_blame_held(world, h, err);
+	if (status != RB_OK)
+		return status;
 	blame_impacts(world, h, outcome);
 	if (!world->broadphase)
 		return RB_OK;
