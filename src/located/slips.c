@@ -87,6 +87,12 @@ static bool is_given(rb_vec3 slip)
 	return rb_vec3_max_abs(slip) > 0;
 }
 
+/* Whether it has stuck until now, and needs more for it than its friction. */
+static bool has_had_enough(const struct rb_held *before)
+{
+	return before->a >= 0 && !before->slipping && before->ending;
+}
+
 /* Contact k for the solver, with its mode: stick, or slip in the given or present direction. */
 static void joint_contact(struct rb_resolution *s, int k)
 {
@@ -110,6 +116,8 @@ static void joint_contact(struct rb_resolution *s, int k)
 	else if (has_left)
 		c->impulse = left.force;
 	c->slip = s->slip[k];
+	if (s->lets_go && has_had_enough(before))
+		c->friction = 0;
 	if (speed >
 	    (stuck ? fmax(rest_speed, rb_drift_correct * (rb_vec3_length(m->pose_a.velocity) +
 	                                                  rb_vec3_length(m->pose_b.velocity)))
@@ -495,6 +503,23 @@ static bool solve_ways(struct rb_resolution *s)
 	return true;
 }
 
+/*
+ * What neither sticks nor slips against its friction may part: with a friction that jams, the
+ * normal force of sticking is one of two solutions, and what remains of it goes with friction.
+ * True: all such contacts part where they do not hold.
+ */
+static bool lets_go(struct rb_resolution *s)
+{
+	bool part = true;
+
+	s->lets_go = true;
+	const bool solved = solve(s);
+	s->lets_go = false;
+	for (int k = 0; k < s->contact_point_count && solved; k++)
+		part = part && !(has_had_enough(&s->before[k]) && rb_slips_press(s, k));
+	return solved && part;
+}
+
 bool rb_slips_solve(struct rb_resolution *s)
 {
 	s->slip = rb_slips_take(s, s->contact_point_count, sizeof *s->slip);
@@ -505,7 +530,7 @@ bool rb_slips_solve(struct rb_resolution *s)
 
 	if (ends && !solve(s))
 		return false;
-	if (!(ends && rest_has_ended(s)) && !solve_ways(s))
+	if (!(ends && (rest_has_ended(s) || lets_go(s))) && !solve_ways(s))
 		return false;
 	if (s->contact_point_count == 0 || !stop_slow_slips(s))
 		return true;

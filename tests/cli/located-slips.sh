@@ -42,6 +42,28 @@ cylinder { name = "disc", material = m, radius = 0.06900488488254046, length = 0
 LUA
 timeout 60 "$RBSIM" run turns.lua --method located --no-record --quiet >out 2>err </dev/null || fail "turns.lua: exit status $?"
 
+# two cylinders that roll on each other, with a friction of 1e3 and almost no force between them: past the cone slipping would
+# go backwards (friction jams it), sticking is unlawful by less than the solver sees, and without a force they part. They stuck
+# for pieces of one ulp of time without end
+cat >parts.lua <<'LUA'
+world { duration = 1.3, frame_rate = 30, gravity = {0, 0, 0} }
+local m = material { name = "m", friction = 1000, restitution = 0 }
+cylinder { name = "a", material = m, mass = 8.4869360699136074, radius = 0.95390853657733332, length = 1.9162318314931337,
+	position = {0, 0, 0},
+	orientation = {-0.1569275249185457, 0.1526518181215184, 0.16588324104784705, -0.96153727160552427},
+	velocity = {-0.33484202867617185, 0.5183301827664083, -0.34387215098366103},
+	angular_velocity = {0.14442010290914922, 0.88640720302106779, 0.25231039776933001} }
+cylinder { name = "b", material = m, mass = 2.6643513464713484, radius = 0.67122995958096732, length = 0.71018056458646472,
+	position = {0.17532805810565191, -1.9923789010319899, -1.0671108072115845},
+	orientation = {0.41041486251726084, -0.39728819412827571, 0.23871652919194658, -0.7853255058393187},
+	velocity = {0.27797938237111836, 1.4022967224924949, 0.57288441749162211},
+	angular_velocity = {-1.4394333024553487, -1.9943969246886735, -1.3562894818371722} }
+local parted = false
+on_transition(function(c) parted = c.kind == "lift" end)
+expect("they part", function() return parted end)
+LUA
+timeout 60 "$RBSIM" run parts.lua --method located --no-record --quiet >out 2>err </dev/null || fail "parts.lua: exit status $?"
+
 # of two points of a pair that jam, forces grow to 1e8 N: as one they have a force, and one of them alone has none
 cat >jams.lua <<'LUA'
 world { duration = 0.72, frame_rate = 60, gravity = {0, 0, -9.81} }
