@@ -4,6 +4,7 @@
 
 #include <float.h>
 
+#include "base/memory.h"
 #include "located/arc.h"
 #include "located/articulated.h"
 
@@ -156,11 +157,75 @@ static void other_rows_are_not_left_out(void **state)
 	}
 }
 
+static void ask(struct rb_dense *dense)
+{
+	for (int k = 0; k < dense->n; k++)
+		dense->right[k] = 1 + k / 2;
+}
+
+/* Each row of a ring stands there twice: factors need pivots, and serve again at the same moment. */
+static void factors_of_rows_that_depend_on_each_other_are_kept(void **state)
+{
+	enum { ROWS_MAX = 64 };
+	struct tree tree;
+	double unknown[ROWS_MAX], found[ROWS_MAX], *block = NULL;
+	size_t capacity = 0;
+	struct rb_coupled_kept kept = {.block = &block, .capacity = &capacity};
+	struct rb_dense dense = {.n = 0};
+
+	(void)state;
+	open(&tree, RB_JOINT_BALL, true, RING);
+	struct rb_coupled system = {.l = tree.l,
+	                            .pose = tree.pose,
+	                            .body = tree.body,
+	                            .body_count = BODIES,
+	                            .is_symmetric = true,
+	                            .keeps_pivots = true,
+	                            .kept = &kept};
+	const int n = 2 * tree.rows.count;
+	const size_t size = (size_t)n * sizeof unknown[0];
+
+	assert_true(n <= ROWS_MAX);
+	assert_true(rb_coupled_reserve(&system, n));
+	assert_true(rb_coupled_reserve_dense(tree.l->arena, &dense, n));
+	dense.n = system.count = n;
+	rb_coupled_turn(&system);
+	for (int k = 0; k < n; k++) {
+		system.row[k] = rb_joint_rows_coupled(&tree.rows.row[k / 2]);
+		rb_coupled_respond(&system, &system.row[k]);
+	}
+	assert_false(rb_coupled_find(&system, &dense, 1, found));
+	rb_coupled_sort(&system);
+	rb_coupled_fill(&system, &dense, 1);
+	assert_false(system.is_factored);
+	ask(&dense);
+	rb_coupled_solve(&system, &dense);
+	assert_true(dense.open);
+	memcpy(unknown, dense.right, size);
+	assert_true(rb_coupled_accept(&system, &dense, 1, unknown, 1e-15, 1e-16));
+
+	assert_false(rb_coupled_find(&system, &dense, 2, found));
+	assert_true(rb_coupled_find(&system, &dense, 1, found));
+	assert_memory_equal(found, unknown, size);
+	ask(&dense);
+	rb_coupled_again(&system, &dense);
+	for (int k = 0; k < n; k++)
+		assert_near(dense.right[k], unknown[k], 1e-9 * (1 + fabs(unknown[k])));
+	/* those that leave more than new ones do are given up */
+	assert_true(rb_coupled_accept(&system, &dense, 1, unknown, 4e-15, 1e-16));
+	assert_true(rb_coupled_find(&system, &dense, 1, found));
+	assert_false(rb_coupled_accept(&system, &dense, 1, unknown, 5e-15, 1e-16));
+	assert_false(rb_coupled_find(&system, &dense, 1, found));
+	rb_memory_free(block);
+	finish(&tree);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(trees_do_what_rows_do),
 		cmocka_unit_test(other_rows_are_not_left_out),
+		cmocka_unit_test(factors_of_rows_that_depend_on_each_other_are_kept),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -211,14 +211,40 @@ static void use_slot(struct rb_coupled *system, int slot)
 	system->factor.value = at + 2 * system->count;
 }
 
-bool rb_coupled_find(struct rb_coupled *system, double t, double *multiplier)
+/* The same of the dense system. */
+static void use_pivots(struct rb_coupled *system, struct rb_dense *dense, int slot)
+{
+	const size_t n = (size_t)system->count;
+	double *const at = *system->kept->block + (size_t)slot * system->kept->size;
+	int *const place = (int *)(at + n + n * n);
+
+	system->kept_multiplier = at;
+	dense->matrix = at + n;
+	dense->last = place;
+	dense->down = place + n;
+	dense->pivot = place + 2 * n;
+	dense->from = place + 3 * n;
+	dense->order = place + 4 * n;
+}
+
+bool rb_coupled_find(struct rb_coupled *system, struct rb_dense *dense, double t,
+                     double *multiplier)
 {
 	struct rb_coupled_kept *const kept = system->kept;
 
-	for (int s = 0; kept && system->is_symmetric && s < RB_COUPLED_KEPT; s++)
-		if (kept->used[s] && kept->time_s[s] == t && is_sorted(system)) {
-			use_slot(system, s);
-			system->is_factored = kept->found = true;
+	if (!kept || (!system->is_symmetric && !system->keeps_pivots))
+		return false;
+	for (int s = 0; s < RB_COUPLED_KEPT; s++)
+		if (kept->used[s] && kept->time_s[s] == t && is_sorted(system) &&
+		    (!kept->has_pivots[s] || kept->least == dense->least)) {
+			if (kept->has_pivots[s]) {
+				*dense = kept->dense[s];
+				system->kept_multiplier = dense->matrix - system->count;
+			} else {
+				use_slot(system, s);
+			}
+			system->is_factored = !kept->has_pivots[s];
+			kept->found = true;
 			memcpy(multiplier, system->kept_multiplier,
 			       (size_t)system->count * sizeof *multiplier);
 			return true;
@@ -233,8 +259,8 @@ static void drop(struct rb_coupled *system, double t)
 			system->kept->used[s] = false;
 }
 
-bool rb_coupled_accept(struct rb_coupled *system, double t, const double *multiplier, double left,
-                       double rounding)
+bool rb_coupled_accept(struct rb_coupled *system, const struct rb_dense *dense, double t,
+                       const double *multiplier, double left, double rounding)
 {
 	struct rb_coupled_kept *const kept = system->kept;
 
@@ -246,31 +272,69 @@ bool rb_coupled_accept(struct rb_coupled *system, double t, const double *multip
 	}
 	if (!kept->found)
 		kept->left = fmax(kept->left, left);
+	if (!kept->found && !system->is_factored) {
+		kept->dense[kept->slot] = *dense;
+		kept->used[kept->slot] = true;
+	}
 	memcpy(system->kept_multiplier, multiplier, (size_t)system->count * sizeof *multiplier);
 	return true;
 }
 
-/* Room for factors of that size: the oldest slot, or what the dense system has. */
-static void choose_values(struct rb_coupled *system, struct rb_dense *dense, size_t size, double t)
+/* The oldest slot, for factors of that size at `t`; false: none are kept. */
+static bool take_slot(struct rb_coupled *system, size_t size, double t, bool has_pivots)
 {
 	struct rb_coupled_kept *const kept = system->kept;
-	const size_t whole = size + 2 * (size_t)system->count;
 
-	system->factor.value = dense->matrix;
+	if (!kept || !rb_memory_reserve(kept->block, kept->capacity, RB_COUPLED_KEPT * size,
+	                                sizeof **kept->block))
+		return false;
+	if (size != kept->size)
+		memset(kept->used, 0, sizeof kept->used);
+	kept->size = size;
+	kept->slot = kept->next;
+	kept->time_s[kept->slot] = t;
+	kept->used[kept->slot] = !has_pivots; /* else once they are found */
+	kept->has_pivots[kept->slot] = has_pivots;
+	kept->next = (kept->next + 1) % RB_COUPLED_KEPT;
+	return true;
+}
+
+/* Room for factors of that size: the oldest slot, or what the dense system has. */
+static void choose_values(struct rb_coupled *system, size_t size, double t)
+{
+	struct rb_coupled_kept *const kept = system->kept;
+
+	system->factor.value = system->own.matrix;
 	system->factor.pivot = system->pivot;
 	system->kept_multiplier = NULL;
 	if (kept)
 		kept->found = false;
-	if (!kept || !rb_memory_reserve(kept->block, kept->capacity, RB_COUPLED_KEPT * whole,
-	                                sizeof **kept->block))
+	if (take_slot(system, size + 2 * (size_t)system->count, t, false))
+		use_slot(system, kept->slot);
+}
+
+/* The same of the dense system. */
+static void choose_pivots(struct rb_coupled *system, struct rb_dense *dense, double t)
+{
+	enum { PIVOTS_MAX = 1024 }; /* unknowns: eight matrices are 64 MB */
+	struct rb_coupled_kept *const kept = system->kept;
+	const size_t n = (size_t)system->count;
+
+	dense->matrix = system->own.matrix;
+	dense->last = system->own.last;
+	dense->down = system->own.down;
+	dense->pivot = system->own.pivot;
+	dense->from = system->own.from;
+	dense->order = system->own.order;
+	system->kept_multiplier = NULL;
+	if (!kept)
 		return;
-	if (whole != kept->size)
-		memset(kept->used, 0, sizeof kept->used);
-	kept->size = whole;
-	kept->time_s[kept->next] = t;
-	kept->used[kept->next] = true;
-	use_slot(system, kept->next);
-	kept->next = (kept->next + 1) % RB_COUPLED_KEPT;
+	drop(system, t);
+	kept->found = false;
+	if (!system->keeps_pivots || n > PIVOTS_MAX || !take_slot(system, n * (n + 4) + 1, t, true))
+		return;
+	kept->least = dense->least;
+	use_pivots(system, dense, kept->slot);
 }
 
 /* Entries `first` to `last` of a row of a matrix, `stride` apart. */
@@ -322,7 +386,7 @@ static bool factor(struct rb_coupled *system, struct rb_dense *dense, double t)
 
 		dense->products += block->count * width * (width + 3) / 2;
 	}
-	choose_values(system, dense, size, t);
+	choose_values(system, size, t);
 	memset(f->value, 0, size * sizeof *f->value);
 	for (int k = 0; k < f->n; k++) {
 		struct strip strip = {.first = f->block[f->of[k]].first, .last = k};
@@ -348,18 +412,23 @@ static int reach_on(const struct rb_coupled *system, int place, int last)
 void rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense, double t)
 {
 	const int n = system->count;
-	int *const last = dense->last;
+	struct rb_coupled_kept *const kept = system->kept;
 
 	RB_ASSERT_COSTLY(dense->n == n && system->sorted == n);
+	if (!system->own.matrix)
+		system->own = *dense;
 	dense->first = system->reach;
 	/* of one joint there is nothing to save, and pivots leave less of what balances */
-	system->is_factored = system->is_symmetric && system->factor.block_count > 1 &&
-	                      factor(system, dense, t);
+	const bool tries = system->is_symmetric && system->factor.block_count > 1 &&
+	                   !(kept && kept->depends);
+	system->is_factored = tries && factor(system, dense, t);
 	if (system->is_factored)
 		return;
-	if (system->kept && system->kept_multiplier)
-		drop(system, t);
-	system->kept_multiplier = NULL;
+	if (kept && tries)
+		kept->depends = true;
+	choose_pivots(system, dense, t);
+	int *const last = dense->last;
+
 	for (int k = 0; k < n; k++) {
 		last[k] = reach_on(system, system->row[k].b, reach_on(system, system->row[k].a, k));
 		const struct strip strip = {.to = dense->matrix + (size_t)k * (size_t)n +

@@ -51,9 +51,13 @@ struct rb_coupled_kept {
 	size_t *capacity, size;
 	double time_s[RB_COUPLED_KEPT];
 	bool used[RB_COUPLED_KEPT];
-	int next;    /* to be used */
-	bool found;  /* the factors in use are of an earlier visit */
-	double left; /* m/s^2: the most that new ones have left */
+	bool has_pivots[RB_COUPLED_KEPT];
+	struct rb_dense dense[RB_COUPLED_KEPT]; /* of those that have pivots */
+	double least;                           /* of these: rb_dense's */
+	bool depends;   /* rows depend on each other: factors without pivots are not tried again */
+	int next, slot; /* to be used; in use */
+	bool found;     /* the factors in use are of an earlier visit */
+	double left;    /* m/s^2: the most that new ones have left */
 };
 
 struct rb_coupled {
@@ -68,6 +72,8 @@ struct rb_coupled {
 	rb_mat3 *inverse_inertia; /* [body_count]: world axes, at the poses; NULL: not kept */
 	/* in: units are what rows ask for, as those of joints, not of contacts that slip */
 	bool is_symmetric;
+	bool keeps_pivots;   /* in: factors of the dense system are kept as well */
+	struct rb_dense own; /* the dense system's arrays, while it uses those that are kept */
 	bool is_factored; /* out of rb_coupled_fill: `factor` is the system, else the dense one */
 	struct rb_envelope factor;
 	/* [max]: of the rows sorted last: bodies; where these and all after begin at first */
@@ -102,14 +108,15 @@ void rb_coupled_sort(struct rb_coupled *system);
  * For rows of the same bodies as those sorted last: uses the factors that are kept of that moment,
  * and fills the multipliers [count] that solved them. False: there are none.
  */
-bool rb_coupled_find(struct rb_coupled *system, double t, double *multiplier);
+bool rb_coupled_find(struct rb_coupled *system, struct rb_dense *dense, double t,
+                     double *multiplier);
 
 /*
  * After multipliers were found, and refined as far as factors let them: `left`, m/s^2, is not below
  * `rounding`. False: kept ones have left more than new ones do; they are dropped.
  */
-bool rb_coupled_accept(struct rb_coupled *system, double t, const double *multiplier, double left,
-                       double rounding);
+bool rb_coupled_accept(struct rb_coupled *system, const struct rb_dense *dense, double t,
+                       const double *multiplier, double left, double rounding);
 
 /*
  * The matrix of all rows at `t`, and where it is zero; they are sorted. Symmetric systems are

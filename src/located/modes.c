@@ -189,6 +189,23 @@ static struct rb_coupled_row contact_row(const struct rb_modes *w, int contact, 
 	return rb_coupled_row(rb_modes_place(w, m->a), rb_modes_place(w, m->b), &asks, &does);
 }
 
+/* Forces from unknowns. */
+static void set_forces(struct rb_modes *w, const double *unknown)
+{
+	int row = w->joints.count;
+
+	for (int k = 0; k < row; k++)
+		w->multiplier[k] = unknown[k];
+	if (row > 0 && unknown != w->unknown)
+		memcpy(w->unknown, unknown, (size_t)w->dense.n * sizeof *unknown);
+	for (int i = 0; i < w->c->held_count; i++) {
+		w->force[i] = (rb_vec3){0, 0, 0};
+		for (int k = 0; k < rb_modes_unknowns(&w->c->held[i]); k++, row++)
+			w->force[i] = rb_vec3_add_scaled(w->force[i], unknown[row],
+			                                 unit_of(w, i, k));
+	}
+}
+
 /*
  * All rows, those of joints first; the matrix; the right side with the guessed forces. False:
  * multipliers are there.
@@ -203,20 +220,28 @@ static bool fill_coupled(struct rb_modes *w, double t)
 	system->count = w->dense.n;
 	/* pivots tell how near rows are to each other */
 	system->is_symmetric = w->c->held_count == 0 && !w->singular.projects;
+	system->keeps_pivots = !w->singular.projects;
 	for (int k = 0; k < joints; k++)
 		system->row[k] = rb_joint_rows_coupled(&w->joints.row[k]);
-	if (rb_coupled_find(system, t, w->multiplier))
+	for (int i = 0; i < w->c->held_count; i++) {
+		/* the directions of those that creep change from solution to solution */
+		system->keeps_pivots = system->keeps_pivots && !w->c->held[i].creeps;
+		for (int k = 0; k < rb_modes_unknowns(&w->c->held[i]); k++, row++)
+			system->row[row] = contact_row(w, i, k);
+	}
+	if (rb_coupled_find(system, &w->dense, t, w->unknown)) {
+		set_forces(w, w->unknown);
 		return false;
+	}
+	row = joints;
 	for (int k = 0; k < joints; k++)
 		right[k] = -(rb_coupled_felt(&system->row[k], w->linear, w->angular) +
 		             w->joints.row[k].bias);
 	for (int i = 0; i < w->c->held_count; i++) {
 		const rb_vec3 free = relative_acceleration(w, i, t);
 
-		for (int k = 0; k < rb_modes_unknowns(&w->c->held[i]); k++, row++) {
-			system->row[row] = contact_row(w, i, k);
+		for (int k = 0; k < rb_modes_unknowns(&w->c->held[i]); k++, row++)
 			right[row] = -asked_of(w, i, k, free);
-		}
 	}
 	rb_coupled_turn(system);
 	for (int k = 0; k < system->count; k++)
@@ -280,22 +305,6 @@ static bool close_open(struct rb_modes *w, double *least, double *change)
 	w->dense.products += (long)(n * open * (n + open));
 	rb_arena_back(w->l->arena, here);
 	return true;
-}
-
-/* Forces from unknowns. */
-static void set_forces(struct rb_modes *w, const double *unknown)
-{
-	int row = w->joints.count;
-
-	for (int k = 0; k < row; k++)
-		w->multiplier[k] = unknown[k];
-
-	for (int i = 0; i < w->c->held_count; i++) {
-		w->force[i] = (rb_vec3){0, 0, 0};
-		for (int k = 0; k < rb_modes_unknowns(&w->c->held[i]); k++, row++)
-			w->force[i] = rb_vec3_add_scaled(w->force[i], unknown[row],
-			                                 unit_of(w, i, k));
-	}
 }
 
 bool rb_modes_are_lawful(const struct rb_modes *w)
@@ -598,6 +607,8 @@ bool rb_modes_refine(struct rb_modes *w, double t)
 			rb_coupled_again(&w->coupled, &w->dense);
 		else
 			rb_dense_again(&w->dense);
+		for (int k = 0; k < w->dense.n && row > 0; k++)
+			w->unknown[k] += w->dense.right[k];
 		for (int k = 0; k < row; k++) {
 			w->joint_change[k] = w->dense.right[k];
 			w->multiplier[k] += w->joint_change[k];
@@ -746,7 +757,9 @@ static bool reserve_joints(struct rb_modes *w, size_t unknowns)
 		w->kept = (struct rb_coupled_kept){.block = &w->l->factors,
 		                                   .capacity = &w->l->factors_capacity};
 		w->multiplier = rb_arena_take(arena, 2 * rows, sizeof *w->multiplier);
-		if (!w->multiplier || !rb_coupled_reserve(&w->coupled, (int)unknowns))
+		w->unknown = rb_arena_take(arena, unknowns + 1, sizeof *w->unknown);
+		if (!w->multiplier || !w->unknown ||
+		    !rb_coupled_reserve(&w->coupled, (int)unknowns))
 			return false;
 		w->joint_change = w->multiplier + rows;
 	}

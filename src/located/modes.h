@@ -44,11 +44,12 @@ struct rb_modes {
 	struct rb_coupled_kept kept;       /* at the nodes of the piece */
 	double left;                       /* m/s^2: of the last solution, by rb_modes_refine */
 	double *multiplier, *joint_change; /* [joints.count]: N; what refining adds */
-	bool balanced;                     /* forces across slips that creep, by rb_modes_solve */
-	bool slip_ends, hits;              /* why `broken` said so */
-	double force_max;                  /* N: largest force at the beginning */
-	double doubt;                      /* N: what the modes at the beginning leave open */
-	double max; /* m/s^2: largest acceleration that forces are to balance */
+	double *unknown;      /* of all rows, joints first: what multiplier and force are made of */
+	bool balanced;        /* forces across slips that creep, by rb_modes_solve */
+	bool slip_ends, hits; /* why `broken` said so */
+	double force_max;     /* N: largest force at the beginning */
+	double doubt;         /* N: what the modes at the beginning leave open */
+	double max;           /* m/s^2: largest acceleration that forces are to balance */
 	struct rb_singular_piece singular;
 	struct rb_joint_tree *articulated; /* instead of rows; NULL: those (located/articulated) */
 	bool goes_on;                      /* from a piece that nothing has cut */

@@ -236,7 +236,8 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 	if (!rb_modes_press(w, w->force, w->multiplier) || (solved && !rb_modes_refine(w, t)))
 		return false;
 	if (solved && w->joints.count > 0 &&
-	    !rb_coupled_accept(&w->coupled, t, w->multiplier, w->left, DBL_EPSILON * w->max))
+	    !rb_coupled_accept(&w->coupled, &w->dense, t, w->unknown, w->left,
+	                       DBL_EPSILON * w->max))
 		return rb_rates_evaluate(w, t, value);
 	are_at_rest(w, external);
 	return count_inspection(w);
