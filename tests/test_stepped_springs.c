@@ -3,6 +3,7 @@
 #include "worlds.h"
 
 #include "force/spring.h"
+#include "math/random.h"
 #include "math/quat.h"
 #include "method/numbers.h"
 
@@ -189,12 +190,178 @@ static void a_spring_of_what_touches_gains_nothing_however_stiff(void **state)
 		}
 }
 
+/* ---- nets ---- */
+
+/* A number of a random net: of its own for each use. */
+struct dice {
+	uint64_t seed, count;
+};
+
+static double throw_between(struct dice *dice, double low, double high)
+{
+	return low + (high - low) * rb_random_unit(dice->seed, 0, dice->count++);
+}
+
+static double throw_decades(struct dice *dice, double low, double high)
+{
+	return exp(throw_between(dice, log(low), log(high)));
+}
+
+static int throw_number(struct dice *dice, int low, int high)
+{
+	return low + (int)(throw_between(dice, 0, 1) * (high - low + 1));
+}
+
+static rb_vec3 throw_vector(struct dice *dice, double size)
+{
+	rb_vec3 v;
+
+	v.x = throw_between(dice, -size, size);
+	v.y = throw_between(dice, -size, size);
+	v.z = throw_between(dice, -size, size);
+	return v;
+}
+
+struct web {
+	int id[41];
+	rb_vec3 at[41], arm[41];
+	double mass[41];
+	int count; /* of bodies; a hook follows */
+	bool is_free;
+};
+
+static void throw_spring(struct lab *lab, struct dice *dice, const struct web *web, int a, int b,
+                         double stiffness)
+{
+	const rb_vec3 between = rb_vec3_sub(web->at[b], web->at[a]);
+	struct rb_spring_def def = rb_spring_def_default();
+	const double mass = fmin(web->mass[a], web->mass[b]);
+
+	def.a = web->id[a];
+	def.b = web->id[b];
+	def.stiffness = stiffness;
+	def.damping = throw_number(dice, 0, 1) * throw_between(dice, 0, 1) * sqrt(stiffness * mass);
+	if (throw_number(dice, 0, 1))
+		def.rest_length_m = throw_between(dice, 0, 2) * rb_vec3_length(between);
+	if (rb_vec3_max_abs(web->arm[a]) > 0)
+		def.at_a = web->arm[a];
+	if (rb_vec3_max_abs(web->arm[b]) > 0)
+		def.at_b = web->arm[b];
+	assert_int_equal(rb_scene_add_spring(&lab->scene, &def, &lab->error), RB_OK);
+}
+
+/*
+ * 3 to 40 bodies of 1e-3 to 1e3 kg, chained, closed or crossed by springs of which a step of h_s
+ * does not resolve the first, and that others are up to a million times softer than.
+ */
+static void throw_net(struct lab *lab, struct dice *dice, double h, struct web *web)
+{
+	const double spread = (double[3]){1, 30, 1000}[throw_number(dice, 0, 2)];
+	const double off = throw_number(dice, 0, 1) * 0.2, speed = throw_number(dice, 0, 1) * 3;
+	const double softest = throw_decades(dice, 1e-6, 1);
+
+	*web = (struct web){.count = throw_number(dice, 3, throw_number(dice, 3, 40)),
+	                    .is_free = throw_number(dice, 0, 2) > 0};
+	for (int k = 0; k < web->count; k++) {
+		const rb_vec3 size = {0.3, 0.4, 0.2};
+		struct rb_body_def def;
+
+		web->at[k] = rb_vec3_add((rb_vec3){0.5 * k, 0, 0}, throw_vector(dice, 1));
+		web->mass[k] = throw_decades(dice, 1 / spread, spread);
+		web->arm[k] = throw_vector(dice, off);
+		def = throw_number(dice, 0, 1)
+		              ? lab_box_def(size, web->mass[k], web->at[k])
+		              : lab_sphere_def(0.2, web->mass[k], web->at[k], origin);
+		def.velocity = throw_vector(dice, speed);
+		def.filters = true;
+		web->id[k] = lab_add(lab, &def);
+	}
+	web->id[web->count] = add_hook(lab, (rb_vec3){0, 0, 3});
+	web->at[web->count] = (rb_vec3){0, 0, 3};
+	web->mass[web->count] = 1;
+	const double stiffest = throw_decades(dice, 4, 1e6) * web->mass[0] / (h * h);
+	for (int k = 1; k < web->count; k++)
+		throw_spring(lab, dice, web, k, k - 1,
+		             k == 1 ? stiffest : stiffest * throw_decades(dice, softest, 1));
+	for (int k = throw_number(dice, 0, web->count); k > 0; k--) {
+		const int a = throw_number(dice, 0, web->count - 1);
+
+		throw_spring(lab, dice, web, a, (a + throw_number(dice, 1, 2)) % web->count,
+		             stiffest * throw_decades(dice, softest, 1));
+	}
+	if (!web->is_free)
+		throw_spring(lab, dice, web, throw_number(dice, 0, web->count - 1), web->count,
+		             stiffest * throw_decades(dice, softest, 1));
+}
+
+/* kg m/s of all; and the sum of sizes, to which rounding is compared. */
+static rb_vec3 momentum_of(const struct lab *lab, const struct web *web, double *size)
+{
+	rb_vec3 sum = {0, 0, 0};
+
+	for (int k = 0; k < web->count; k++) {
+		const rb_vec3 p = rb_vec3_scale(web->mass[k],
+		                                rb_world_velocity(lab->world, web->id[k]));
+
+		sum = rb_vec3_add(sum, p);
+		*size = fmax(*size, rb_vec3_length(p));
+	}
+	return sum;
+}
+
+enum { NETS = 3 };
+
+static void run_net(uint64_t seed, double h)
+{
+	enum { STEPS = 12 };
+	struct dice dice = {.seed = seed};
+	struct lab lab;
+	struct web web;
+	double size = 0, scale = 0;
+
+	open_stepped(&lab, STEPS * h, h);
+	const bool weighs = throw_number(&dice, 0, 1);
+	if (!weighs)
+		lab.scene.world.gravity = origin;
+	throw_net(&lab, &dice, h, &web);
+	lab_seal(&lab, 1);
+	const double start = energy(&lab);
+	const rb_vec3 momentum = momentum_of(&lab, &web, &size);
+	while (rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world)) {
+		struct rb_frame_numbers numbers;
+
+		lab_step(&lab);
+		rb_numbers_measure(lab.world, &numbers);
+		scale = fmax(scale,
+		             fabs(start) + numbers.kinetic_energy + fabs(numbers.potential_energy));
+		/* rounding of stretches, k l^2 eps, is far below what equations are solved to */
+		if (energy(&lab) > start + 1e-9 * scale)
+			fail_msg("seed %d, step %g s: %g J gained of %g", (int)seed, h,
+			         energy(&lab) - start, scale);
+		if (web.is_free && !weighs) {
+			const rb_vec3 off = rb_vec3_sub(momentum_of(&lab, &web, &size), momentum);
+
+			assert_true(rb_vec3_length(off) <= 1e-12 * STEPS * web.count * size);
+		}
+	}
+	lab_close(&lab);
+}
+
+static void a_net_of_stiff_springs_never_gains(void **state)
+{
+	(void)state;
+	for (double h = 0.1; h > 9e-5; h *= 0.1)
+		for (uint64_t seed = 1; seed <= NETS; seed++)
+			run_net(seed, h);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_spring_across_joints_gains_nothing_however_stiff),
 		cmocka_unit_test(a_damped_spring_across_joints_converges_with_the_step),
 		cmocka_unit_test(a_spring_of_what_touches_gains_nothing_however_stiff),
+		cmocka_unit_test(a_net_of_stiff_springs_never_gains),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

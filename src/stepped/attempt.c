@@ -21,6 +21,7 @@
 #include "stepped/force.h"
 #include "stepped/impact_pass.h"
 #include "stepped/joint_steps.h"
+#include "stepped/nets.h"
 #include "stepped/sleep.h"
 #include "stepped/spring_steps.h"
 #include "stepped/strategies.h"
@@ -103,7 +104,7 @@ static rb_vec3 free_velocity(const struct rb_world *world, int i)
  */
 static rb_vec3 moving_velocity(const struct rb_world *world, int i)
 {
-	return rb_solver_is_free(&world->stepped->solver, i)
+	return rb_solver_is_free(&world->stepped->solver, i) || rb_nets_of(world->stepped, i) >= 0
 	               ? free_velocity(world, i)
 	               : rb_world_row3(world->state.velocity, i);
 }
@@ -266,7 +267,7 @@ static void move_block(void *user, int block, int worker)
 			world->state.position + 3 * (size_t)i,
 			rb_vec3_add_scaled(rb_world_row3(world->state.position, i), flow->h_s, v));
 		rb_impacts_shift(world->stepped, &world->state, i);
-		if (!world->state.spin ||
+		if (!world->state.spin || rb_nets_turn(world, i) ||
 		    rb_vec3_max_abs(rb_world_row3(world->state.spin, i)) == 0 ||
 		    turn_freely(world, i, flow->h_s))
 			continue;
@@ -434,6 +435,7 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 		return status;
 	status = move_and_inspect(world, cohort, h, err);
 	rb_springs_measure(world);
+	rb_nets_end(world);
 	if (status == RB_OK && world->model->joints)
 		find_impacts(world, cohort, h);
 	if (status == RB_OK)

@@ -371,9 +371,9 @@ static void enter_element(struct entering *n, const struct rb_elements *elements
 	if (!kind->energy)
 		rb_entries_energy(&n->e, RB_ENERGY_APPLIED, work);
 	const double power = kind->dissipation ? kind->dissipation(&begin, row) : 0;
-	if (!(power > 0))
+	if (!(power > 0) && !(tally->damped > 0))
 		return;
-	const double taken = n->pass.h_s * power;
+	const double taken = isnan(tally->damped) ? n->pass.h_s * power : tally->damped;
 	const double lost = kind->energy
 	                            ? kind->energy(&begin, row) - kind->energy(&end, row) - work
 	                            : taken;

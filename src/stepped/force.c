@@ -6,10 +6,10 @@
  * body. Elements are evaluated for the state at the beginning (Jacobi, not Gauss-Seidel), so their
  * order does not matter.
  *
- * The alternative, one implicit system of all springs (Baraff and Witkin 1998), needs a sparse
- * solve in every step. Here each spring is solved alone, for bodies lighter by the number of their
- * springs (add_inverse_mass); where joints or contacts hold these it is not: springs then are rows
- * of their groups (stepped/spring_steps).
+ * Here each spring is solved alone, for bodies lighter by the number of their springs
+ * (add_inverse_mass). That bounds no energy where it is not resolved: bodies that such springs
+ * connect are solved together (stepped/nets), unless joints or contacts hold these: springs then
+ * are rows of their groups (stepped/spring_steps).
  */
 #include "stepped/force.h"
 
@@ -19,6 +19,7 @@
 #include "force/drag.h"
 #include "force/spring.h"
 #include "step/force_stages.h"
+#include "stepped/nets.h"
 #include "stepped/tally.h"
 
 /* ---- forces that classic steps have too ---- */
@@ -27,6 +28,9 @@ struct flow {
 	struct rb_world *world;
 	const struct rb_cohort *cohort;
 	double start_s, h_s;
+	/* [springs] that the whole step does not resolve, of which this is a part; any of them */
+	unsigned char *stiff;
+	bool any_stiff;
 };
 
 /* Forces shared with the classic methods, for one block of bodies. */
@@ -141,13 +145,15 @@ static bool measure(const struct rb_spring_def *spring, const struct end end[2],
  * compressed spring) and C = -df/dv: implicit Euler gives (1 + A Y) p = h f - h^2 K v. A spring
  * with (h^2 k + h c) |Y| <= 1 is resolved and acts explicitly: semi-implicit Euler, stable up to
  * h^2 k |Y| = 4, keeps its oscillation. Where joints or contacts hold bodies they yield less: such
- * a spring stays resolved, and one that is not is listed for its group (stepped/spring_steps).
+ * a spring stays resolved. One that is not is listed for its net or group.
  */
-static rb_vec3 impulse_of(struct rb_world *world, const struct rb_elements *springs, int number,
-                          double h, const struct end end[2], int element)
+static rb_vec3 impulse_of(struct flow *flow, const struct rb_elements *springs, int number,
+                          const struct end end[2], int element)
 {
+	struct rb_world *world = flow->world;
 	const struct rb_spring_def *spring = rb_elements_row(springs, number);
 	struct rb_solver *solver = &world->stepped->solver;
+	const double h = flow->h_s, whole = fmax(h, solver->whole_s);
 	const rb_vec3 v = rb_vec3_sub(end[1].velocity, end[0].velocity);
 	struct rb_step_spring of;
 	rb_mat3 inverse_effective_mass = {{{0}}}, stiff, system, inverse;
@@ -161,6 +167,8 @@ static rb_vec3 impulse_of(struct rb_world *world, const struct rb_elements *spri
 	add_inverse_mass(world, springs, &end[0], &inverse_effective_mass);
 	add_inverse_mass(world, springs, &end[1], &inverse_effective_mass);
 	const double size = size_of(&inverse_effective_mass);
+	flow->stiff[number] = whole * (whole * of.stiffness + of.damping) * size > 1;
+	flow->any_stiff = flow->any_stiff || flow->stiff[number];
 	if (along * size <= 1)
 		return rb_vec3_scale(-external, n);
 	const double x[3] = {n.x, n.y, n.z};
@@ -174,8 +182,6 @@ static rb_vec3 impulse_of(struct rb_world *world, const struct rb_elements *spri
 	if (!rb_mat3_inverse(&system, &inverse))
 		return rb_vec3_scale(-external, n);
 	of.impulse = rb_vec3_neg(rb_mat3_apply(&inverse, right));
-	if (!world->model->joints && !world->broadphase) /* nothing holds a body */
-		return of.impulse;
 	of.row = number;
 	of.number = element;
 	if (across * size <= stable_max)
@@ -190,13 +196,14 @@ struct external {
 	bool acts;
 };
 
-static void spring_impulses(struct rb_world *world, const struct rb_elements *springs, int k,
-                            double h, int element, struct rb_wrench on[2])
+static void spring_impulses(struct flow *flow, const struct rb_elements *springs, int k,
+                            int element, struct rb_wrench on[2])
 {
+	const struct rb_world *world = flow->world;
 	const struct rb_spring_def *spring = rb_elements_row(springs, k);
 	const struct end end[2] = {end_of(world, springs->end[k][0], spring->at_a),
 	                           end_of(world, springs->end[k][1], spring->at_b)};
-	const rb_vec3 p = impulse_of(world, springs, k, h, end, element);
+	const rb_vec3 p = impulse_of(flow, springs, k, end, element);
 
 	on[0].force = rb_vec3_neg(p);
 	on[1].force = p;
@@ -228,15 +235,15 @@ static struct rb_wrench even_impulse(const struct rb_world *world,
 }
 
 /* Springs may be implicit; every other kind acts with its wrench at the beginning. */
-static struct external impulses_of(const struct flow *flow, const struct rb_elements *elements,
-                                   int k, int number)
+static struct external impulses_of(struct flow *flow, const struct rb_elements *elements, int k,
+                                   int number)
 {
 	struct rb_world *world = flow->world;
 	const int *const end = elements->end[k];
 	struct external external = {.acts = true};
 
 	if (elements->kind == &rb_force_spring)
-		spring_impulses(world, elements, k, flow->h_s, number, external.on);
+		spring_impulses(flow, elements, k, number, external.on);
 	else
 		for (int e = 0; e < 2; e++)
 			external.on[e] = even_impulse(world, elements, k, end[e], flow);
@@ -268,7 +275,7 @@ static bool is_here(const struct rb_world *world, const unsigned char *here, int
  * Elements with two ends. First all impulses, then all changes of velocities: the result depends on
  * the order only by the rounding of sums.
  */
-static enum rb_status add_between(const struct flow *flow, const unsigned char *here,
+static enum rb_status add_between(struct flow *flow, const unsigned char *here,
                                   struct rb_error *err)
 {
 	struct rb_world *world = flow->world;
@@ -280,8 +287,10 @@ static enum rb_status add_between(const struct flow *flow, const unsigned char *
 	                                                       : NULL;
 	int n = 0;
 
-	if (!external)
+	flow->stiff = rb_arena_take(&world->arena[0], (size_t)count, 1);
+	if (!external || !flow->stiff)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %d springs", count);
+	memset(flow->stiff, 0, (size_t)count);
 	for (int list = 0; list < model->element_list_count; list++) {
 		const struct rb_elements *elements = &model->elements[list];
 
@@ -293,18 +302,27 @@ static enum rb_status add_between(const struct flow *flow, const unsigned char *
 				external[n] = impulses_of(flow, elements, k, n);
 		}
 	}
+	const enum rb_status status = flow->any_stiff ? rb_nets_find(world, here, flow->stiff,
+	                                                             flow->h_s, err)
+	                                              : RB_OK;
+	if (status != RB_OK)
+		return status;
 	n = 0;
 	for (int list = 0; list < model->element_list_count; list++) {
 		const struct rb_elements *elements = &model->elements[list];
+		const bool springs = elements->kind == &rb_force_spring;
 
 		for (int k = 0; elements->end && k < elements->count; k++, n++) {
-			if (!external[n].acts)
+			if (!external[n].acts ||
+			    (springs && rb_nets_take(world->stepped, k, external[n].on[1].force)))
 				continue;
 			for (int e = 0; e < 2; e++) {
 				apply(world, elements->end[k][e], &external[n].on[e]);
 				if (tally)
 					tally[n].on[e] = external[n].on[e];
 			}
+			if (tally)
+				tally[n].damped = (double)NAN;
 		}
 	}
 	return RB_OK;
@@ -493,11 +511,12 @@ enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *coho
                             double h, struct rb_error *err)
 {
 	const rb_features features = world->model->features;
-	struct flow flow = {world, cohort, start, h};
+	struct flow flow = {.world = world, .cohort = cohort, .start_s = start, .h_s = h};
 	enum rb_status status = RB_OK;
 
 	RB_ASSERT(h > 0);
 	world->stepped->solver.spring_count = world->stepped->solver.sprung_count = 0;
+	world->stepped->nets = NULL;
 	rb_team_run(world->team,
 	            (cohort->member_count + RB_BODIES_PER_BLOCK - 1) / RB_BODIES_PER_BLOCK,
 	            run_stages, &flow);
@@ -525,6 +544,8 @@ enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *coho
 	note_varied(world, cohort, 1);
 	if (world->stepped->tally)
 		note_carry(world, cohort, h);
+	if (status == RB_OK)
+		rb_nets_solve(world, h);
 	if (status == RB_OK && (features & RB_FEATURE_DRAG))
 		add_drag(world, cohort, h);
 	return status;

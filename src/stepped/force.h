@@ -4,8 +4,8 @@
  *
  * Those of step/force_stages, then force elements and fields, whose values are those of the step's
  * beginning, then drag, solved for at the step's end. A spring that the step does not resolve is
- * solved for at its end too: it stays stable, and loses its oscillation. An element of any other
- * kind acts as it is when the step begins.
+ * solved for at its end too, with all that it connects (stepped/nets): it stays stable, and loses
+ * its oscillation. An element of any other kind acts as it is when the step begins.
  */
 #ifndef RB_STEPPED_FORCE_H
 #define RB_STEPPED_FORCE_H

@@ -114,6 +114,8 @@ struct rb_sleep {
 	bool off;             /* for tests: nothing stands */
 };
 
+struct rb_nets;
+
 struct rb_stepped {
 	struct rb_candidates candidates;
 	struct rb_cohort all, part;
@@ -132,6 +134,7 @@ struct rb_stepped {
 		*kick; /* owned: [bodies] zero but for those in `kicked`; NULL: nothing rebounds */
 	int *kicked;   /* owned */
 	int kicked_count;
+	struct rb_nets *nets;    /* of the try, in the arena; NULL: none */
 	struct rb_due_queue due; /* scratch of stepped/impact_pass */
 	unsigned char *bad;      /* owned: [bodies] 1: the try has failed for it */
 	int bad_count;

@@ -17,6 +17,7 @@
 #include "stepped/impact_pass.h"
 #include "stepped/joint_steps.h"
 #include "stepped/projection.h"
+#include "stepped/nets.h"
 #include "stepped/spring_steps.h"
 #include "stepped/sleep.h"
 
@@ -166,8 +167,10 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 		blame_wild(world, cohort, outcome);
 	blame_residuals(world, h, outcome);
 	rb_joints_blame(world, cohort, outcome);
-	if (world->model->rollback != RB_ROLLBACK_NONE && h > shortest_share * s->solver.whole_s)
+	if (world->model->rollback != RB_ROLLBACK_NONE && h > shortest_share * s->solver.whole_s) {
 		rb_springs_blame(world);
+		rb_nets_blame(world);
+	}
 	if (world->model->rollback != RB_ROLLBACK_NONE && world->model->joints)
 		status = rb_joints_blame_held(world, h, err);
 	if (status != RB_OK)

@@ -7,6 +7,7 @@
 #include "base/forest.h"
 #include "force/spring.h"
 #include "model/joints.h"
+#include "stepped/nets.h"
 #include "stepped/tally.h"
 #include "world/joint_state.h"
 
@@ -187,11 +188,28 @@ static void prepare(const struct rb_world *world, struct rb_step_spring *spring,
 	spring->bend = predict_bend(world, spring, h);
 }
 
+/* Springs of its net act alone again. */
+static void release_net(struct rb_world *world, const struct rb_step_spring *spring,
+                        unsigned char *fresh)
+{
+	const struct rb_nets *nets = world->stepped->nets;
+	const int k = nets ? nets->of_spring[spring->row] : -1;
+
+	if (k < 0 || nets->net[k].released)
+		return;
+	rb_nets_release(world, k);
+	for (int b = 0; fresh && b < nets->net[k].body_count; b++)
+		fresh[nets->net[k].body[b].index] = 1;
+}
+
 /* Joins those that are due; sets `fresh`, where it is given, of their bodies. */
 static void join_due(struct rb_world *world, struct web *web, double h, unsigned char *fresh)
 {
 	struct rb_solver *solver = &world->stepped->solver;
 
+	for (int k = 0; k < solver->spring_count; k++)
+		if (is_due(world, web, &solver->spring[k]))
+			release_net(world, &solver->spring[k], fresh);
 	for (int k = 0; k < solver->spring_count; k++) {
 		struct rb_step_spring *spring = &solver->spring[k];
 

@@ -46,6 +46,7 @@ struct rb_tally_body {
 /* What a force element has done in its last step to the bodies at its ends, N s, N m s. */
 struct rb_tally_element {
 	struct rb_wrench on[2];
+	double damped; /* J: that its damper has taken; NAN: from its rate as the step began */
 };
 
 struct rb_tally {

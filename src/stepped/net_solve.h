@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The step of a net (stepped/net_system), by Newton's method: simple corrections with the factors
+ * while these are nearly right, else GMRES with the true system, as far as the next correction gets
+ * shorter. The last one enters impulses linearly, so that velocities, positions and impulses agree.
+ *
+ * Memory is the caller's; any thread.
+ */
+#ifndef RB_STEPPED_NET_SOLVE_H
+#define RB_STEPPED_NET_SOLVE_H
+
+#include "base/arena.h"
+#include "stepped/net_system.h"
+
+/* False: it is not solved, or it would have gained. */
+bool rb_net_solve(struct rb_net *net, double h_s, struct rb_arena *arena);
+
+#endif

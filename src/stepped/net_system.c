@@ -1,0 +1,422 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/net_system.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/error.h"
+
+/* Multiplications of one factorization, at most: a sheet of 100,000 bodies takes a tenth of it. */
+static const double work_max = 1e12;
+
+/* ---- unknowns ---- */
+
+/* A body that does not turn has half a block: neighbours share one. */
+static int place_bodies(struct rb_net *net)
+{
+	int blocks = 0;
+
+	for (int k = 0; k < net->body_count; k++)
+		net->body[k].block = -1;
+	for (int k = 0; k < net->spring_count; k++) {
+		const int *end = net->spring[k].body;
+
+		if (end[0] < 0 || end[1] < 0 || net->body[end[0]].turns ||
+		    net->body[end[1]].turns || net->body[end[0]].block >= 0 ||
+		    net->body[end[1]].block >= 0)
+			continue;
+		for (int e = 0; e < 2; e++) {
+			net->body[end[e]].block = blocks;
+			net->body[end[e]].offset = 3 * e;
+		}
+		blocks++;
+	}
+	for (int k = 0; k < net->body_count; k++)
+		if (net->body[k].block < 0) {
+			net->body[k].block = blocks++;
+			net->body[k].offset = 0;
+		}
+	return blocks;
+}
+
+bool rb_net_plan(struct rb_net_system *s, struct rb_arena *arena)
+{
+	struct rb_net *net = s->net;
+	const int count = place_bodies(net);
+	int(*pair)[2] = rb_arena_take(arena, (size_t)net->spring_count, sizeof *pair);
+	int pairs = 0;
+
+	s->size = RB_BLOCK * (size_t)count;
+	s->rest = rb_arena_take(arena, (5 + 2 * (RB_NET_SPACE + 1)) * s->size, sizeof *s->x);
+	if (!pair || !s->rest)
+		return false;
+	s->x = s->rest + s->size;
+	s->trial_rest = s->x + s->size;
+	s->trial = s->trial_rest + s->size;
+	s->scratch = s->trial + s->size;
+	s->space = s->scratch + s->size;
+	for (int k = 0; k < net->spring_count; k++) {
+		const int *end = net->spring[k].body;
+
+		if (end[0] < 0 || end[1] < 0 || net->body[end[0]].block == net->body[end[1]].block)
+			continue;
+		pair[pairs][0] = net->body[end[0]].block;
+		pair[pairs++][1] = net->body[end[1]].block;
+	}
+	return rb_blocks_plan(&s->blocks, count, (const int(*)[2])pair, pairs, work_max, arena);
+}
+
+double *rb_net_unknown(double *x, const struct rb_net_body *body)
+{
+	return x + RB_BLOCK * body->block + body->offset;
+}
+
+/* ---- matrices ---- */
+
+rb_mat3 rb_net_inertia(const struct rb_net_body *body, rb_quat q)
+{
+	if (!isnan(body->scalar))
+		return rb_mat3_diagonal(body->scalar, body->scalar, body->scalar);
+	const rb_mat3 r = rb_quat_to_mat3(q), t = rb_mat3_transposed(&r);
+	const rb_mat3 half = rb_mat3_multiply(&r, body->tensor);
+
+	return rb_mat3_multiply(&half, &t);
+}
+
+/* Three unknowns that an end moves with, and how. */
+struct node {
+	int block, offset;
+	rb_mat3 way;
+};
+
+static int nodes_of(const struct rb_net *net, const struct rb_net_spring *spring,
+                    const rb_vec3 arm[2], struct node node[4])
+{
+	int count = 0;
+
+	for (int e = 0; e < 2; e++) {
+		if (spring->body[e] < 0)
+			continue;
+		const struct rb_net_body *body = &net->body[spring->body[e]];
+		const double s = e == 0 ? -1 : 1;
+		const rb_vec3 r = arm[e];
+
+		node[count++] = (struct node){body->block, body->offset, rb_mat3_diagonal(s, s, s)};
+		if (body->turns)
+			node[count++] = (struct node){body->block,
+			                              3,
+			                              {{{0, s * r.z, -s * r.y},
+			                                {-s * r.z, 0, s * r.x},
+			                                {s * r.y, -s * r.x, 0}}}};
+	}
+	return count;
+}
+
+static void add_part(struct rb_blocks *blocks, const struct node *p, const struct node *q,
+                     const rb_mat3 *k)
+{
+	bool turned;
+	rb_block *block = rb_blocks_at(blocks, p->block, q->block, &turned);
+	const bool same = p->block == q->block;
+
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++) {
+			if (!turned || same)
+				block->m[p->offset + i][q->offset + j] += k->m[i][j];
+			if ((turned && !same) || (same && p != q))
+				block->m[q->offset + j][p->offset + i] += k->m[i][j];
+		}
+}
+
+void rb_net_add_spring(struct rb_net_system *s, const struct rb_net_spring *spring, double scale,
+                       const rb_mat3 *stiff, const rb_vec3 arm[2])
+{
+	struct node node[4];
+	const int count = nodes_of(s->net, spring, arm, node);
+
+	for (int q = 0; q < count; q++) {
+		const rb_mat3 right = rb_mat3_multiply(stiff, &node[q].way);
+
+		for (int p = 0; p <= q; p++) {
+			const rb_mat3 left = rb_mat3_transposed(&node[p].way);
+			rb_mat3 k = rb_mat3_multiply(&left, &right);
+
+			for (int i = 0; i < 9; i++)
+				k.m[i / 3][i % 3] *= scale;
+			add_part(&s->blocks, &node[p], &node[q], &k);
+		}
+	}
+}
+
+/* Adds scale times masses, and ones for what no body moves with. */
+void rb_net_add_masses(struct rb_net_system *s, double scale, bool at_end)
+{
+	const struct rb_net *net = s->net;
+
+	rb_blocks_clear(&s->blocks);
+	for (int k = 0; k < net->body_count; k++) {
+		const struct rb_net_body *body = &net->body[k];
+		bool turned;
+		rb_block *d = rb_blocks_at(&s->blocks, body->block, body->block, &turned);
+
+		for (int i = 0; i < 3; i++) {
+			d->m[body->offset + i][body->offset + i] += scale * body->mass;
+			if (body->offset == 0 && !body->turns && d->m[3 + i][3 + i] == 0)
+				d->m[3 + i][3 + i] = scale * body->mass;
+			if (body->offset == 3) /* the first one has put its own here */
+				d->m[3 + i][3 + i] = scale * body->mass;
+		}
+		if (!body->turns)
+			continue;
+		const rb_mat3 inertia = rb_net_inertia(body, at_end ? body->to : body->from);
+		for (int i = 0; i < 9; i++)
+			d->m[3 + i / 3][3 + i % 3] = scale * inertia.m[i / 3][i % 3];
+	}
+}
+
+rb_mat3 rb_net_stiffness(rb_vec3 n, double along, double across)
+{
+	const double x[3] = {n.x, n.y, n.z}, square = rb_vec3_dot(n, n);
+	const double dyad = along - (square > 0 ? across / square : 0);
+	rb_mat3 k;
+
+	for (int i = 0; i < 9; i++)
+		k.m[i / 3][i % 3] = dyad * (x[i / 3] * x[i % 3]) + (i % 4 == 0 ? across : 0);
+	return k;
+}
+
+/* ---- springs ---- */
+
+/* From the beginning of the step to its end, for a point at that arm. */
+static rb_vec3 turned_by(rb_vec3 turn, rb_vec3 arm)
+{
+	const rb_vec3 once = rb_vec3_cross(turn, arm);
+
+	return rb_vec3_scale(1 / (1 + 0.25 * rb_vec3_dot(turn, turn)),
+	                     rb_vec3_add_scaled(once, 0.5, rb_vec3_cross(turn, once)));
+}
+
+void rb_net_place_ends(const struct rb_net *net, struct rb_net_spring *spring, double h)
+{
+	rb_vec3 way[2];
+
+	for (int e = 0; e < 2; e++) {
+		rb_vec3 bend = {0, 0, 0};
+
+		way[e] = spring->way[e];
+		if (spring->body[e] >= 0) {
+			const struct rb_net_body *body = &net->body[spring->body[e]];
+
+			if (body->turns)
+				bend = turned_by(rb_vec3_scale(h, body->mean[1]), spring->arm[e]);
+			way[e] = rb_vec3_add_scaled(bend, h, body->mean[0]);
+		}
+		spring->arm_to[e] = rb_vec3_add(spring->arm[e], bend);
+		spring->arm_mean[e] = rb_vec3_add_scaled(spring->arm[e], 0.5, bend);
+	}
+	const rb_vec3 gone = rb_vec3_sub(way[1], way[0]);
+
+	spring->to = rb_vec3_add(spring->from, gone);
+	const rb_vec3 sum = rb_vec3_add(spring->from, spring->to);
+	const double length = rb_vec3_length(spring->to) + spring->length;
+
+	/* with the digits of the difference */
+	spring->length_to = spring->length + (length > 0 ? rb_vec3_dot(gone, sum) / length : 0);
+}
+
+/* Mean direction, no unit: its length is the cosine of half of how far it turns. */
+static rb_vec3 direction_of(const struct rb_net_spring *spring)
+{
+	const double length = spring->length + spring->length_to;
+
+	return length > 0 ? rb_vec3_scale(1 / length, rb_vec3_add(spring->from, spring->to))
+	                  : (rb_vec3){0, 0, 0};
+}
+
+static double tension_of(const struct rb_net_spring *spring, double h)
+{
+	const double longer = spring->length_to - spring->length;
+	const double share = spring->resolved ? 0.5 : 1;
+
+	return spring->stiffness * (spring->length - spring->rest + share * longer) +
+	       spring->damping * longer / h;
+}
+
+/* Impulse as ends move so; `stiff`: how it answers. */
+static void act(struct rb_net_spring *spring, double h, rb_mat3 *stiff)
+{
+	const rb_vec3 n = direction_of(spring);
+	const double share = spring->resolved ? 0.5 : 1;
+	const double damper = spring->damping / h;
+
+	if (spring->rest > 0) {
+		const double tension = tension_of(spring, h);
+		const double length = spring->length + spring->length_to;
+
+		spring->impulse = rb_vec3_scale(-h * tension, n);
+		if (stiff)
+			*stiff = rb_net_stiffness(n, share * spring->stiffness + damper,
+			                          length > 0 ? fmax(0, tension) / length : 0);
+		return;
+	}
+	const rb_vec3 gone = rb_vec3_sub(spring->to, spring->from);
+	const rb_vec3 at = rb_vec3_add_scaled(spring->from, share, gone);
+	const double rate = spring->length_to - spring->length;
+
+	spring->impulse = rb_vec3_add_scaled(rb_vec3_scale(-h * spring->stiffness, at),
+	                                     -h * damper * rate, n);
+	if (stiff) {
+		*stiff = rb_net_stiffness(n, damper, 0);
+		for (int i = 0; i < 3; i++)
+			stiff->m[i][i] += share * spring->stiffness;
+	}
+}
+
+void rb_net_add_impulse(struct rb_net *net, const struct rb_net_spring *spring, rb_vec3 p,
+                        const rb_vec3 arm[2])
+{
+	for (int e = 0; e < 2; e++) {
+		const rb_vec3 on = e == 0 ? rb_vec3_neg(p) : p;
+
+		if (spring->body[e] < 0)
+			continue;
+		struct rb_net_body *body = &net->body[spring->body[e]];
+
+		body->impulse = rb_vec3_add(body->impulse, on);
+		if (body->turns)
+			body->turn = rb_vec3_add(body->turn, rb_vec3_cross(arm[e], on));
+	}
+}
+
+/* ---- equations ---- */
+
+rb_quat rb_net_turned(const struct rb_net_body *body, double h)
+{
+	const rb_vec3 t = rb_vec3_scale(0.5 * h, body->mean[1]);
+
+	return rb_quat_unit(rb_quat_multiply((rb_quat){1, t.x, t.y, t.z}, body->from));
+}
+
+rb_vec3 rb_net_momentum(const struct rb_net_body *body, rb_quat q, rb_vec3 spin)
+{
+	return isnan(body->scalar) ? rb_quat_rotate(q, rb_mat3_apply(body->tensor,
+	                                                             rb_quat_rotate_back(q, spin)))
+	                           : rb_vec3_scale(body->scalar, spin);
+}
+
+/* kg m^2/s: at the end, if the mean is right. */
+static rb_vec3 momentum_at_end(const struct rb_net_body *body, double h)
+{
+	const rb_vec3 mean = body->mean[1];
+
+	if (!isnan(body->scalar))
+		return rb_vec3_scale(body->scalar,
+		                     rb_vec3_sub(rb_vec3_scale(2, mean), body->angular));
+	/* turning about the mean leaves it as it is in body axes */
+	const rb_vec3 local = rb_vec3_sub(rb_vec3_scale(2, rb_quat_rotate_back(body->from, mean)),
+	                                  rb_quat_rotate_back(body->from, body->angular));
+
+	return rb_quat_rotate(rb_net_turned(body, h), rb_mat3_apply(body->tensor, local));
+}
+
+void rb_net_clear_sums(struct rb_net *net)
+{
+	for (int k = 0; k < net->body_count; k++)
+		net->body[k].impulse = net->body[k].turn = (rb_vec3){0, 0, 0};
+}
+
+void rb_net_evaluate(struct rb_net_system *s, double *x)
+{
+	struct rb_net *net = s->net;
+
+	rb_net_clear_sums(net);
+	for (int k = 0; k < net->spring_count; k++) {
+		struct rb_net_spring *spring = &net->spring[k];
+
+		rb_net_place_ends(net, spring, s->h);
+		act(spring, s->h, NULL);
+		rb_net_add_impulse(net, spring, spring->impulse, spring->arm_mean);
+	}
+	memset(x, 0, s->size * sizeof *x);
+	for (int k = 0; k < net->body_count; k++) {
+		const struct rb_net_body *body = &net->body[k];
+		const rb_vec3 change = rb_vec3_sub(
+			rb_vec3_scale(2, rb_vec3_sub(body->mean[0], body->linear)), body->constant);
+
+		rb_vec3_to(rb_net_unknown(x, body),
+		           rb_vec3_sub(body->impulse, rb_vec3_scale(body->mass, change)));
+		if (body->turns)
+			rb_vec3_to(rb_net_unknown(x, body) + 3,
+			           rb_vec3_sub(body->turn, rb_vec3_sub(momentum_at_end(body, s->h),
+			                                               body->spin_momentum)));
+	}
+}
+
+/* A tension outwards stiffens what turns: half, since the arm is a mean. */
+static void add_lever(struct rb_net_system *s, const struct rb_net_spring *spring, int e)
+{
+	if (spring->body[e] < 0 || !s->net->body[spring->body[e]].turns)
+		return;
+	const struct rb_net_body *body = &s->net->body[spring->body[e]];
+	const rb_vec3 r = spring->arm_to[e];
+	const double x[3] = {r.x, r.y, r.z}, square = rb_vec3_dot(r, r);
+	const double out = (e == 0 ? -1 : 1) * rb_vec3_dot(spring->impulse, r);
+	bool turned;
+	rb_block *d = rb_blocks_at(&s->blocks, body->block, body->block, &turned);
+
+	for (int i = 0; out > 0 && square > 0 && i < 9; i++)
+		d->m[3 + i / 3][3 + i % 3] += 0.5 * s->h * out *
+		                              ((i % 4 == 0) - x[i / 3] * x[i % 3] / square);
+}
+
+bool rb_net_factor(struct rb_net_system *s)
+{
+	struct rb_net *net = s->net;
+
+	rb_net_add_masses(s, 2, false);
+	for (int k = 0; k < net->spring_count; k++) {
+		struct rb_net_spring *spring = &net->spring[k];
+		const rb_vec3 impulse = spring->impulse;
+
+		act(spring, s->h, &spring->stiff);
+		spring->impulse = impulse;
+		memcpy(spring->stiff_arm, spring->arm_mean, sizeof spring->stiff_arm);
+		rb_net_add_spring(s, spring, s->h * s->h, &spring->stiff, spring->stiff_arm);
+		for (int e = 0; e < 2; e++)
+			add_lever(s, spring, e);
+	}
+	net->factors++;
+	return rb_blocks_factor(&s->blocks);
+}
+
+void rb_net_move_means(struct rb_net *net, double part, double *x)
+{
+	for (int k = 0; k < net->body_count; k++) {
+		struct rb_net_body *body = &net->body[k];
+		const double *at = rb_net_unknown(x, body);
+
+		body->mean[0] = rb_vec3_add_scaled(body->mean[0], part, rb_vec3_from(at));
+		if (body->turns)
+			body->mean[1] = rb_vec3_add_scaled(body->mean[1], part,
+			                                   rb_vec3_from(at + 3));
+	}
+}
+
+rb_vec3 rb_net_parting(const struct rb_net *net, const struct rb_net_spring *spring, double *x,
+                       const rb_vec3 arm[2])
+{
+	rb_vec3 u = {0, 0, 0};
+
+	for (int e = 0; e < 2; e++) {
+		if (spring->body[e] < 0)
+			continue;
+		const struct rb_net_body *body = &net->body[spring->body[e]];
+		const double *at = rb_net_unknown(x, body);
+		rb_vec3 v = rb_vec3_from(at);
+
+		if (body->turns)
+			v = rb_vec3_add(v, rb_vec3_cross(rb_vec3_from(at + 3), arm[e]));
+		u = rb_vec3_add_scaled(u, e == 0 ? -1 : 1, v);
+	}
+	return u;
+}
