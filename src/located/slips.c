@@ -88,7 +88,7 @@ static bool is_given(rb_vec3 slip)
 }
 
 /* Whether it has stuck until now, and needs more for it than its friction. */
-static bool has_had_enough(const struct rb_held *before)
+static bool stick_has_ended(const struct rb_held *before)
 {
 	return before->a >= 0 && !before->slipping && before->ending;
 }
@@ -116,7 +116,7 @@ static void joint_contact(struct rb_resolution *s, int k)
 	else if (has_left)
 		c->impulse = left.force;
 	c->slip = s->slip[k];
-	if (s->lets_go && has_had_enough(before))
+	if (s->lets_go && stick_has_ended(before))
 		c->friction = 0;
 	if (speed >
 	    (stuck ? fmax(rest_speed, rb_drift_correct * (rb_vec3_length(m->pose_a.velocity) +
@@ -516,7 +516,7 @@ static bool lets_go(struct rb_resolution *s)
 	const bool solved = solve(s);
 	s->lets_go = false;
 	for (int k = 0; k < s->contact_point_count && solved; k++)
-		part = part && !(has_had_enough(&s->before[k]) && rb_slips_press(s, k));
+		part = part && !(stick_has_ended(&s->before[k]) && rb_slips_press(s, k));
 	return solved && part;
 }
 

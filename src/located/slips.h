@@ -38,7 +38,7 @@ struct rb_resolution {
 	double *load;
 	/* [contact_point_count]: unit, slips are to go this way; 0: as velocities or forces say */
 	rb_vec3 *slip;
-	bool lets_go; /* contacts that have had enough of sticking have no friction */
+	bool lets_go; /* contacts whose stick has ended have no friction */
 };
 
 /*
