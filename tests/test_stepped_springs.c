@@ -355,6 +355,29 @@ static void a_net_of_stiff_springs_never_gains(void **state)
 			run_net(seed, h);
 }
 
+/* Balls that part along their springs, and fall: a tenth of each speed is left to drag in a step. */
+static void a_net_that_drag_slows_down_gains_nothing(void **state)
+{
+	const double h = 0.01;
+	const struct rb_drag_def drag = {.linear = 0.1 / h};
+	struct lab lab;
+	int ball[3];
+
+	(void)state;
+	open_stepped(&lab, 20 * h, h);
+	assert_int_equal(rb_scene_add_drag(&lab.scene, &drag, &lab.error), RB_OK);
+	for (int k = 0; k < 3; k++) {
+		ball[k] = lab_sphere(&lab, 0.1, 1, (rb_vec3){k, 0.2 * k * k, 0},
+		                     (rb_vec3){k - 1, 0, 0.5 * k});
+		if (k > 0)
+			add_spring(&lab, &ball[k - 1], NULL, 1e8, 0);
+	}
+	lab_seal(&lab, 1);
+	const double start = energy(&lab);
+	assert_true(gain(&lab) <= 1e-9 * start);
+	lab_close(&lab);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -362,6 +385,7 @@ int main(void)
 		cmocka_unit_test(a_damped_spring_across_joints_converges_with_the_step),
 		cmocka_unit_test(a_spring_of_what_touches_gains_nothing_however_stiff),
 		cmocka_unit_test(a_net_of_stiff_springs_never_gains),
+		cmocka_unit_test(a_net_that_drag_slows_down_gains_nothing),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

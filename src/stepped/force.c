@@ -404,6 +404,8 @@ static enum rb_status add_fields(struct rb_world *world, const struct rb_cohort 
 	return status;
 }
 
+static const rb_vec3 none = {0, 0, 0};
+
 /*
  * Implicit drag: m (v - u) = -h (l + q |v|) v. v is parallel to u, and |v| is the root of a
  * quadratic, written without cancellation; s = |v| / |u|. The body moves by s times the parabola
@@ -433,7 +435,10 @@ static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, dou
 		const rb_vec3 others = rb_vec3_add(rb_world_row3(world->mark.velocity, i),
 		                                   rb_vec3_from(varied));
 
-		world->stepped->undragged[i] = left;
+		const bool of_net = rb_nets_of(world->stepped, i) >= 0;
+
+		/* springs of a net come after drag */
+		world->stepped->undragged[i] = of_net ? 1 : left;
 		if (world->stepped->tally) {
 			struct rb_tally_body *body = &world->stepped->tally->body[i];
 
@@ -442,8 +447,11 @@ static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, dou
 			body->carry = rb_vec3_scale(0.5 * h * left * left, others);
 		}
 		rb_vec3_to(v, rb_vec3_scale(left, rb_vec3_from(v)));
+		/* a net has what drag leaves to begin with, of constant forces, too */
+		const rb_vec3 to = of_net ? none : rb_vec3_from(v);
+
 		rb_vec3_to(varied, rb_vec3_add_scaled(rb_vec3_from(varied), 1 - left,
-		                                      rb_vec3_sub(rb_vec3_from(v), others)));
+		                                      rb_vec3_sub(to, others)));
 	}
 }
 
@@ -544,9 +552,9 @@ enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *coho
 	note_varied(world, cohort, 1);
 	if (world->stepped->tally)
 		note_carry(world, cohort, h);
-	if (status == RB_OK)
-		rb_nets_solve(world, h);
 	if (status == RB_OK && (features & RB_FEATURE_DRAG))
 		add_drag(world, cohort, h);
+	if (status == RB_OK)
+		rb_nets_solve(world, h);
 	return status;
 }

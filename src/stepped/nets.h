@@ -34,7 +34,7 @@ RB_CHECKED enum rb_status rb_nets_find(struct rb_world *world, const unsigned ch
                                        struct rb_error *err);
 /* What a spring of a net would give alone, N s on its second end. False: it is of none. */
 bool rb_nets_take(struct rb_stepped *s, int spring, rb_vec3 alone);
-/* All forces but drag have acted: velocities of what is in nets. */
+/* All other forces have acted: velocities of what is in nets. */
 void rb_nets_solve(struct rb_world *world, double h_s);
 
 /* Something holds a body of it: takes back what has been solved. */
