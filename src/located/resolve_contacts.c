@@ -702,18 +702,6 @@ static bool is_moving(const struct rb_resolution *s)
 }
 
 /*
- * True if steps cost less than what the set takes: its motion, eliminations; what is at rest, one
- * solution, after which it costs nothing.
- */
-static bool takes_too_much(const struct rb_resolution *s)
-{
-	const int count = s->contact_point_count;
-	const uint64_t cost = s->moves ? rb_located_cost(3.0 * count) : rb_located_rest_cost(count);
-
-	return cost > rb_located_left(s->l);
-}
-
-/*
  * True if it is another point of bodies in contact. An impact may bring one into the range of
  * touching by the speed that it gives it, and where a flat rim turns, another may be the lowest.
  */
@@ -755,7 +743,7 @@ static bool resolve_once(struct rb_resolution *s, bool inspects, int round)
 	const struct rb_ledger before = l->world->ledger;
 	keep_what_lasts(s);
 	s->moves = is_moving(s);
-	if (takes_too_much(s))
+	if (rb_slips_are_too_many(s))
 		rb_slips_too_many(s);
 	else
 		sample_external(s);

@@ -181,6 +181,14 @@ static void find_loads(struct rb_resolution *s)
 	}
 }
 
+bool rb_slips_are_too_many(const struct rb_resolution *s)
+{
+	const int count = s->contact_point_count;
+	const uint64_t cost = s->moves ? rb_located_cost(3.0 * count) : rb_located_rest_cost(count);
+
+	return cost > rb_located_left(s->l);
+}
+
 void rb_slips_too_many(const struct rb_resolution *s)
 {
 	s->l->status = RB_FAIL(s->l->err, RB_ERR_PHYSICS,

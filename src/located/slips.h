@@ -66,6 +66,12 @@ struct rb_drift rb_slips_drift(const struct rb_resolution *s, bool *kept);
 bool rb_slips_solve(struct rb_resolution *s);
 void rb_slips_too_many(const struct rb_resolution *s);
 
+/*
+ * Do steps cost less than what these contacts take? If bodies move, eliminations; at rest, one
+ * solution, after which they cost nothing.
+ */
+bool rb_slips_are_too_many(const struct rb_resolution *s);
+
 /* Those of the same pair as contact k: from *first to before the number returned. */
 int rb_slips_pair(const struct rb_resolution *s, int k, int *first);
 

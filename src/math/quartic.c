@@ -83,7 +83,7 @@ static int roots(const double *c, int degree, double max, double *root)
 	return count;
 }
 
-/* Halvings of the interval by which a polynomial that stays above is recognized: most of them do. */
+/* Halvings of the interval by which a polynomial without a root is recognized: most of them do. */
 enum { PARTS = 3 };
 
 /*
@@ -112,8 +112,8 @@ static bool is_above(const double b[DEGREE + 1], double rounding, int parts)
 	return is_above(low, rounding, parts - 1) && is_above(high, rounding, parts - 1);
 }
 
-/* True if it has no root up to `max` by more than rounding; false says nothing. */
-static bool stays_above(const double c[DEGREE + 1], double max)
+/* True if it is above zero up to `max` by more than rounding; false says nothing. */
+static bool has_no_root(const double c[DEGREE + 1], double max)
 {
 	double b[DEGREE + 1], term[DEGREE + 1], power = 1, sum = 0;
 
@@ -134,7 +134,7 @@ double rb_quartic_falls(const double c[5], double max)
 {
 	RB_ASSERT(max < (double)INFINITY);
 
-	if (stays_above(c, max))
+	if (has_no_root(c, max))
 		return (double)INFINITY;
 
 	double root[DEGREE + 1];
