@@ -16,7 +16,7 @@
 --   leave_out = {turn = "why"}   variations that this case has not, and why (told by the verb)
 --   quick = "base"    what --quick runs: "none", "base", "more" (also one rotation, another time step and
 --                     the zero field), or "all" bases
---   wall_seconds = 60 what a run may take
+--   processor_seconds = 60   what a run may take; by the clock 16 times that, on a busy machine
 -- It declares the parameters of the variations, which the verb sets one at a time: time_step, frame_rate, turn (0: none,
 -- 1: a quarter turn about x, exact; 2: an oblique rotation), shift (0, 1), harmless (an on_step that does nothing),
 -- zero_field (a field that is zero). A parameter with choices that the case itself declares is run for each choice.
@@ -110,7 +110,7 @@ end
 
 function verify.case(o)
 	local keys, why, unit, length = {}, o.leave_out or {}, o.time_unit or 1, o.length or 1
-	local own = {time_unit = true, length = true, leave_out = true, quick = true, wall_seconds = true,
+	local own = {time_unit = true, length = true, leave_out = true, quick = true, processor_seconds = true,
 		turns = true}
 	for key, value in pairs(o) do
 		if not own[key] then keys[key] = value end
@@ -123,7 +123,7 @@ function verify.case(o)
 	local harmless = choices("harmless", {false, true}, "an on_step that does nothing (variation)", why.harmless)
 	local zero = choices("zero_field", {false, true}, "a field that is zero (variation)", why.zero_field)
 	param("quick", o.quick or "base", "what --quick runs", {choices = {o.quick or "base"}})
-	param("wall_seconds", (o.wall_seconds or 60) + 0.0, "what a run may take", {min = 0})
+	param("processor_seconds", (o.processor_seconds or 60) + 0.0, "what a run may take", {min = 0})
 
 	origin = length * vec3(16, -32, 64)
 	-- a coordinate below 128 is rounded by half an ulp, three of them as a vector by less than one

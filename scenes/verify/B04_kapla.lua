@@ -5,7 +5,7 @@ local verify = require "rbsim.verify"
 local stack = require "rbsim.stack"
 
 verify.case { title = "SimBenchmark: Kapla", duration = 600, gravity = {0, 0, -9.81}, time_step = {0.01, 1 / 240, 0.1},
-	frame_rate = {0.1, 1, 0.07}, quick = "none", length = 1, wall_seconds = 300 }
+	frame_rate = {0.1, 1, 0.07}, quick = "none", length = 1, processor_seconds = 300 }
 local wood = material { name = "wood", density = 700, friction = 0.5, restitution = 0 }
 verify.plane { material = wood }
 local blocks = stack.kapla { floors = 6 }

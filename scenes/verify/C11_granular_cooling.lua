@@ -12,7 +12,7 @@ local spacing = 2.2 -- of the lattice at the start
 local half = side * spacing / 2
 
 verify.case { title = "A gas that cools", duration = duration, time_step = {0.1, 0.01, 1}, frame_rate = {1, 10, 3},
-	quick = "none", wall_seconds = 240 }
+	quick = "none", processor_seconds = 240 }
 local soft = material { name = "soft", friction = 0, restitution = e }
 local hard = material { name = "hard", friction = 0, restitution = 1 }
 contact_pair(soft, hard, { friction = 0, restitution = 1 })

@@ -12,7 +12,7 @@ local edge = side * spacing
 local flat = edge / 2 - 3 * sigma
 
 verify.case { title = "A fluid of hard spheres", duration = duration, time_step = {0.1, 0.01, 1}, frame_rate = {2, 1, 3},
-	quick = "none", wall_seconds = 2400, -- under a field all pairs are looked at
+	quick = "none", processor_seconds = 2400, -- under a field all pairs are looked at
 	turns = {0, 1}, leave_out = {turn = "another order of the last digits is another sample"} }
 local hard = material { name = "hard", friction = 0, restitution = 1 }
 local walls = {}

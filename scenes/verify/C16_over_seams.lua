@@ -8,7 +8,7 @@ local way = param("way", 0.0, "rad: of its path, from across the seams", {choice
 local g, r, v, duration = 9.81, 1, 2, 2
 
 verify.case { title = "Over seams", duration = duration, length = r, gravity = {0, 0, -g}, time_step = {0.01, 0.1},
-	frame_rate = {20, 7}, quick = "base", wall_seconds = 120 }
+	frame_rate = {20, 7}, quick = "base", processor_seconds = 120 }
 local stuff = material { name = "stuff", friction = 0.5, restitution = 0 }
 local parts = {}
 for i = -3, 3 do

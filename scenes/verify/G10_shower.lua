@@ -3,7 +3,7 @@
 -- other, too, and meet. Answer: energy and momenta stay.
 local verify = require "rbsim.verify"
 verify.case { title = "Elastic shower", duration = 60, time_step = {0.1, 1, 0.01}, frame_rate = {2, 0.5, 3},
-	gravitation = {G = 1}, quick = "none", wall_seconds = 120,
+	gravitation = {G = 1}, quick = "none", processor_seconds = 120,
 	leave_out = {shift = "chaotic: only what is conserved is known, and that is measured about the origin"} }
 local hard = material { name = "hard", friction = 0, restitution = 1 }
 verify.sphere { radius = 1, mass = 1, material = hard }

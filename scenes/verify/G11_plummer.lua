@@ -10,7 +10,7 @@ local crossing = 2 * math.sqrt(2)
 
 local long = "a thousand stars take long: cases G01 to G10 vary it"
 verify.case { title = "A cluster of stars", duration = 2 * crossing, time_step = {0.25}, frame_rate = {8},
-	gravitation = {G = 1, softening = 0.01}, quick = "base", wall_seconds = 7200, turns = {0},
+	gravitation = {G = 1, softening = 0.01}, quick = "base", processor_seconds = 7200, turns = {0},
 	leave_out = {shift = long, turn = long, time_step = long, frame_rate = long, harmless = long, zero_field = long} }
 local plain = material { name = "plain", friction = 0 }
 

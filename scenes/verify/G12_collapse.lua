@@ -11,7 +11,7 @@ local radius = 0.25 * (0.62 / count) ^ (1 / 3)
 
 local why = "chaotic from the first impact on, and long"
 verify.case { title = "A cold collapse", duration = count >= 1000 and 3 or 2, time_step = {2e-3}, frame_rate = {50},
-	gravitation = {G = 1, opening_angle = angle}, method = "stepped", quick = "base", wall_seconds = 7200, turns = {0},
+	gravitation = {G = 1, opening_angle = angle}, method = "stepped", quick = "base", processor_seconds = 7200, turns = {0},
 	leave_out = {shift = why, turn = why, time_step = why, frame_rate = why, harmless = why, zero_field = why} }
 local smooth = material { name = "smooth", friction = 0, restitution = 0.5 }
 local spacing = (math.sqrt(2) * 4 / 3 * math.pi / count) ^ (1 / 3)

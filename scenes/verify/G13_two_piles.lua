@@ -15,7 +15,7 @@ local radius = (0.6 / count) ^ (1 / 3)
 local settled, after = 4, count >= 1000 and 8 or 4
 
 verify.case { title = "Two rubble piles", duration = settled + after, time_step = {5e-3}, frame_rate = {10},
-	gravitation = {G = 1, opening_angle = angle}, method = "stepped", quick = "base", wall_seconds = 3600, turns = {0},
+	gravitation = {G = 1, opening_angle = angle}, method = "stepped", quick = "base", processor_seconds = 3600, turns = {0},
 	leave_out = {shift = "momentum is measured to rounding", turn = "chaotic", time_step = "chaotic", harmless = "chaotic",
 		frame_rate = "the piles are set off at a frame", zero_field = "chaotic"} }
 local stone = material { name = "stone", friction = 0, restitution = 0.8 }

@@ -12,7 +12,7 @@ local radius = (0.6 / count) ^ (1 / 3)
 local settled, spinning, rate = 4, 60, 10
 
 verify.case { title = "Spin-up", duration = settled + spinning, time_step = {1e-2}, frame_rate = {rate},
-	gravitation = {G = 1}, method = "stepped", quick = "none", wall_seconds = 3600, turns = {0},
+	gravitation = {G = 1}, method = "stepped", quick = "none", processor_seconds = 3600, turns = {0},
 	leave_out = {shift = "chaotic", turn = "chaotic", time_step = "chaotic", harmless = "chaotic", zero_field = "chaotic",
 		frame_rate = "it is spun up at frames"} }
 local stone = material { name = "stone", friction = 0.6, restitution = 0.3 }

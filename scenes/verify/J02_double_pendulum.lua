@@ -7,7 +7,7 @@ local g = 9.81
 local way = param("way", "places", "what is looked at", {choices = {"places", "long"}})
 
 verify.case { title = "A double pendulum", duration = way == "long" and 1000 or 10, time_step = {0.05, 0.01, 0.2},
-	frame_rate = {1, 10, 7}, gravity = {0, 0, -g}, method = "located", quick = "none", wall_seconds = 300,
+	frame_rate = {1, 10, 7}, gravity = {0, 0, -g}, method = "located", quick = "none", processor_seconds = 300,
 	leave_out = {frame_rate = "answers are at whole seconds"} }
 local plain = material { name = "plain", friction = 0 }
 local function ball(x) return verify.sphere { radius = 0.01, mass = 1, position = {x, 0, 0}, material = plain, collides_with = {} } end

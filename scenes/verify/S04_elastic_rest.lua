@@ -6,7 +6,7 @@ local part = param("part", "sphere", "what lies there", {choices = {"sphere", "l
 local sin, cos = part == "block" and 0.5 or 0, part == "block" and math.sqrt(0.75) or 1
 
 verify.case { title = "Elastic and at rest", duration = 100, gravity = {9.81 * sin, 0, -9.81 * cos}, time_step = {0.1, 0.01, 1},
-	frame_rate = {1, 0.1, 0.3}, quick = "base", wall_seconds = 120 }
+	frame_rate = {1, 0.1, 0.3}, quick = "base", processor_seconds = 120 }
 local hard = material { name = "hard", friction = part == "block" and 1 or 0.5, restitution = 1 }
 local bodies, radius = {}, 0.05
 verify.plane { material = hard }

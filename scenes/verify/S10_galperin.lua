@@ -12,7 +12,7 @@ local angle = math.atan(1 / math.sqrt(ratio))
 local count = math.floor(math.pi / angle)
 
 verify.case { title = "Counting pi", duration = 40, time_step = {0.1, 1e-3, 1}, frame_rate = {1, 10, 7},
-	tolerance = 1e-6, quick = "more", length = radius / 16, wall_seconds = 120 }
+	tolerance = 1e-6, quick = "more", length = radius / 16, processor_seconds = 120 }
 local hard = material { name = "hard", friction = 0, restitution = 1 }
 verify.plane { normal = {1, 0, 0}, material = hard }
 local light = verify.sphere { name = "light", radius = radius, mass = 1, position = {radius + 1, 0, 0}, material = hard }

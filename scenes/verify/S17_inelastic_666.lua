@@ -5,7 +5,7 @@ local verify = require "rbsim.verify"
 local g, radius, duration = 9.81, 0.1, 10
 
 verify.case { title = "SimBenchmark: 666, inelastic", duration = duration, gravity = {0, 0, -g}, seed = 42,
-	time_step = {1e-3, 4e-3, 1e-2}, frame_rate = {10, 1, 7}, quick = "none", length = 4, wall_seconds = 600,
+	time_step = {1e-3, 4e-3, 1e-2}, frame_rate = {10, 1, 7}, quick = "none", length = 4, processor_seconds = 600,
 	tolerance = 1e-6 * radius }
 local dough = material { name = "dough", friction = 0, restitution = 0 }
 verify.plane { material = dough }

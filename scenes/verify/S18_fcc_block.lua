@@ -5,7 +5,7 @@ local lattice = require "rbsim.lattice"
 local radius, cells = 0.05, 3
 
 verify.case { title = "A block of touching spheres", duration = 100, gravity = {0, 0, -9.81}, time_step = {0.1, 0.01, 1},
-	frame_rate = {1, 0.1, 0.3}, quick = "none", wall_seconds = 120 }
+	frame_rate = {1, 0.1, 0.3}, quick = "none", processor_seconds = 120 }
 local steel = material { name = "steel", friction = 0.5, restitution = 0 }
 -- Centres go from 0 to (cells - 1/2) edges; the walls touch the outermost.
 local edge = 2 * radius * math.sqrt(2)

@@ -6,7 +6,7 @@ local aside = param("aside", 0.0, "every other sphere, m", {choices = {0.0, 1e-9
 local count, radius = 200, 0.5
 
 verify.case { title = "A column of 200 spheres", duration = aside == 0 and 10 or 2, gravity = {0, 0, -9.81},
-	time_step = {0.1, 0.01, 1}, frame_rate = {1, 10, 3}, quick = "none", wall_seconds = 120, tolerance = 1e-6,
+	time_step = {0.1, 0.01, 1}, frame_rate = {1, 10, 3}, quick = "none", processor_seconds = 120, tolerance = 1e-6,
 	leave_out = {turn = "the column stands exactly along an axis of coordinates, that is the case",
 		shift = "as for turn: an offset of 1e-9 m would be rounded"} }
 local steel = material { name = "steel", friction = 0.5, restitution = 0 }

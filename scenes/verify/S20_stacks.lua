@@ -6,7 +6,7 @@ local stack = require "rbsim.stack"
 local part = param("part", "tower", "what stands there", {choices = {"tower", "pyramid", "arch", "cards", "dominoes"}})
 
 verify.case { title = "Things that stand", duration = 60, gravity = {0, 0, -9.81}, time_step = {1 / 60, 1 / 240, 1},
-	frame_rate = {1, 10, 0.3}, quick = "base", length = 4, wall_seconds = 120 }
+	frame_rate = {1, 10, 0.3}, quick = "base", length = 4, processor_seconds = 120 }
 local mu = ({tower = 0.5, pyramid = 0.5, arch = 0.6, cards = 0.7, dominoes = 0.5})[part]
 local stuff = material { name = "stuff", friction = mu, restitution = 0 }
 verify.plane { material = stuff }

@@ -7,7 +7,7 @@ local fault = param("fault", "mass_zero", "what is wrong", {choices = {
 	"step_zero", "step_negative", "step_nan", "quaternion_zero", "quaternion_long", "position_nan", "velocity_infinite",
 	"plate_zero", "name_twice", "unknown_key", "many", "empty"}})
 param("quick", "all", "what --quick runs", {choices = {"all"}})
-param("wall_seconds", 600.0, "what a run may take", {min = 0})
+param("processor_seconds", 600.0, "what a run may take", {min = 0})
 local nan, infinite = 0 / 0, 1 / 0
 
 local bodies = {

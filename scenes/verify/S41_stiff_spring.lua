@@ -9,7 +9,7 @@ local reduced = pair == "wall" and light or light * heavy / (light + heavy)
 local omega = math.sqrt(stiffness / reduced)
 
 verify.case { title = "A stiff spring", duration = 1, time_step = {1e-3, 1e-5, 0.1}, frame_rate = {1, 10, 7}, quick = "none",
-	wall_seconds = 400 }
+	processor_seconds = 400 }
 local a = pair == "wall" and verify.sphere { name = "anchor", radius = 0.1, static = true }
 	or verify.sphere { name = "heavy", radius = 0.1, mass = heavy }
 local b = verify.sphere { name = "light", radius = 0.1, mass = light, position = {1 + stretch, 0, 0} }

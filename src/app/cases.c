@@ -367,7 +367,7 @@ static enum rb_status read_params(struct plan *plan)
 	for (int i = 0; i < plan->scene->param_count; i++) {
 		const struct rb_param_def *const param = &plan->scene->params[i];
 		const size_t used = strlen(left_out);
-		if (strcmp(param->name, "wall_seconds") == 0)
+		if (strcmp(param->name, "processor_seconds") == 0)
 			one->limit_s = param->value;
 		else if (strcmp(param->name, "quick") == 0)
 			plan->quick = quick_of(param->default_text);

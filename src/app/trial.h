@@ -48,7 +48,7 @@ struct rb_trial_job {
 	const char *path;
 	const char *const *params;
 	int param_count;
-	double limit_s; /* wall time, after which it is killed */
+	double limit_s; /* of its processor's time, or 1/16 of wall time, after which it is killed */
 	const struct rb_options *options;
 };
 
@@ -56,6 +56,8 @@ RB_CHECKED enum rb_status rb_trial_start(struct rb_trial *trial, const struct rb
                                          struct rb_error *err);
 /* Takes what is there without waiting; `*ended`: nothing more will come. */
 RB_CHECKED enum rb_status rb_trial_read(struct rb_trial *trial, bool *ended, struct rb_error *err);
+/* Has it had its time? If not, its deadline is when to ask again. */
+bool rb_trial_is_over(struct rb_trial *trial, const struct rb_trial_job *job);
 /*
  * Ends it, by force where it has not ended by itself; RB_ERR_MEMORY is all that can go wrong with
  * the result.

@@ -330,7 +330,7 @@ static enum rb_status run_all(struct verify *verify, struct rb_error *err)
 			if (place->taken)
 				status = rb_trial_read(&place->trial, &ended, err);
 			if (place->taken && !status &&
-			    (ended || rb_clock_now_ns() >= place->trial.deadline_ns))
+			    (ended || rb_trial_is_over(&place->trial, &place->job)))
 				status = end_place(verify, place, err);
 			if (!place->taken && !status && verify->next_case < verify->cases.count)
 				status = start_next(verify, place, err);

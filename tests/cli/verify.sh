@@ -47,7 +47,7 @@ end)
 END
 cat >cases/T2_hangs.lua <<'END'
 local verify = require "rbsim.verify"
-verify.case { title = "Hangs", duration = 1, time_step = {0.1}, frame_rate = {10}, wall_seconds = 0.3,
+verify.case { title = "Hangs", duration = 1, time_step = {0.1}, frame_rate = {10}, processor_seconds = 0.3,
 	leave_out = {turn = "x", shift = "x", harmless = "x", zero_field = "x", time_step = "x", frame_rate = "x"} }
 sphere { radius = 0.1 }
 on_frame(function() for i = 1, 3e7 do local x = i * i end end)
@@ -89,6 +89,31 @@ exits 1 verify t1 --scenes cases --jobs 1 --quiet
 exits 0 verify t1 --scenes cases --quick
 says out '^1 of 1 case pass; 4 of 4 runs'
 exits 0 verify T6 --scenes cases --method classic
+
+# A machine that is busy with others is no fault of a run: its limit is of processor time.
+mkdir slow
+cat >slow/T7_waits.lua <<'END'
+local verify = require "rbsim.verify"
+verify.case { title = "Waits", duration = 1, time_step = {0.1}, frame_rate = {10}, processor_seconds = 5,
+	leave_out = {turn = "x", shift = "x", harmless = "x", zero_field = "x", time_step = "x", frame_rate = "x"} }
+sphere { radius = 0.1 }
+on_frame(function() for i = 1, 1e7 do local x = i * i end end)
+expect("it ends", function() return true end)
+END
+"$RBSIM" verify --scenes slow >out 2>err &
+pid=$!
+child=
+has_child()
+{
+	child=$(cat "/proc/$pid/task/$pid/children") && [ -n "$child" ]
+}
+until_true has_child
+child=${child% }
+kill -STOP "$child" || fail "the run was not found"
+sleep 6
+kill -CONT "$child"
+ended 0 "a run that was stopped for longer than its limit"
+says out '^T7_waits +it ends .* pass$'
 
 exits 64 verify s93
 says err "unknown case 's93'.* there are "
