@@ -38,6 +38,7 @@ print("begun")
 for i = 1, math.huge do end
 END
 for case in "TERM 143" "USR1 143" "HUP 143"; do
+	rm -f out err # the last one's would be taken for it
 	env --default-signal=HUP "$RBSIM" loads.lua --no-record >out 2>err &
 	pid=$!
 	until_true grep -q begun out err
