@@ -21,7 +21,20 @@ for k = 1, count do
 		joint { kind = "rod", a = balls[k], at_b = top + side * spread * vec3(0, 1, 0), radius = 0.003, color = {0.3, 0.3, 0.3} }
 	end
 end
-camera { name = "main", position = {0.6, -1.6, 0.7}, look_at = {0, 0, 0.2}, overlay = {"title", "time"} }
+-- the frame, which nothing touches
+local wood = material { name = "wood", color = {0.45, 0.3, 0.18} }
+local function part(name, size, at)
+	box { name = name, size = size, position = at, static = true, collides_with = {}, material = wood }
+end
+local long, thick = 2 * count * radius + 0.2, 0.02
+part("plate", {long + 0.1, 2 * spread + 0.1, thick}, {0, 0, -0.15})
+for side = -1, 1, 2 do
+	part("rail " .. side, {long, thick, thick}, {0, side * spread, height + thick / 2})
+	for along = -1, 1, 2 do
+		part("leg " .. side .. along, {thick, thick, height + 0.15}, {along * (long - thick) / 2, side * spread, (height - 0.15) / 2})
+	end
+end
+camera { name = "main", position = {0.8, -1.7, 0.75}, look_at = {0, 0, 0.18}, overlay = {"title", "time"} }
 
 local first = nil
 on_frame(function() first = first or energy() end)
