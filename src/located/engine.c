@@ -33,6 +33,7 @@
 #include "located/transition.h"
 #include "geom/distance.h"
 #include "model/descriptor.h"
+#include "world/joint_state.h"
 
 /* Events and steps of a series between two polls for an interruption. */
 enum { TURNS_PER_POLL = 1 << 20 };
@@ -442,6 +443,8 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 		predict_set(l, t);
 		predict_thrown(l, t);
 	}
+	if (l->started)
+		rb_joint_states_fit(l->world);
 	return l->status;
 }
 
@@ -644,6 +647,7 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	if (!l->started) {
 		rb_crowd_begin(l);
 		start(l, l->world->state.time_s);
+		rb_joint_states_fit(l->world);
 		if (l->status == RB_OK) /* slips that no force sustains have ended at once */
 			call_hooks(l, reported, l->now_s);
 	}

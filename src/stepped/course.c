@@ -316,6 +316,23 @@ static double fastest(const struct rb_swing_step *s)
 	return max;
 }
 
+/* J: kinetic energy as the step begins. */
+static double energy_of(const struct rb_swing_step *s)
+{
+	const struct rb_model *const model = s->world->model;
+	double sum = 0;
+
+	for (int k = 0; k < s->tree.count; k++) {
+		const struct rb_pose *const pose = &s->pose[BEGIN][k];
+		const int i = s->tree.body[k];
+
+		sum += 0.5 * (model->mass[i] * rb_vec3_dot(pose->velocity, pose->velocity) +
+		              rb_vec3_dot(pose->spin, rb_course_weigh(model, i, pose->orientation,
+		                                                      pose->spin)));
+	}
+	return sum;
+}
+
 /*
  * What of velocities joints do not let be is taken away, by the impulses that take the least
  * energy: those are accelerations without any motion.
@@ -548,6 +565,7 @@ static double take_parts(struct rb_swing_step *s, double h, int parts)
 	const size_t count = (size_t)s->tree.count;
 
 	begin_step(s);
+	s->taken = 0;
 	memset(s->sum, 0, count * sizeof *s->sum);
 	memset(s->place, 0, count * sizeof *s->place);
 	memset(s->spin, 0, count * sizeof *s->spin);
@@ -555,8 +573,10 @@ static double take_parts(struct rb_swing_step *s, double h, int parts)
 	for (int part = 0; part < parts; part++) {
 		if (begin_part(s) > rounding_share * s->tree.count * fastest(s) && part == 0) {
 			begin_step(s);
+			s->taken = energy_of(s);
 			project(s);
 			(void)begin_part(s);
+			s->taken -= energy_of(s);
 		}
 		const double leaves = find_nodes(s);
 

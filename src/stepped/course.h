@@ -50,6 +50,7 @@ struct rb_swing_step {
 	rb_vec3 *place, *spin;   /* [count] by place: integrals over the step */
 	rb_vec3 *kept;           /* [2 count] scratch */
 	uint64_t evaluations;
+	double taken; /* J: with velocities that joints do not let be, as the step begins */
 };
 
 /*

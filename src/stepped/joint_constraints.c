@@ -513,18 +513,21 @@ static void note_work(struct rb_joint_work *work, bool one_sided, int part, doub
  * `done`: by the middle of the velocities before and after. What velocities did not fit the joint
  * by as the step began has been taken away, whatever the step.
  */
-static void note_held(const struct filling *f, const struct rb_constraint *row, double done)
+static void note_held(const struct filling *f, int k, const struct rb_constraint *row, double done)
 {
 	const rb_vec3 p = rb_constraint_impulse(row);
-
-	f->of->work.held += f->query->at_end ? done
+	const double held = f->query->at_end ? done
 	                                     : 0.5 * rb_vec3_dot(p, rb_constraint_velocity(
 									    f->query->bodies, row));
+
+	f->of->work.held += held;
 	f->of->work.pushed += rb_vec3_length(p);
+	if (f->query->world->joint[k].was_set)
+		f->of->work.impacts -= done - held;
 }
 
 /* Adds a row's impulse to the sums of the joint. */
-static void note_row(const struct filling *f, int part, const struct rb_constraint *whole)
+static void note_row(const struct filling *f, int k, int part, const struct rb_constraint *whole)
 {
 	struct rb_constraint given = *whole;
 	const struct rb_constraint *const row = &given;
@@ -563,7 +566,7 @@ static void note_row(const struct filling *f, int part, const struct rb_constrai
 
 	note_work(&of->work, f->joint->link.type->one_sided, part, done);
 	if (part < RB_JOINT_LOW)
-		note_held(f, &given, done);
+		note_held(f, k, &given, done);
 	if (two[1].inverse_mass == 0)
 		note_fixed(&of->work, row, sign < 0 ? f->a.position : f->b.position, &two[1]);
 }
@@ -607,7 +610,7 @@ void rb_step_joint_rows_store(const struct rb_joint_query *query, int k, struct 
 		}
 	}
 	for (int r = 0; r < rows; r++)
-		note_row(&f, part[r], &row[r]);
+		note_row(&f, k, part[r], &row[r]);
 }
 
 bool rb_step_joint_rows_are_smooth(const struct rb_joint_query *query, int k,

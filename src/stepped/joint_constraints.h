@@ -87,7 +87,10 @@ RB_FIELDS_DECLARE(rb_joint_memory_fields);
 
 /* For the ledger: what a joint has done in a try. */
 struct rb_joint_work {
-	/* J: by the motor; taken by friction; taken by limits and ropes; by spring and damper */
+	/*
+	 * J: by the motor; taken by friction; taken by limits and ropes, and of velocities that
+	 * were set so that they do not fit; by spring and damper
+	 */
 	double motor, friction, impacts, spring;
 	/* J: by what holds it, next to nothing where the step resolves its motion; N s: impulses */
 	double held, pushed;

@@ -351,6 +351,7 @@ void rb_joints_keep(struct rb_world *world, const struct rb_cohort *cohort, doub
 		/* of groups that rest the forces are those that they have come to rest with */
 		if (of->first_row >= 0 || of->swings)
 			remember(joint, of, h);
+		world->joint[k].was_set = false;
 		of->last.way = rb_joints_way(world, k, h);
 		of->sum[0] = rb_vec3_add_scaled(of->sum[0], h, of->last.reaction);
 		of->sum[1] = rb_vec3_add_scaled(of->sum[1], h, of->last.twist);

@@ -225,6 +225,7 @@ static void store_joint(const struct rb_swing_step *s, const struct rb_solver *s
 static void store(const struct rb_swing_step *s, struct rb_solver *solver, struct rb_island *island)
 {
 	const double each = 1 / solver->h_s;
+	double taken = s->taken;
 	const struct rb_joints *const all = s->world->model->joints;
 
 	for (int k = 0; k < s->tree.body_count; k++) {
@@ -254,9 +255,18 @@ static void store(const struct rb_swing_step *s, struct rb_solver *solver, struc
 			}
 		}
 	}
-	for (int k = 0; k < s->tree.count; k++)
-		if (s->tree.link[k].joint >= 0)
-			store_joint(s, solver, k);
+	for (int k = 0; k < s->tree.count; k++) {
+		const int joint = s->tree.link[k].joint;
+
+		if (joint < 0)
+			continue;
+		store_joint(s, solver, k);
+		/* where none was set, they are errors of rows before, which are not explained */
+		if (s->world->joint[joint].was_set) {
+			solver->joint[joint].work.impacts = taken;
+			taken = 0;
+		}
+	}
 	island->sweeps = (int)s->evaluations;
 	island->factors = 0;
 	island->residual = island->slip = island->energy_budget = 0;

@@ -35,7 +35,8 @@ enum rb_status rb_joint_states_create(struct rb_world *world, struct rb_error *e
 		world->joint[k] = (struct rb_joint_state){.motor_speed = joint->motor_speed,
 		                                          .motor_angle = (double)NAN,
 		                                          .motor_max = joint->motor_max,
-		                                          .has_motor = joint->has_motor};
+		                                          .has_motor = joint->has_motor,
+		                                          .was_set = true};
 		for (int i = 0; i < RB_JOINT_NOTED; i++)
 			world->joint[k].noted[i] = -1;
 	}
@@ -92,6 +93,12 @@ double rb_joint_states_energy(const struct rb_world *world)
 void rb_joint_states_pack(struct rb_world *world, struct rb_pack *pack)
 {
 	rb_fields_pack(rb_joint_state_fields(), world->joint, (size_t)count_of(world), NULL, pack);
+}
+
+void rb_joint_states_fit(struct rb_world *world)
+{
+	for (int k = 0; k < count_of(world); k++)
+		world->joint[k].was_set = false;
 }
 
 uint64_t rb_joint_states_hash(const struct rb_world *world, uint64_t hash)

@@ -29,7 +29,9 @@ enum { RB_JOINT_TAUT = RB_JOINT_DRIVES, RB_JOINT_NOTED };
 	X(int, noted, [RB_JOINT_NOTED], "",                                                       \
 	  "1, 0: what lasts does or does not, as was last told; -1: not known", RB_WITHIN(-1, 1)) \
 	X(bool, has_motor, , "", "", RB_FLAG)                                                     \
-	X(bool, released, , "", "it holds no more", RB_FLAG)
+	X(bool, released, , "", "it holds no more", RB_FLAG)                                      \
+	X(bool, was_set, , "",                                                                    \
+	  "velocities at it were set, by the scene or a callback, and may not fit it", RB_FLAG)
 struct rb_joint_state {
 	RB_JOINT_STATE_FIELDS(RB_FIELD_MEMBER)
 };
@@ -43,6 +45,9 @@ RB_CHECKED enum rb_status rb_joint_states_create(struct rb_world *world, struct 
  * the mean of its speeds since it was seen last, so that this may be long ago.
  */
 void rb_joint_states_see(struct rb_world *world);
+
+/* Velocities at all joints fit them: what did not has been taken and entered. */
+void rb_joint_states_fit(struct rb_world *world);
 
 void rb_joint_states_pack(struct rb_world *world, struct rb_pack *pack);
 

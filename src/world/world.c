@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "world/joint_state.h"
 
 RB_FIELDS_DEFINE(rb_counts_fields, struct rb_counts, RB_COUNTS_FIELDS);
 RB_FIELDS_DEFINE(rb_event_fields, struct rb_event, RB_EVENT_FIELDS);
@@ -339,8 +340,12 @@ static void enter_change(struct rb_world *world, int id, const struct account *b
 {
 	const struct account now = account_of(world, id);
 	const rb_vec3 impulse = rb_vec3_sub(now.momentum, before->momentum);
+	const struct rb_joints *joints = world->model->joints;
+	const int i = world->model->index_of[id];
 	struct rb_entries e = {0};
 
+	for (int at = joints ? joints->first[i] : 0; joints && at < joints->first[i + 1]; at++)
+		world->joint[joints->of[at]].was_set = true;
 	if (world->options.keep_events) {
 		report_change(world, RB_EVENT_IMPULSE, id, impulse);
 		report_change(world, RB_EVENT_ANGULAR_IMPULSE, id,
