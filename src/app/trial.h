@@ -48,7 +48,7 @@ struct rb_trial_job {
 	const char *path;
 	const char *const *params;
 	int param_count;
-	double limit_s; /* of its processor's time, or 1/16 of wall time, after which it is killed */
+	double limit_s; /* of processor time; of wall time 16 times that. Then it is killed */
 	const struct rb_options *options;
 };
 

@@ -262,6 +262,9 @@ double rb_world_element_energy(const struct rb_world *world, struct rb_gravitati
 /* J, of springs in joints (world/joint_state). */
 double rb_joint_states_energy(const struct rb_world *world);
 
+/* By id. Neither static nor driven, so that its energy and momentum count. */
+bool rb_world_is_dynamic(const struct rb_world *world, int id);
+
 /* Angular momentum about its own centre of mass of a moving body that can turn, by index. */
 static inline rb_vec3 rb_world_spin_momentum(const struct rb_world *world, int index)
 {
