@@ -511,19 +511,19 @@ static void note_work(struct rb_joint_work *work, bool one_sided, int part, doub
 
 /*
  * `done`: by the middle of the velocities before and after. What velocities did not fit the joint
- * by as the step began has been taken away, whatever the step.
+ * by as the step began has been taken away, whatever the step: of halves, and where they were set.
  */
 static void note_held(const struct filling *f, int k, const struct rb_constraint *row, double done)
 {
+	const bool was_set = f->query->world->joint[k].was_set && !f->query->at_end;
+	const bool first = f->query->lasts_s < f->query->h_s && !f->query->at_end;
 	const rb_vec3 p = rb_constraint_impulse(row);
-	const double held = f->query->at_end ? done
-	                                     : 0.5 * rb_vec3_dot(p, rb_constraint_velocity(
-									    f->query->bodies, row));
+	const double at_end = 0.5 * rb_vec3_dot(p, rb_constraint_velocity(f->query->bodies, row));
 
-	f->of->work.held += held;
+	f->of->work.held += first || was_set ? at_end : done;
 	f->of->work.pushed += rb_vec3_length(p);
-	if (f->query->world->joint[k].was_set)
-		f->of->work.impacts -= done - held;
+	if (was_set)
+		f->of->work.impacts -= done - at_end;
 }
 
 /* Adds a row's impulse to the sums of the joint. */

@@ -246,20 +246,64 @@ static double kinetic_energy(const struct rb_world *world, const struct rb_islan
 
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
-		struct rb_solver_body motion = {.linear = rb_world_velocity(world, i)};
+		const rb_vec3 v = rb_world_velocity(world, i);
 
-		if (world->state.spin)
-			motion.angular = rb_world_row3(world->state.spin, i);
-		const struct rb_solver_body momentum = rb_energy_weigh(solver, i, &motion);
-		twice += rb_energy_product(&momentum, &motion);
+		twice += rb_vec3_dot(v, v) / world->model->inverse_mass[i];
+		if (!world->state.spin)
+			continue;
+		const rb_vec3 spin = rb_world_row3(world->state.spin, i);
+		twice += rb_vec3_dot(spin, rb_world_spin_momentum(world, i));
 	}
 	return 0.5 * twice;
+}
+
+/*
+ * J: by torques that stiffening stands for. What they take from vibrations under a steady pull is
+ * little of the kinetic energy; of a pull by what moves itself it is much of it.
+ */
+static double stiffening_work(const struct rb_world *world, const struct rb_island *island)
+{
+	const struct rb_solver *solver = &world->stepped->solver;
+	double sum = 0;
+
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+		const struct rb_solver_body turning = {
+			.angular = solver->dense.bodies.body[i].angular};
+
+		if (!solver->stiff[i])
+			continue;
+		const rb_vec3 before = rb_world_row3(solver->before->spin, i);
+		const rb_vec3 more = rb_vec3_sub(
+			rb_energy_weigh(solver, i, &turning).angular,
+			rb_world_weigh_spin(world, solver->before, i, turning.angular));
+		sum -= 0.5 * rb_vec3_dot(more, rb_vec3_add(before, turning.angular));
+	}
+	return sum;
 }
 
 /* What a group's joints have done, J, and what they may: forces along what they may be off by. */
 struct held {
 	double work, max;
 };
+
+/*
+ * Whether joints and forces alone have acted on a group that moves; in halves, springs with rows,
+ * too: whole impulses of those damp what the step does not resolve, and shorter steps gain by it.
+ */
+static bool is_alone(const struct rb_solver *solver, const struct rb_island *island)
+{
+	if (island->contact_count > 0 || rb_islands_has_no_rows(island) ||
+	    (island->sprung && !island->halves))
+		return false;
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+
+		if (solver->rests[i] || (solver->kick && solver->kick[i].is_set))
+			return false;
+	}
+	return true;
+}
 
 enum rb_status rb_joints_blame_held(struct rb_world *world, double h, struct rb_error *err)
 {
@@ -281,14 +325,16 @@ enum rb_status rb_joints_blame_held(struct rb_world *world, double h, struct rb_
 		struct held *of =
 			&held[solver->island_of[rb_step_joint_rows_owner(world->model, joint)]];
 
-		if (solver->joint[number].halves) {
-			of->work += work->held;
-			of->max += along * work->pushed;
-		}
+		of->work += work->held;
+		of->max += along * work->pushed;
 	}
 	for (size_t g = 0; g < solver->island_count; g++) {
 		const struct rb_island *island = &solver->island[g];
 
+		if (!is_alone(solver, island))
+			continue;
+		if (!island->halves)
+			held[g].work += stiffening_work(world, island);
 		/* written so that NaN is left to others */
 		if (!(fabs(held[g].work) > held[g].max) ||
 		    !(fabs(held[g].work) >

@@ -265,17 +265,24 @@ double rb_joint_states_energy(const struct rb_world *world);
 /* By id. Neither static nor driven, so that its energy and momentum count. */
 bool rb_world_is_dynamic(const struct rb_world *world, int id);
 
-/* Angular momentum about its own centre of mass of a moving body that can turn, by index. */
-static inline rb_vec3 rb_world_spin_momentum(const struct rb_world *world, int index)
+/* Angular momentum about its own centre of mass: of a moving body that can turn, with a spin. */
+static inline rb_vec3 rb_world_weigh_spin(const struct rb_world *world,
+                                          const struct rb_state *state, int index, rb_vec3 spin)
 {
 	const struct rb_model *model = world->model;
-	const rb_vec3 spin = rb_world_row3(world->state.spin, index);
 
 	if (!isnan(model->inverse_inertia_scalar[index]))
 		return rb_vec3_scale(model->inertia[index].m[0][0], spin);
-	const rb_quat q = rb_quat_from(world->state.orientation + 4 * (size_t)index);
+	const rb_quat q = rb_quat_from(state->orientation + 4 * (size_t)index);
 	return rb_quat_rotate(q,
 	                      rb_mat3_apply(&model->inertia[index], rb_quat_rotate_back(q, spin)));
+}
+
+/* The same with the spin that it has. */
+static inline rb_vec3 rb_world_spin_momentum(const struct rb_world *world, int index)
+{
+	return rb_world_weigh_spin(world, &world->state, index,
+	                           rb_world_row3(world->state.spin, index));
 }
 
 #endif
