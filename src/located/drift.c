@@ -244,7 +244,7 @@ static bool take(struct errors *e)
 	for (int k = 0; k < e->drift->count; k++)
 		if (e->drift->kept[k])
 			e->row[e->n++] = k;
-	return rb_joint_hold_take(&e->hold, e->drift->l, e->drift->pose, e->drift->t);
+	return rb_joint_hold_take(&e->hold, e->drift->l, e->drift->pose, e->drift->t, false);
 }
 
 static void contact_points_of(const struct rb_drift *drift)

@@ -58,6 +58,7 @@ static bool make_rows(struct rb_located *l)
 
 		l->drive_mode = row(parts, sizeof *l->drive_mode, &failed);
 		l->drive_next = row(parts, sizeof *l->drive_next, &failed);
+		l->eased = row(parts, sizeof *l->eased, &failed);
 		if (!failed)
 			memset(l->drive_next, RB_DRIVE_KEEPS, parts);
 		failed = !rb_follow_create(l) || failed;
@@ -178,6 +179,7 @@ void rb_engine_destroy(struct rb_located *l)
 	rb_memory_free(l->plane_normal);
 	rb_memory_free(l->drive_mode);
 	rb_memory_free(l->drive_next);
+	rb_memory_free(l->eased);
 	rb_memory_free(l->switch_s);
 	rb_gravitation_release(&l->gravitation);
 	rb_memory_free(l->merge);

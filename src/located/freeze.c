@@ -285,6 +285,7 @@ void rb_freeze_pack(struct rb_located *l, struct rb_pack *pack)
 		rb_pack_int(pack, &next, RB_DRIVE_LOW, RB_DRIVE_KEEPS);
 		l->drive_mode[k] = (signed char)mode;
 		l->drive_next[k] = (signed char)next;
+		rb_pack_bool(pack, &l->eased[k]);
 	}
 	if (!pack->failed)
 		rb_follow_pack(l, pack);

@@ -174,6 +174,15 @@ double rb_joint_rows_fall(const struct rb_located *l, int which)
 	return sqrt(2 * l->weight * l->model->joints->joint[which].size);
 }
 
+double rb_joint_rows_eased(const struct rb_located *l, int which, int stop)
+{
+	const struct rb_joint *joint = &l->model->joints->joint[which];
+
+	if (!l->eased[RB_JOINT_PARTS_HELD * which + stop])
+		return 0;
+	return rb_joint_eased * (rb_linkage_turns(&joint->link) ? 1 : joint->size);
+}
+
 struct rb_joint_stop rb_joint_rows_stop(const struct rb_joint_rows *rows, int which, int stop,
                                         double t)
 {
@@ -205,6 +214,7 @@ struct rb_joint_stop rb_joint_rows_stop(const struct rb_joint_rows *rows, int wh
 		now = (struct rb_joint_stop){
 			.gap = sign * (value - limit), .rate = sign * free.rate, .row = free.row};
 	}
+	now.gap += rb_joint_rows_eased(l, which, stop);
 	now.row.linear = rb_vec3_scale(sign, now.row.linear);
 	now.row.angular_a = rb_vec3_scale(sign, now.row.angular_a);
 	now.row.angular_b = rb_vec3_scale(sign, now.row.angular_b);
@@ -321,6 +331,8 @@ void rb_joint_rows_fill(struct rb_joint_rows *rows, double t)
 	rows->count = 0;
 	for (int k = 0; k < rows->joint_count; k++) {
 		fill_joint(rows, rows->joint[k], t);
+		if (rows->bare)
+			continue;
 		if (rb_joint_rows_has_drive(rows->l, rows->joint[k]))
 			fill_drives(rows, rows->joint[k], t);
 		fill_stops(rows, rows->joint[k], t);
@@ -457,10 +469,10 @@ static bool fail_memory(const struct rb_joint_rows *rows)
 }
 
 bool rb_joint_hold_take(struct rb_joint_hold *hold, struct rb_located *l,
-                        const struct rb_pose *pose, double t)
+                        const struct rb_pose *pose, double t, bool bare)
 {
 	hold->rows = (struct rb_joint_rows){
-		.l = l, .body = l->set, .pose = pose, .body_count = l->set_count};
+		.l = l, .body = l->set, .pose = pose, .body_count = l->set_count, .bare = bare};
 	if (!l->model->joints)
 		return true;
 	if (!rb_joint_rows_collect(&hold->rows))
@@ -719,14 +731,19 @@ static bool has_drifted(const struct rb_joint_rows *rows, double t)
 		const struct rb_joint_row *row = &rows->row[k];
 		const struct rb_joint *joint = &l->model->joints->joint[row->joint];
 
-		if (fabs(row->error) <= rb_joint_drift_max * joint->size + rounding)
+		const double eased = rb_joint_rows_is_stop(row)
+		                             ? row->scale * rb_joint_rows_eased(l, row->joint,
+		                                                                row->drive)
+		                             : 0;
+
+		if (fabs(row->error - eased) <= rb_joint_drift_max * joint->size + rounding)
 			continue;
 		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
 		                    "%s%s is open by %.3g m at t = %.17g s (at most 1e-9 of its "
 		                    "size, %.3g m)",
 		                    rb_joint_source(l->model->scene, joint->def, source),
 		                    rb_joint_label(l->model->scene, joint->def, label),
-		                    fabs(row->error), t, joint->size);
+		                    fabs(row->error - eased), t, joint->size);
 		return true;
 	}
 	return false;

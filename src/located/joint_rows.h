@@ -38,6 +38,7 @@ struct rb_joint_rows {
 	int count;     /* 0: none of the bodies has a joint, or none holds */
 	bool sprung;   /* one has a spring, a damper, a motor or friction */
 	bool touching; /* stops that touch have rows, held or not, as in impacts */
+	bool bare;     /* joints have no rows of drives and stops */
 };
 
 /* Is the row that of a limit or a rope? It only pushes, away from the stop: multipliers >= 0. */
@@ -66,6 +67,9 @@ static inline bool rb_joint_rows_has_stop(const struct rb_joint *joint, int stop
 
 struct rb_joint_stop rb_joint_rows_stop(const struct rb_joint_rows *rows, int joint, int stop,
                                         double t);
+
+/* m or rad: by how much the stop is taken to be further off than it is said to be. */
+double rb_joint_rows_eased(const struct rb_located *l, int joint, int stop);
 
 /* Motor or friction of a joint as it is now. */
 static inline struct rb_joint_drive rb_joint_rows_drive_now(const struct rb_located *l, int joint,
@@ -164,7 +168,7 @@ struct rb_joint_hold {
 
 /* For the bodies of the set (l->set) at these poses, by place. False: no memory. */
 bool rb_joint_hold_take(struct rb_joint_hold *hold, struct rb_located *l,
-                        const struct rb_pose *pose, double t);
+                        const struct rb_pose *pose, double t, bool bare);
 
 /*
  * Changes motions of the bodies by the least, in the metric of kinetic energy, that makes them
@@ -216,5 +220,7 @@ void rb_joint_rows_enter_springs(const struct rb_joint_rows *rows, const double 
 
 /* Share of a joint's size by which integration may have let it drift. */
 static const double rb_joint_drift_max = 1e-9;
+/* The same that a stop is eased by. */
+static const double rb_joint_eased = 0.5 * 1e-9;
 
 #endif

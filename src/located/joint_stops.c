@@ -12,6 +12,18 @@
 
 /* Height of the smallest rebound in ulp of the joint's size. */
 enum { SMALLEST_ULP = 8 };
+/*
+ * Of what a row does to itself, the least that joints are to leave: forces round by an ulp, and what
+ * they do along what may move by that over this share.
+ */
+enum { SHARE_ULP = 1 << 10 };
+
+static bool fail_memory(const struct rb_joint_rows *rows)
+{
+	rows->l->status = RB_FAIL(rows->l->err, RB_ERR_MEMORY,
+	                          "no memory for the joints of %d bodies", rows->body_count);
+	return false;
+}
 
 int rb_joint_stops_hit(const struct rb_joint_rows *rows, double t, double slack)
 {
@@ -35,6 +47,114 @@ int rb_joint_stops_hit(const struct rb_joint_rows *rows, double t, double slack)
 	return -1;
 }
 
+/* ---- stops that nothing is left of ---- */
+
+/*
+ * Of what the row's unit does to itself, what joints alone leave. Projected twice: the first one
+ * leaves rounding of what it takes away.
+ */
+static double share_left(struct rb_joint_hold *hold, const struct rb_joint_row *row,
+                         rb_vec3 *linear, rb_vec3 *angular)
+{
+	const size_t bodies = (size_t)hold->rows.body_count;
+	struct rb_coupled_row coupled = rb_joint_rows_coupled(row);
+
+	memset(linear, 0, bodies * sizeof *linear);
+	memset(angular, 0, bodies * sizeof *angular);
+	rb_coupled_respond(&hold->system, &coupled);
+	rb_coupled_add(&coupled, 1, linear, angular);
+	const double all = rb_coupled_felt(&coupled, linear, angular);
+
+	for (int round = 0; round < 2; round++)
+		rb_joint_hold_apply(hold, linear, angular);
+	return all > 0 ? rb_coupled_felt(&coupled, linear, angular) / all : 1;
+}
+
+/* Of a stop that is hit, although it is eased. */
+static void fail_by(const struct rb_joint_rows *rows, int which, double t)
+{
+	struct rb_located *l = rows->l;
+	const struct rb_joint *joint = &l->model->joints->joint[which];
+	char label[96], source[96];
+
+	l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
+	                    "%s%s cannot stop what it joins at t = %.17g s: it is across to all "
+	                    "that may move, which exceeds it by more than 5e-10 of its size, "
+	                    "%.3g m",
+	                    rb_joint_source(l->model->scene, joint->def, source),
+	                    rb_joint_label(l->model->scene, joint->def, label), t, joint->size);
+}
+
+/* Of rows of stops that touch those of which less is left than they may be eased by. */
+static bool ease(const struct rb_joint_rows *touching, double t)
+{
+	struct rb_located *l = touching->l;
+	const size_t bodies = (size_t)touching->body_count;
+	rb_vec3 *const linear = rb_arena_take(l->arena, 2 * bodies, sizeof *linear);
+	struct rb_joint_hold hold = {.rows = {.count = -1}};
+
+	for (int k = 0; linear && k < touching->count; k++) {
+		const struct rb_joint_row *row = &touching->row[k];
+		const int part = RB_JOINT_PARTS_HELD * row->joint + row->drive;
+
+		if (!rb_joint_rows_is_stop(row))
+			continue;
+		const struct rb_joint_stop now = rb_joint_rows_stop(touching, row->joint,
+		                                                    row->drive, t);
+
+		if (now.gap > now.band || (l->eased[part] && now.rate >= -now.noise))
+			continue;
+		if (hold.rows.count < 0 && !rb_joint_hold_take(&hold, l, touching->pose, t, true))
+			return false;
+		if (hold.rows.count == 0)
+			break;
+		const double share = share_left(&hold, row, linear, linear + bodies);
+
+		if (l->eased[part]) {
+			if (share < SHARE_ULP * DBL_EPSILON)
+				fail_by(touching, row->joint, t);
+		} else if (share < rb_joint_eased) {
+			l->eased[part] = true;
+			l->drive_mode[part] = RB_STOP_OPEN;
+		}
+	}
+	return linear != NULL;
+}
+
+/* Those that were eased, and are open without. */
+static void end_ease(const struct rb_joint_rows *rows, double t)
+{
+	for (int k = 0; k < rows->joint_count; k++)
+		for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++) {
+			const int which = rows->joint[k], part = RB_JOINT_PARTS_HELD * which + stop;
+
+			if (!rows->l->eased[part] || rows->l->drive_mode[part] == RB_DRIVE_HELD)
+				continue;
+			const struct rb_joint_stop now = rb_joint_rows_stop(rows, which, stop, t);
+
+			rows->l->eased[part] = now.gap -
+			                               rb_joint_rows_eased(rows->l, which, stop) <=
+			                       now.band;
+		}
+}
+
+void rb_joint_stops_ease(const struct rb_joint_rows *rows, double t)
+{
+	const rb_arena_mark here = rb_arena_here(rows->l->arena);
+	struct rb_joint_rows touching = *rows;
+
+	touching.touching = true;
+	end_ease(rows, t);
+	if (rb_joint_rows_collect(&touching)) {
+		rb_joint_rows_fill(&touching, t);
+		if (!ease(&touching, t))
+			fail_memory(rows);
+	} else {
+		fail_memory(rows);
+	}
+	rb_arena_back(rows->l->arena, here);
+}
+
 int rb_joint_stops_body(const struct rb_located *l, int which)
 {
 	const struct rb_joint *joint = &l->model->joints->joint[which];
@@ -43,13 +163,6 @@ int rb_joint_stops_body(const struct rb_located *l, int which)
 }
 
 /* ---- rebounds that end ---- */
-
-static bool fail_memory(const struct rb_joint_rows *rows)
-{
-	rows->l->status = RB_FAIL(rows->l->err, RB_ERR_MEMORY,
-	                          "no memory for the joints of %d bodies", rows->body_count);
-	return false;
-}
 
 /* Accelerations by place at the rows' poses, by all that acts but contacts. */
 static bool accelerate(struct rb_joint_rows *rows, double t, rb_vec3 *linear, rb_vec3 *angular)

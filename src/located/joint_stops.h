@@ -16,6 +16,16 @@
  */
 int rb_joint_stops_hit(const struct rb_joint_rows *rows, double t, double slack);
 
+/*
+ * Eases stops that touch and of whose rows joints leave next to nothing: no force holds a rope that
+ * is across to all that its bodies may do, such as one of the least distance of two that slide side
+ * by side. They are open until they are exceeded by a share of the joint's size, within what joints
+ * may be open; there so much is left that they hold, or bodies do not get there. Those that are hit
+ * there although too little is left are a failure (l->status). Stops that have opened again are as
+ * they are said to be.
+ */
+void rb_joint_stops_ease(const struct rb_joint_rows *rows, double t);
+
 /* A body of the joint that yields. */
 int rb_joint_stops_body(const struct rb_located *l, int joint);
 

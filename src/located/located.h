@@ -281,6 +281,7 @@ struct rb_located {
 	 * on, RB_DRIVE_KEEPS: the same; NULL without joints
 	 */
 	signed char *drive_mode, *drive_next;
+	bool *eased; /* as many: stops that are taken to be further off (located/joint_stops) */
 
 	struct rb_queue *queue; /* [n] bodies, [n] clusters, 1 switch of forces */
 	struct rb_cells *cells; /* NULL: few bodies, all are candidates */

@@ -90,6 +90,10 @@ static bool begin(struct rb_resolution *s)
 		rb_slips_take(s, -1, SIZE_MAX / 2);
 		return false;
 	}
+	if (s->joints.joint_count > 0)
+		rb_joint_stops_ease(&s->joints, s->t);
+	if (l->status != RB_OK)
+		return false;
 	for (int k = 0; k < s->contact_point_count; k++) {
 		const struct rb_held *held = rb_set_held_like(l, &s->contact_point[k]);
 
