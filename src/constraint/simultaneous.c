@@ -544,8 +544,12 @@ static void begin_forces(struct rb_simultaneous *joint, struct rb_cone *cone,
 		guess[k] = (rb_along_across){n, t};
 	}
 	for (int k = 0; k < joint->joint_count; k++) {
+		const struct rb_constraint *const base = &joint->joint_row[k].base;
+		const double n = fmin(fmax(base->impulse.n, base->low), base->high);
+
 		cone->row[joint->contact_count + k] = joint->joint_row[k];
-		guess[joint->contact_count + k] = (rb_along_across){0, {0, 0, 0}};
+		guess[joint->contact_count + k] = (rb_along_across){
+			base->set == RB_CONSTRAINT_INTERVAL ? n : base->impulse.n, base->impulse.t};
 	}
 }
 

@@ -140,14 +140,14 @@ static inline bool rb_simultaneous_is_over(const struct rb_simultaneous *joint)
 bool rb_simultaneous_impact(struct rb_simultaneous *joint, int *rounds);
 
 /*
- * Forces of lasting contacts: relative normal acceleration >= 0, force >= 0, one of them zero; a
- * sticking contact has no relative tangential acceleration unless its friction is at the cone (then
- * against that acceleration); a sliding one has friction * force against its slip. Bodies'
- * accelerations become those with the contact forces. Unique accelerations come out to about 1e-13
- * of the largest acceleration in the problem, also where forces are not unique (touching lattices).
- * Returns the largest violation that is left, m/s^2; INFINITY when memory is out. Where no solution
- * with the whole friction is found (jammed bodies, mostly friction near 1 and above), what slips
- * gets less.
+ * Forces of lasting contacts and joints, whose impulses are guesses: relative normal acceleration
+ * >= 0, force >= 0, one of them zero; a sticking contact has no relative tangential acceleration
+ * unless its friction is at the cone (then against that acceleration); a sliding one has friction *
+ * force against its slip. Bodies' accelerations become those with the forces. Unique accelerations
+ * come out to about 1e-13 of the largest acceleration in the problem, also where forces are not
+ * unique (touching lattices). Returns the largest violation that is left, m/s^2; INFINITY when
+ * memory is out. Where no solution with the whole friction is found (jammed bodies, mostly friction
+ * near 1 and above), what slips gets less.
  */
 double rb_simultaneous_forces(struct rb_simultaneous *joint);
 

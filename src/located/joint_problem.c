@@ -137,3 +137,18 @@ void rb_joint_rows_read_problem(const struct rb_joint_rows *rows, bool forces,
 		multiplier[k + 2] = impulse.z;
 	}
 }
+
+void rb_joint_rows_guess(const struct rb_joint_rows *rows, bool forces, const double *multiplier,
+                         struct rb_cone_row *to)
+{
+	int count = 0;
+
+	for (int k = 0, used; k < rows->count; k += used) {
+		used = rows_of(rows, k);
+		if (is_left_out(&rows->row[k], forces))
+			continue;
+		to[count++].base.impulse = (rb_along_across){
+			multiplier[k],
+			{0, used < 3 ? 0 : multiplier[k + 1], used < 3 ? 0 : multiplier[k + 2]}};
+	}
+}

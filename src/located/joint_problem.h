@@ -21,4 +21,8 @@ int rb_joint_rows_pose_problem(const struct rb_joint_rows *rows, bool forces,
 void rb_joint_rows_read_problem(const struct rb_joint_rows *rows, bool forces,
                                 const struct rb_cone_row *from, double *multiplier);
 
+/* Multipliers [rows->count] that are next to what the problem's rows will be found to need. */
+void rb_joint_rows_guess(const struct rb_joint_rows *rows, bool forces, const double *multiplier,
+                         struct rb_cone_row *to);
+
 #endif

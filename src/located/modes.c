@@ -672,6 +672,8 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **fo
 	}
 	joint.joint_count = rb_joint_rows_pose_problem(&w->joints, true, joint.joint_row,
 	                                               joint.body, &joint.body_count);
+	if (found) /* others than those that are known */
+		rb_joint_rows_guess(&w->joints, true, w->multiplier, joint.joint_row);
 	rb_simultaneous_forces(&joint);
 	rb_joint_rows_read_problem(&w->joints, true, joint.joint_row, w->multiplier);
 	if (rb_modes_move(w))
