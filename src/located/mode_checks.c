@@ -117,71 +117,6 @@ static double lowest_held(const struct rb_modes *w, int k, int *end)
 }
 
 /*
- * True if another point of the pair, which is not held, lies below the held ones: the bodies touch
- * there. Asked once for each pair; held points may have drifted by integration.
- */
-static bool is_hit(const struct rb_modes *w, int k)
-{
-	const struct rb_contact_point *m = &w->contact_point[k];
-	const struct rb_held *held = &w->c->held[k];
-	int end;
-
-	if (rb_set_is_single(w->l, held->a, held->b) ||
-	    (k > 0 && held[-1].a == held->a && held[-1].b == held->b))
-		return false;
-	const double low = lowest_held(w, k, &end);
-	if (rb_modes_move(w))
-		w->l->products += RB_LOCATED_SEARCH;
-	const struct rb_contact_point now = rb_contact_point_poses(w->l, held->a, held->b,
-	                                                           &m->pose_a, &m->pose_b);
-
-	/* in a piece gaps are of differences: rounding of the sizes, wherever they are */
-	return now.gap < low - HIT_ULP * DBL_EPSILON * rb_contact_point_largest(w->l, &now) &&
-	       approaches_elsewhere(w, k, end);
-}
-
-/* The first contact that violates its mode at this state; -1: none. */
-static int broken(struct rb_modes *w, double t)
-{
-	const struct rb_cluster *c = w->c;
-	bool inspected = false;
-
-	for (int k = 0; k < c->held_count; k++) {
-		const struct rb_held *held = &c->held[k];
-		const struct rb_contact_point *m = &w->contact_point[k];
-
-		w->slip_ends = false;
-		w->hits = is_hit(w, k);
-		if (held->creeps &&
-		    rb_vec3_dot(m->velocity, w->contact[k].slip) > 2 * rb_set_creep(w->l, m))
-			return k;
-		if (m->on_rim != held->on_rim || rb_set_has_left(w->l, m) || w->hits)
-			return k;
-		if (!inspected && !is_lawful(w, k)) {
-			if (!w->dense.open || !rb_check_holds_otherwise(w, t))
-				return k;
-			inspected = true;
-		}
-		/* without friction nothing happens where it turns back */
-		w->slip_ends = held->slipping && held->friction > 0 &&
-		               (held->straight || held->creeps) &&
-		               rb_vec3_dot(m->velocity, w->contact[k].slip) < 0;
-		if (w->slip_ends)
-			return k;
-	}
-	return -1;
-}
-
-/* `broken` at s seconds into the piece. */
-static int broken_at(struct rb_modes *w, double s, double *value)
-{
-	if (rb_rates_are_stopped(w))
-		return -1;
-	rb_gauss_values(&w->c->piece, s, value);
-	return rb_rates_evaluate(w, w->origin_s + s, value) ? broken(w, w->origin_s + s) : -1;
-}
-
-/*
  * m: how far the named point lies below the held ones of its pair, the first of which is k, at s.
  */
 static double depth_at(struct rb_modes *w, int k, const struct rb_contact_name *name, double s,
@@ -247,6 +182,96 @@ static double touch_time(struct rb_modes *w, int k, double s, double *value)
 			return next;
 	}
 	return below_s;
+}
+
+/*
+ * True if the pair of the held points [k, end) approached elsewhere when the point that is lowest
+ * at `s` came down to them in this piece: what drifts aside as it falls has left its features once
+ * it is deep. Leaves the state as it is at `s`.
+ */
+static bool has_approached(struct rb_modes *w, int k, int end,
+                           const struct rb_contact_point *lowest, double s, double *value)
+{
+	const struct rb_contact_name name = rb_contact_name_of(lowest);
+	bool hit = false;
+
+	if (!(rb_vec3_dot(lowest->velocity, lowest->normal) < 0))
+		return false;
+	if (!(depth_at(w, k, &name, 0, value) > 0)) {
+		const double touch_s = touch_time(w, k, s, value);
+
+		rb_gauss_values(&w->c->piece, touch_s, value);
+		hit = rb_rates_evaluate(w, w->origin_s + touch_s, value) &&
+		      approaches_elsewhere(w, k, end);
+	}
+	rb_gauss_values(&w->c->piece, s, value);
+	return rb_rates_evaluate(w, w->origin_s + s, value) && hit;
+}
+
+/*
+ * True if another point of the pair, which is not held, lies below the held ones: the bodies touch
+ * there. Asked once for each pair; held points may have drifted by integration.
+ */
+static bool is_hit(struct rb_modes *w, int k, double s, double *value)
+{
+	const struct rb_contact_point *m = &w->contact_point[k];
+	const struct rb_held *held = &w->c->held[k];
+	int end;
+
+	if (rb_set_is_single(w->l, held->a, held->b) ||
+	    (k > 0 && held[-1].a == held->a && held[-1].b == held->b))
+		return false;
+	const double low = lowest_held(w, k, &end);
+	if (rb_modes_move(w))
+		w->l->products += RB_LOCATED_SEARCH;
+	const struct rb_contact_point now = rb_contact_point_poses(w->l, held->a, held->b,
+	                                                           &m->pose_a, &m->pose_b);
+
+	/* in a piece gaps are of differences: rounding of the sizes, wherever they are */
+	return now.gap < low - HIT_ULP * DBL_EPSILON * rb_contact_point_largest(w->l, &now) &&
+	       (approaches_elsewhere(w, k, end) || has_approached(w, k, end, &now, s, value));
+}
+
+/* The first contact that violates its mode at this state; -1: none. */
+static int broken(struct rb_modes *w, double s, double *value)
+{
+	const double t = w->origin_s + s;
+	const struct rb_cluster *c = w->c;
+	bool inspected = false;
+
+	for (int k = 0; k < c->held_count; k++) {
+		const struct rb_held *held = &c->held[k];
+		const struct rb_contact_point *m = &w->contact_point[k];
+
+		w->slip_ends = false;
+		w->hits = is_hit(w, k, s, value);
+		if (held->creeps &&
+		    rb_vec3_dot(m->velocity, w->contact[k].slip) > 2 * rb_set_creep(w->l, m))
+			return k;
+		if (m->on_rim != held->on_rim || rb_set_has_left(w->l, m) || w->hits)
+			return k;
+		if (!inspected && !is_lawful(w, k)) {
+			if (!w->dense.open || !rb_check_holds_otherwise(w, t))
+				return k;
+			inspected = true;
+		}
+		/* without friction nothing happens where it turns back */
+		w->slip_ends = held->slipping && held->friction > 0 &&
+		               (held->straight || held->creeps) &&
+		               rb_vec3_dot(m->velocity, w->contact[k].slip) < 0;
+		if (w->slip_ends)
+			return k;
+	}
+	return -1;
+}
+
+/* `broken` at s seconds into the piece. */
+static int broken_at(struct rb_modes *w, double s, double *value)
+{
+	if (rb_rates_are_stopped(w))
+		return -1;
+	rb_gauss_values(&w->c->piece, s, value);
+	return rb_rates_evaluate(w, w->origin_s + s, value) ? broken(w, s, value) : -1;
 }
 
 /* Points of one body stop slipping together: marks all whose slip is zero at s. */

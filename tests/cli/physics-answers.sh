@@ -143,3 +143,32 @@ for tilt in 1e-10 3e-9 1e-8; do
 		located faces.lua -p turn=$turn -p tilt=$tilt
 	done
 done
+# wedges that meet flank to flank, tilted by a little, without friction or restitution: the far side of a flank comes down just
+# after the near one, and slides past the other's border as it goes on; it hits all the same
+cat >wedges.lua <<'LUA'
+local frame = require "frame"
+local tilt = param("tilt", 1e-12, "rad")
+world { duration = 0.3 }
+local m = material { name = "m", friction = 0, restitution = 0 }
+local function wedge(x, y, way, speed, turned)
+	local points = {}
+	for i = -1, 1, 2 do
+		for _, p in ipairs { {0.2, 0}, {-0.1, 0.1}, {-0.1, -0.1} } do points[#points + 1] = {way * p[1], p[2], i * 0.1} end
+	end
+	local q, h = frame.orientation, frame.y * (turned / 2)
+	return hull { points = points, center_of_mass = {0, 0, 0}, mass = 1, material = m, position = frame.at(x, y, 0),
+		velocity = frame.x * speed, orientation = {q[1] - (q[2] * h.x + q[3] * h.y + q[4] * h.z),
+			q[2] + q[1] * h.x + q[4] * h.y - q[3] * h.z, q[3] + q[1] * h.y + q[2] * h.z - q[4] * h.x,
+			q[4] + q[1] * h.z + q[3] * h.x - q[2] * h.y} }
+end
+local a, b = wedge(0.355, 0, 1, 0.3, 0), wedge(0.7746, 0.05, -1, -0.7, tilt)
+expect("they glance off alike, however tilted and in all frames", function()
+	local apart, spin = (b.velocity - a.velocity):length(), b.angular_velocity:length()
+	return math.max(math.abs(apart - 0.92548), math.abs(spin - 2.01231), math.abs(a.angular_velocity:length() - spin)), 3e-5
+end)
+LUA
+for tilt in 1e-12 1e-10; do
+	for turn in 0 2.3; do
+		answers wedges.lua -p turn=$turn -p tilt=$tilt
+	done
+done
