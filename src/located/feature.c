@@ -280,6 +280,9 @@ static bool on_surface(struct rb_feature_point *out, const side *s, rb_part part
 /* Sine of the angle between two edges above which the normal across both has digits enough. */
 static const double oblique_sine = 1e-3;
 
+/* And below which there is none. */
+static const double parallel_sine = 1e-7;
+
 /* Two lines: nearest points along the normal across both, or along the given normal of a face. */
 static bool across_lines(struct rb_feature_point *out, const line *a, const line *b,
                          const vec *given)
@@ -303,7 +306,7 @@ static bool across_lines(struct rb_feature_point *out, const line *a, const line
 		if (rb_vec3_dot(n.at, given->at) < 0)
 			n = negative(n);
 	} else {
-		if (sine.at < 1e-7)
+		if (sine.at < parallel_sine)
 			return false;
 		/*
 		 * round lines are apart by their radii; a flat's outward side is in its plane,
@@ -430,8 +433,8 @@ static int faces_at_edges(const struct rb_polytope *p)
 	return p->face_count > 0 ? 2 : 0;
 }
 
-/* Which face at an edge is perpendicular to n within the depth: 0, 1; -1: none. */
-static int face_across(const side *s, rb_part part, rb_vec3 n, double depth)
+/* Which face at an edge is perpendicular to n within the depth, or the slope: 0, 1; -1: none. */
+static int face_across(const side *s, rb_part part, rb_vec3 n, double depth, double slope)
 {
 	const rb_core *core = s->core;
 
@@ -441,18 +444,21 @@ static int face_across(const side *s, rb_part part, rb_vec3 n, double depth)
 	for (int k = 0; k < faces_at_edges(core->polytope); k++) {
 		const int face = core->polytope->flanks[index_of(part)][k];
 		const rb_polytope_face *f = &core->polytope->faces[face];
-		double low = (double)INFINITY, high = -(double)INFINITY;
+		const rb_vec3 *const vertex = core->polytope->vertices;
+		const int *const loop = &core->polytope->loop[f->first];
+		double low = (double)INFINITY, high = -(double)INFINITY, width = 0;
 
 		if (!(rb_vec3_dot(f->normal, local) > 0.5))
 			continue;
 		for (int i = 0; i < f->count; i++) {
-			const int v = core->polytope->loop[f->first + i];
-			const double h = rb_vec3_dot(local, core->polytope->vertices[v]);
+			const double h = rb_vec3_dot(local, vertex[loop[i]]);
 
 			low = fmin(low, h);
 			high = fmax(high, h);
+			width = fmax(width,
+			             rb_vec3_length(rb_vec3_sub(vertex[loop[i]], vertex[loop[0]])));
 		}
-		if (high - low <= depth)
+		if (high - low <= fmax(depth, slope * width))
 			return k;
 	}
 	return -1;
@@ -631,19 +637,26 @@ bool rb_feature_flat_rim(const struct rb_feature_side *a, const struct rb_featur
 
 /* ---- names ---- */
 
-/* Marks a key of two lines with the face that they lie in, if there is one. */
+/*
+ * Marks a key of two lines with the face that they lie in, if there is one. Lines too parallel for
+ * a normal of their own have that of a face which is as near to them as they are to each other.
+ */
 static uint64_t in_face(const side *a, const side *b, uint64_t key, rb_vec3 n, double depth)
 {
 	const rb_part part_a = (rb_part)(key >> 32), part_b = (rb_part)key;
 	const bool lines = (kind_of(part_a) == RB_PART_EDGE || kind_of(part_a) == RB_PART_MANTLE) &&
 	                   (kind_of(part_b) == RB_PART_EDGE || kind_of(part_b) == RB_PART_MANTLE);
 	uint64_t mark = IN_FACE_OF_B;
+	line x, y;
 
 	if (!lines)
 		return key;
-	int face = face_across(b, part_b, rb_vec3_neg(n), depth);
+	const bool parallel = line_of(a, part_a, &x) && line_of(b, part_b, &y) &&
+	                      rb_vec3_length(rb_vec3_cross(x.along.at, y.along.at)) < parallel_sine;
+	const double slope = parallel ? parallel_sine : 0;
+	int face = face_across(b, part_b, rb_vec3_neg(n), depth, slope);
 	if (face < 0) {
-		face = face_across(a, part_a, n, depth);
+		face = face_across(a, part_a, n, depth, slope);
 		mark = IN_FACE_OF_A;
 	}
 	if (face < 0)

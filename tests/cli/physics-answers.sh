@@ -172,3 +172,5 @@ for tilt in 1e-12 1e-10; do
 		answers wedges.lua -p turn=$turn -p tilt=$tilt
 	done
 done
+# two of their edges cross so nearly parallel that they have no normal but the flank's
+answers wedges.lua -p turn=0.7 -p tilt=1e-10
