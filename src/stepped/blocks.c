@@ -299,34 +299,78 @@ static bool factor_diagonal(rb_block *d, double *least)
 	return true;
 }
 
+/* Of two numbers side by side each is computed as it would be alone: digits do not change. */
+typedef double pair
+	__attribute__((vector_size(2 * sizeof(double)), aligned(8), may_alias));
+
+struct six {
+	pair a, b, c;
+};
+
+static inline struct six six_from(const double *x)
+{
+	const pair *const p = (const pair *)x;
+
+	return (struct six){p[0], p[1], p[2]};
+}
+
+static inline void six_to(double *x, struct six s)
+{
+	pair *const p = (pair *)x;
+
+	p[0] = s.a;
+	p[1] = s.b;
+	p[2] = s.c;
+}
+
+static inline struct six minus(struct six s, double x, const double *row)
+{
+	const pair both = {x, x}, *const p = (const pair *)row;
+
+	return (struct six){s.a - both * p[0], s.b - both * p[1], s.c - both * p[2]};
+}
+
+/* s - x^T b */
+static inline struct six minus_product(struct six s, const double *x, const rb_block *b)
+{
+	s = minus(s, x[0], b->m[0]);
+	s = minus(s, x[1], b->m[1]);
+	s = minus(s, x[2], b->m[2]);
+	s = minus(s, x[3], b->m[3]);
+	s = minus(s, x[4], b->m[4]);
+	return minus(s, x[5], b->m[5]);
+}
+
+static inline void transpose(rb_block *t, const rb_block *b)
+{
+	for (int i = 0; i < RB_BLOCK; i++)
+		six_to(t->m[i], (struct six){{b->m[0][i], b->m[1][i]},
+		                             {b->m[2][i], b->m[3][i]},
+		                             {b->m[4][i], b->m[5][i]}});
+}
+
 /* b := b d^-T */
 static void divide(rb_block *b, const rb_block *d)
 {
-	for (int i = 0; i < RB_BLOCK; i++)
-		for (int j = 0; j < RB_BLOCK; j++) {
-			double s = b->m[i][j];
-
-			for (int k = 0; k < j; k++)
-				s -= b->m[i][k] * d->m[j][k];
-			b->m[i][j] = s / d->m[j][j];
-		}
-}
-
-/* c -= a b^T */
-static void subtract(rb_block *c, const rb_block *a, const rb_block *b)
-{
 	rb_block t;
 
-	for (int i = 0; i < RB_BLOCK; i++)
-		for (int j = 0; j < RB_BLOCK; j++)
-			t.m[j][i] = b->m[i][j];
-	for (int i = 0; i < RB_BLOCK; i++)
-		for (int k = 0; k < RB_BLOCK; k++) {
-			const double x = a->m[i][k];
+	transpose(&t, b);
+	for (int j = 0; j < RB_BLOCK; j++) {
+		const pair root = {d->m[j][j], d->m[j][j]};
+		struct six s = six_from(t.m[j]);
 
-			for (int j = 0; j < RB_BLOCK; j++)
-				c->m[i][j] -= x * t.m[k][j];
-		}
+		for (int k = 0; k < j; k++)
+			s = minus(s, d->m[j][k], t.m[k]);
+		six_to(t.m[j], (struct six){s.a / root, s.b / root, s.c / root});
+	}
+	transpose(b, &t);
+}
+
+/* c -= a t */
+static void subtract(rb_block *c, const rb_block *a, const rb_block *t)
+{
+	for (int i = 0; i < RB_BLOCK; i++)
+		six_to(c->m[i], minus_product(six_from(c->m[i]), a->m[i], t));
 }
 
 bool rb_blocks_factor(struct rb_blocks *blocks)
@@ -344,15 +388,72 @@ bool rb_blocks_factor(struct rb_blocks *blocks)
 			divide(&blocks->value[i], &blocks->value[first]);
 		for (int j = first + 1; j < end; j++) {
 			int at = blocks->first[blocks->row[j]];
+			rb_block t;
 
+			transpose(&t, &blocks->value[j]);
 			for (int i = j; i < end; i++) {
 				while (blocks->row[at] != blocks->row[i])
 					at++;
-				subtract(&blocks->value[at], &blocks->value[i], &blocks->value[j]);
+				subtract(&blocks->value[at], &blocks->value[i], &t);
 			}
 		}
 	}
 	return true;
+}
+
+/* y -= b x */
+static inline void subtract_product(double *y, const rb_block *b, const pair x[RB_BLOCK])
+{
+	for (int i = 0; i < RB_BLOCK; i += 2) {
+		const double *const p = b->m[i], *const q = b->m[i + 1];
+		pair *const to = (pair *)(y + i);
+
+		*to = *to - (pair){p[0], q[0]} * x[0] - (pair){p[1], q[1]} * x[1] -
+		      (pair){p[2], q[2]} * x[2] - (pair){p[3], q[3]} * x[3] -
+		      (pair){p[4], q[4]} * x[4] - (pair){p[5], q[5]} * x[5];
+	}
+}
+
+static void solve_forward(const struct rb_blocks *blocks, double *y)
+{
+	for (int c = 0; c < blocks->count; c++) {
+		const int first = blocks->first[c], end = blocks->first[c + 1];
+		const rb_block *d = &blocks->value[first];
+		double *const at = y + RB_BLOCK * c;
+		pair x[RB_BLOCK];
+
+		for (int i = 0; i < RB_BLOCK; i++) {
+			double s = at[i];
+
+			for (int k = 0; k < i; k++)
+				s -= d->m[i][k] * at[k];
+			at[i] = s / d->m[i][i];
+			x[i] = (pair){at[i], at[i]};
+		}
+		for (int e = first + 1; e < end; e++)
+			subtract_product(y + RB_BLOCK * blocks->row[e], &blocks->value[e], x);
+	}
+}
+
+static void solve_back(const struct rb_blocks *blocks, double *y)
+{
+	for (int c = blocks->count; c-- > 0;) {
+		const int first = blocks->first[c], end = blocks->first[c + 1];
+		const rb_block *d = &blocks->value[first];
+		double *const at = y + RB_BLOCK * c;
+		struct six sum = six_from(at);
+
+		for (int e = first + 1; e < end; e++)
+			sum = minus_product(sum, y + RB_BLOCK * blocks->row[e], &blocks->value[e]);
+		six_to(at, sum);
+		for (int i = RB_BLOCK; i-- > 0;) {
+			double s = at[i];
+
+			for (int k = i + 1; k < RB_BLOCK; k++)
+				s -= d->m[k][i] * at[k];
+			at[i] = s / d->m[i][i];
+		}
+	}
 }
 
 void rb_blocks_solve(const struct rb_blocks *blocks, double *x, double *scratch)
@@ -361,36 +462,8 @@ void rb_blocks_solve(const struct rb_blocks *blocks, double *x, double *scratch)
 
 	for (int i = 0; i < blocks->count; i++)
 		memcpy(y + RB_BLOCK * blocks->place[i], x + RB_BLOCK * i, RB_BLOCK * sizeof *x);
-	for (int c = 0; c < blocks->count; c++) {
-		const rb_block *d = &blocks->value[blocks->first[c]];
-		double *const at = y + RB_BLOCK * c;
-
-		for (int i = 0; i < RB_BLOCK; i++) {
-			for (int k = 0; k < i; k++)
-				at[i] -= d->m[i][k] * at[k];
-			at[i] /= d->m[i][i];
-		}
-		for (int e = blocks->first[c] + 1; e < blocks->first[c + 1]; e++)
-			for (int i = 0; i < RB_BLOCK; i++)
-				for (int k = 0; k < RB_BLOCK; k++)
-					y[RB_BLOCK * blocks->row[e] + i] -=
-						blocks->value[e].m[i][k] * at[k];
-	}
-	for (int c = blocks->count; c-- > 0;) {
-		const rb_block *d = &blocks->value[blocks->first[c]];
-		double *const at = y + RB_BLOCK * c;
-
-		for (int e = blocks->first[c] + 1; e < blocks->first[c + 1]; e++)
-			for (int i = 0; i < RB_BLOCK; i++)
-				for (int k = 0; k < RB_BLOCK; k++)
-					at[k] -= blocks->value[e].m[i][k] *
-					         y[RB_BLOCK * blocks->row[e] + i];
-		for (int i = RB_BLOCK; i-- > 0;) {
-			for (int k = i + 1; k < RB_BLOCK; k++)
-				at[i] -= d->m[k][i] * at[k];
-			at[i] /= d->m[i][i];
-		}
-	}
+	solve_forward(blocks, y);
+	solve_back(blocks, y);
 	for (int i = 0; blocks->scale != 1 && i < RB_BLOCK * blocks->count; i++)
 		y[i] *= blocks->scale;
 	for (int i = 0; i < blocks->count; i++)
