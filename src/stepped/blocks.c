@@ -300,8 +300,7 @@ static bool factor_diagonal(rb_block *d, double *least)
 }
 
 /* Of two numbers side by side each is computed as it would be alone: digits do not change. */
-typedef double pair
-	__attribute__((vector_size(2 * sizeof(double)), aligned(8), may_alias));
+typedef double pair __attribute__((vector_size(2 * sizeof(double)), aligned(8), may_alias));
 
 struct six {
 	pair a, b, c;
