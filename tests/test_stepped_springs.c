@@ -6,6 +6,7 @@
 #include "math/random.h"
 #include "math/quat.h"
 #include "method/numbers.h"
+#include "stepped/net_solve.h"
 
 static const double g = 9.81;
 static const rb_vec3 origin = {0, 0, 0};
@@ -378,6 +379,38 @@ static void a_net_that_drag_slows_down_gains_nothing(void **state)
 	lab_close(&lab);
 }
 
+/* A chain from a hook, rolled up so that springs turn a good deal: what is learnt saves factors. */
+static void a_chain_takes_few_factors(void **state)
+{
+	enum { LINKS = 12 };
+	static struct rb_net_body body[LINKS];
+	static struct rb_net_spring spring[LINKS];
+	struct rb_net net = {
+		.body = body, .spring = spring, .body_count = LINKS, .spring_count = LINKS};
+	struct rb_arena arena = {0};
+	const double h = 0.03;
+
+	(void)state;
+	for (int k = 0; k < LINKS; k++) {
+		const rb_vec3 way = {0.5 * cos(k), 0.5 * sin(k), 0.1};
+
+		body[k] = (struct rb_net_body){.index = k,
+		                               .mass = 1 + k % 3,
+		                               .scalar = 1,
+		                               .linear = {5 * sin(2 * k), 5 * cos(3 * k), k % 2},
+		                               .constant = {0, 0, -g * h}};
+		spring[k] = (struct rb_net_spring){.body = {k - 1, k},
+		                                   .number = k,
+		                                   .stiffness = 1e4,
+		                                   .rest = 0.5,
+		                                   .from = way,
+		                                   .length = rb_vec3_length(way)};
+	}
+	assert_true(rb_net_solve(&net, h, &arena));
+	rb_arena_release(&arena);
+	assert_true(net.factors <= 4 && net.solves <= 40);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -386,6 +419,7 @@ int main(void)
 		cmocka_unit_test(a_spring_of_what_touches_gains_nothing_however_stiff),
 		cmocka_unit_test(a_net_of_stiff_springs_never_gains),
 		cmocka_unit_test(a_net_that_drag_slows_down_gains_nothing),
+		cmocka_unit_test(a_chain_takes_few_factors),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

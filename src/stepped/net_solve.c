@@ -7,13 +7,21 @@
 
 #include "base/error.h"
 
-/* Corrections, at most; and of a correction, where it is small enough to enter linearly. */
-enum { SOLVES_MAX = 200 };
+typedef double pair __attribute__((vector_size(2 * sizeof(double)), aligned(8), may_alias));
+
+/* Corrections, at most; tries from one place; where a correction is small enough to be linear. */
+enum { SOLVES_MAX = 200, TRIES_MAX = 3 };
 static const double small = 1e-20;
 /* Of a length, squared, over that: what rounding leaves of a correction. */
 static const double rounding = 64 * DBL_EPSILON * 64 * DBL_EPSILON / 1e-20;
-/* Of the norm of a correction that the next one may have: with the same factors, or at all. */
-static const double same_share = 0.01, gain_share = 0.25, simple_share = 0.25;
+/* Of the norm of a correction that the next one may have: for the same factors after GMRES. */
+static const double same_share = 0.01, gain_share = 0.25;
+/* After a try: to be taken, or to be learnt from. */
+static const double try_share = 0.3, far_share = 4;
+/* Of the norm at the last factors, and of the last: to be factored anew. */
+static const double anew_share = 1e-4, slow_share = 0.1;
+/* Of the square of a change, what has to be new of it. */
+static const double new_share = 1e-8;
 /* Of what a net has, the energy that rounding may seem to add. */
 static const double residue = 1e-10;
 static const double least_part = 1.0 / 64;
@@ -230,19 +238,32 @@ static void derive(struct rb_net_system *s, const double *rest, double *directio
 		memcpy(s->net->body[k].mean, s->net->body[k].kept, sizeof s->net->body[k].mean);
 }
 
+/* Vectors are of whole blocks. */
 static double product(const struct rb_net_system *s, const double *x, const double *y)
 {
-	double sum = 0;
+	const pair *const p = (const pair *)x, *const q = (const pair *)y;
+	pair sum[3] = {{0}};
 
-	for (size_t i = 0; i < s->size; i++)
-		sum += x[i] * y[i];
-	return sum;
+	for (size_t i = 0; i < s->size / 2; i += 3) {
+		sum[0] += p[i] * q[i];
+		sum[1] += p[i + 1] * q[i + 1];
+		sum[2] += p[i + 2] * q[i + 2];
+	}
+	const pair all = sum[0] + sum[1] + sum[2];
+
+	return all[0] + all[1];
 }
 
 static void add_scaled(const struct rb_net_system *s, double *x, double scale, const double *y)
 {
-	for (size_t i = 0; i < s->size; i++)
-		x[i] += scale * y[i];
+	const pair both = {scale, scale}, *const q = (const pair *)y;
+	pair *const p = (pair *)x;
+
+	for (size_t i = 0; i < s->size / 2; i += 3) {
+		p[i] += both * q[i];
+		p[i + 1] += both * q[i + 1];
+		p[i + 2] += both * q[i + 2];
+	}
 }
 
 /* Of the triangle that rotations have made of Hessenberg's matrix. */
@@ -333,7 +354,7 @@ static double correct_at(struct rb_net_system *s, double *rest, double *x)
 }
 
 /* Moves along x as far as the next correction is shorter; false: it is not. */
-static bool search(struct rb_net_system *s, double least, double norm, double *next)
+static bool search(struct rb_net_system *s, double norm, double *next)
 {
 	double part = 1;
 
@@ -344,7 +365,7 @@ static bool search(struct rb_net_system *s, double least, double norm, double *n
 		if (*next <= (1 - gain_share * part) * norm)
 			return true;
 		rb_net_move_means(s->net, -part, s->x);
-		if (part <= least)
+		if (part <= least_part)
 			return false;
 	}
 }
@@ -357,30 +378,137 @@ static void swap(double **x, double **y)
 	*y = z;
 }
 
+static double *past_of(const struct rb_net_system *s, int k)
+{
+	return s->space + 2 * s->size * (size_t)k;
+}
+
+static int known(const struct rb_net_system *s)
+{
+	return s->past_count < RB_NET_PAST ? s->past_count : RB_NET_PAST;
+}
+
+/*
+ * What a try has shown: moving by `step` changes corrections by c and right sides by w. Kept are w
+ * and step - c, with c orthogonal in the norm of the factors; the oldest is forgotten.
+ */
+static void learn(struct rb_net_system *s)
+{
+	const size_t size = s->size;
+	const int at = s->past_count % RB_NET_PAST, count = known(s);
+	double *const w = past_of(s, at), *const rest = w + size, *const c = s->scratch;
+	double share[RB_NET_PAST], square = 0;
+
+	for (size_t i = 0; i < size; i++) {
+		c[i] = s->x[i] - s->trial[i];
+		w[i] = s->rest[i] - s->trial_rest[i];
+		rest[i] = s->step[i] - c[i];
+	}
+	const double whole = product(s, c, w);
+	square = whole;
+	for (int k = 0; k < count; k++) {
+		share[k] = k == at ? 0 : product(s, c, past_of(s, k));
+		square -= share[k] * share[k];
+	}
+	if (!(square > new_share * whole))
+		return;
+	const double scale = 1 / sqrt(square);
+
+	for (int k = 0; k < count; k++)
+		if (k != at) {
+			add_scaled(s, w, -share[k], past_of(s, k));
+			add_scaled(s, rest, -share[k], past_of(s, k) + size);
+		}
+	for (size_t i = 0; i < 2 * size; i++)
+		w[i] *= scale;
+	s->past_count++;
+}
+
+/* The simple correction, and of what is known of its change the right one. */
+static void choose_step(struct rb_net_system *s)
+{
+	memcpy(s->step, s->x, s->size * sizeof *s->x);
+	for (int k = 0; k < known(s); k++)
+		add_scaled(s, s->step, product(s, s->x, past_of(s, k)), past_of(s, k) + s->size);
+}
+
+/* Factors at the means, the right side being known; returns the norm of the correction, J. */
+static bool refactor(struct rb_net_system *s, double *norm)
+{
+	if (!rb_net_factor(s))
+		return false;
+	memcpy(s->x, s->rest, s->size * sizeof *s->x);
+	rb_blocks_solve(&s->blocks, s->x, s->scratch);
+	s->net->solves++;
+	s->past_count = 0;
+	*norm = product(s, s->x, s->rest);
+	return true;
+}
+
+/* Moves by what tries have taught, if the next correction is a good deal shorter. */
+static bool try_learnt(struct rb_net_system *s, double norm, double *next)
+{
+	for (int tries = 0; tries < TRIES_MAX; tries++) {
+		choose_step(s);
+		rb_net_move_means(s->net, 1, s->step);
+		*next = correct_at(s, s->trial_rest, s->trial);
+		/* written so that NaN is not good */
+		const bool near = *next <= far_share * norm;
+
+		if (near)
+			learn(s);
+		if (*next <= try_share * norm)
+			return true;
+		rb_net_move_means(s->net, -1, s->step);
+		if (!near)
+			break;
+	}
+	return false;
+}
+
+/*
+ * Whether factors are worth their work after a try: they are of means from which corrections were
+ * much longer, and at this rate, to the least, there is more work left.
+ */
+static bool is_stale(const struct rb_net_system *s, double first, double norm, double next,
+                     double least)
+{
+	double work = 0;
+
+	if (!(next < anew_share * first && next > slow_share * norm))
+		return false;
+	for (double left = next; left > least; left *= next / norm)
+		work += 2 * RB_BLOCK * RB_BLOCK * s->blocks.first[s->blocks.count];
+	return work > s->blocks.work;
+}
+
 /* Newton's method; at its end the last correction is in x. */
 static bool iterate(struct rb_net_system *s)
 {
 	struct rb_net *net = s->net;
 	const double least = small * scale_of(net);
-	double norm, next;
+	double norm, next, first;
 
 	rb_net_evaluate(s, s->rest);
-	if (!rb_net_factor(s))
+	if (!refactor(s, &norm))
 		return false;
-	norm = correct_at(s, s->rest, s->x);
+	first = norm;
 	while (norm > least && net->solves < SOLVES_MAX) {
-		/* the simple correction, if it is nearly right */
-		if (!search(s, 1, simple_share * norm, &next)) {
+		const bool learnt = try_learnt(s, norm, &next);
+
+		if (!learnt) {
 			correct_truly(s, s->rest, s->x);
-			if (!search(s, least_part, norm, &next))
+			if (!search(s, norm, &next))
 				return false;
+			s->past_count = 0;
 		}
 		swap(&s->x, &s->trial);
 		swap(&s->rest, &s->trial_rest);
-		if (next > least && !(next <= same_share * norm)) {
-			if (!rb_net_factor(s))
+		if (next > least && (learnt ? is_stale(s, first, norm, next, least)
+		                            : !(next <= same_share * norm))) {
+			if (!refactor(s, &next))
 				return false;
-			next = correct_at(s, s->rest, s->x);
+			first = next;
 		}
 		norm = next;
 	}

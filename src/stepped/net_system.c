@@ -44,17 +44,20 @@ bool rb_net_plan(struct rb_net_system *s, struct rb_arena *arena)
 	struct rb_net *net = s->net;
 	const int count = place_bodies(net);
 	int(*pair)[2] = rb_arena_take(arena, (size_t)net->spring_count, sizeof *pair);
+	const size_t krylov = 2 * (RB_NET_SPACE + 1), past = 2 * RB_NET_PAST;
+	const size_t space = krylov > past ? krylov : past;
 	int pairs = 0;
 
 	s->size = RB_BLOCK * (size_t)count;
-	s->rest = rb_arena_take(arena, (5 + 2 * (RB_NET_SPACE + 1)) * s->size, sizeof *s->x);
+	s->rest = rb_arena_take(arena, (6 + space) * s->size, sizeof *s->x);
 	if (!pair || !s->rest)
 		return false;
 	s->x = s->rest + s->size;
 	s->trial_rest = s->x + s->size;
 	s->trial = s->trial_rest + s->size;
 	s->scratch = s->trial + s->size;
-	s->space = s->scratch + s->size;
+	s->step = s->scratch + s->size;
+	s->space = s->step + s->size;
 	for (int k = 0; k < net->spring_count; k++) {
 		const int *end = net->spring[k].body;
 
@@ -128,10 +131,47 @@ static void add_part(struct rb_blocks *blocks, const struct node *p, const struc
 		}
 }
 
+static bool turns(const struct rb_net *net, const struct rb_net_spring *spring)
+{
+	return (spring->body[0] >= 0 && net->body[spring->body[0]].turns) ||
+	       (spring->body[1] >= 0 && net->body[spring->body[1]].turns);
+}
+
+/* Both ends are centres: the same with fewer operations. */
+static void add_straight(struct rb_net_system *s, const struct rb_net_spring *spring, double scale,
+                         const rb_mat3 *stiff)
+{
+	static const rb_mat3 none;
+	struct node node[2];
+	rb_mat3 own, other;
+	int count = 0;
+
+	for (int i = 0; i < 9; i++) {
+		own.m[i / 3][i % 3] = scale * stiff->m[i / 3][i % 3];
+		other.m[i / 3][i % 3] = -own.m[i / 3][i % 3];
+	}
+	for (int e = 0; e < 2; e++) {
+		if (spring->body[e] < 0)
+			continue;
+		const struct rb_net_body *body = &s->net->body[spring->body[e]];
+
+		node[count] = (struct node){body->block, body->offset, none};
+		add_part(&s->blocks, &node[count], &node[count], &own);
+		count++;
+	}
+	if (count == 2)
+		add_part(&s->blocks, &node[0], &node[1], &other);
+}
+
 void rb_net_add_spring(struct rb_net_system *s, const struct rb_net_spring *spring, double scale,
                        const rb_mat3 *stiff, const rb_vec3 arm[2])
 {
 	struct node node[4];
+
+	if (!turns(s->net, spring)) {
+		add_straight(s, spring, scale, stiff);
+		return;
+	}
 	const int count = nodes_of(s->net, spring, arm, node);
 
 	for (int q = 0; q < count; q++) {

@@ -73,15 +73,21 @@ struct rb_net {
 	int factors, solves;
 };
 
-/* Vectors of the space in which corrections are sought, at most. */
-enum { RB_NET_SPACE = 12 };
+/* Vectors of the space in which corrections are sought, and tries learnt from, at most. */
+enum { RB_NET_SPACE = 12, RB_NET_PAST = 12 };
 
 struct rb_net_system {
 	struct rb_net *net;
 	double h;
 	struct rb_blocks blocks;
-	/* [6 blocks]: right sides and corrections for them, here and at a try; a space of both */
-	double *rest, *x, *trial_rest, *trial, *space, *scratch;
+	/* [6 blocks]: right sides and corrections for them, here and at a try; the way to that */
+	double *rest, *x, *trial_rest, *trial, *step, *scratch;
+	/*
+	 * Of GMRES: vectors, each with the system times it; or of tries: ways, how corrections and
+	 * right sides have changed on them.
+	 */
+	double *space;
+	int past_count;
 	size_t size;
 	double size_m; /* of springs and arms */
 };
