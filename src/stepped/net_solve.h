@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The step of a net (stepped/net_system), by Newton's method: corrections with the factors and with
- * what tries have shown of how these err (D. G. Anderson, J. ACM 12 (1965) 547), else GMRES with the
- * true system, as far as the next correction gets shorter. The last one enters impulses linearly, so that velocities, positions and impulses agree.
+ * what tries have shown of how these err (D. G. Anderson, J. ACM 12 (1965) 547), else GMRES with
+ * the true system, as far as the next correction gets shorter. The last one enters impulses
+ * linearly, so that velocities, positions and impulses agree.
  *
  * Memory is the caller's; any thread.
  */
