@@ -409,32 +409,6 @@ static void a_ball_in_a_corner_rests(void **state)
 	pile_close(&p);
 }
 
-/* Two rows of a joint that carry the same: as they are guessed to share it, within their bounds. */
-static void forces_of_joints_begin_with_a_guess(void **state)
-{
-	struct rb_cone_row row[2];
-	struct pile p;
-
-	(void)state;
-	pile_open(&p, 1, 0);
-	ball(&p, 1, 2, still, still);
-	for (int k = 0; k < 2; k++) {
-		row[k] = (struct rb_cone_row){.base = {.b = 1,
-		                                       .set = RB_CONSTRAINT_INTERVAL,
-		                                       .normal = up,
-		                                       .low = -7,
-		                                       .high = 7}};
-		row[k].base.impulse.n = k == 0 ? 9 : 3;
-	}
-	p.joint.joint_row = row;
-	p.joint.joint_count = 2;
-	assert_true(load(&p, (rb_vec3){0, 0, -5}) <= 1e-14);
-	assert_true(fastest(&p) <= 1e-14);
-	assert_near(row[0].base.impulse.n, 7, 1e-14);
-	assert_near(row[1].base.impulse.n, 3, 1e-14);
-	pile_close(&p);
-}
-
 /* tan 30 = 0.577: friction above 2/7 of it rolls, below it slips. */
 static void a_ball_on_a_slope_rolls_or_slips(void **state)
 {
@@ -800,7 +774,6 @@ int main(void)
 		cmocka_unit_test(a_face_centred_block_in_a_box_stays),
 		cmocka_unit_test(pyramids_are_solved),
 		cmocka_unit_test(a_ball_in_a_corner_rests),
-		cmocka_unit_test(forces_of_joints_begin_with_a_guess),
 		cmocka_unit_test(a_ball_on_a_slope_rolls_or_slips),
 		cmocka_unit_test(a_ball_in_a_groove_rolls_or_slips),
 		cmocka_unit_test(a_tensor_that_is_a_sphere_s_is_a_sphere),

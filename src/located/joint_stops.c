@@ -13,8 +13,8 @@
 /* Height of the smallest rebound in ulp of the joint's size. */
 enum { SMALLEST_ULP = 8 };
 /*
- * Of what a row does to itself, the least that joints are to leave: forces round by an ulp, and what
- * they do along what may move by that over this share.
+ * Of what a row does to itself, the least that joints are to leave: forces round by an ulp, and
+ * what they do along what may move by that over this share.
  */
 enum { SHARE_ULP = 1 << 10 };
 
