@@ -57,7 +57,9 @@ static void count_part(void *user, size_t first, size_t end)
 {
 	struct tally *tally = user;
 
-	tally->worker_out_of_range |= first >= end; /* nothing to do is no part */
+	/* nothing to do is no part; of parts side by side only a wrong one may write */
+	if (first >= end)
+		tally->worker_out_of_range = true;
 	for (size_t k = first; k < end; k++)
 		tally->times[k]++;
 }
