@@ -152,7 +152,7 @@ static int print_overview(void)
 }
 
 /* Ends with the status of SIGTERM, which their own would not be: nothing is written yet. */
-static void leave(int signal)
+static void end_at_once(int signal)
 {
 	(void)signal;
 	_exit(128 + SIGTERM);
@@ -171,8 +171,8 @@ int main(int argc, char **argv)
 	/* inherited as ignored, the ends of children would be told to nobody */
 	signal(SIGCHLD, SIG_DFL);
 	/* until a run blocks them to wait for them; nohup(1) ignores SIGHUP, and it stays so */
-	signal(SIGUSR1, leave);
-	if (signal(SIGHUP, leave) == SIG_IGN)
+	signal(SIGUSR1, end_at_once);
+	if (signal(SIGHUP, end_at_once) == SIG_IGN)
 		signal(SIGHUP, SIG_IGN);
 
 	if (wants_overview(argc, argv))

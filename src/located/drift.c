@@ -18,7 +18,7 @@ static const double stalled = 0.999;
  * turn of all is energy from nowhere. With it motions are at most 1/(2 sqrt(share)) times as large
  * (Tikhonov's regularisation).
  */
-static const double share_given = 0x1p-20;
+static const double compliance_share = 0x1p-20;
 
 static const struct rb_pose *pose_in(const struct rb_located *l, const struct rb_pose *pose,
                                      int body)
@@ -133,7 +133,7 @@ struct errors {
 	bool velocities; /* else places: only along normals */
 	int *row;        /* [n]: contact of each */
 	int n;
-	double *give; /* [n], 1/kg: what places give way to each; 0 where joints take part */
+	double *compliance; /* [n], 1/kg: of places; 0 where joints take part */
 	rb_vec3 *left, *along, *image, *answer, *sum; /* [n] */
 	rb_vec3 *linear, *angular;                    /* [set_count]: motions by impulses */
 	struct rb_joint_hold hold;                    /* what these must respect */
@@ -169,7 +169,7 @@ static void respond(struct errors *e, const rb_vec3 *impulse, rb_vec3 *image)
 	for (int k = 0; k < e->n; k++) {
 		image[k] = asked_of(e, k, rb_mechanics_response(&points, k));
 		if (!e->velocities)
-			image[k] = rb_vec3_add_scaled(image[k], e->give[k], impulse[k]);
+			image[k] = rb_vec3_add_scaled(image[k], e->compliance[k], impulse[k]);
 	}
 }
 
@@ -231,10 +231,10 @@ static bool take(struct errors *e)
 	const size_t n = (size_t)e->drift->count + 1, bodies = (size_t)e->drift->l->set_count + 1;
 
 	e->row = rb_arena_take(arena, n, sizeof *e->row);
-	e->give = rb_arena_take(arena, n, sizeof *e->give);
+	e->compliance = rb_arena_take(arena, n, sizeof *e->compliance);
 	e->left = rb_arena_take(arena, 5 * n, sizeof *e->left);
 	e->linear = rb_arena_take(arena, 2 * bodies, sizeof *e->linear);
-	if (!e->row || !e->give || !e->left || !e->linear)
+	if (!e->row || !e->compliance || !e->left || !e->linear)
 		return false;
 	e->along = e->left + n;
 	e->image = e->along + n;
@@ -254,14 +254,14 @@ static void contact_points_of(const struct rb_drift *drift)
 			rb_drift_point(drift->l, drift->pose, &drift->contact_point[k]);
 }
 
-/* 1/kg: what a contact's place gives way. */
-static double give_of(const struct rb_drift *drift, const struct rb_contact_point *m)
+/* 1/kg: compliance of a contact's place. */
+static double compliance_of(const struct rb_drift *drift, const struct rb_contact_point *m)
 {
 	rb_mat3 k = {0};
 
 	add_effective_mass(drift, m->a, m->arm_a, &k);
 	add_effective_mass(drift, m->b, m->arm_b, &k);
-	return share_given * rb_vec3_dot(m->normal, rb_mat3_apply(&k, m->normal));
+	return compliance_share * rb_vec3_dot(m->normal, rb_mat3_apply(&k, m->normal));
 }
 
 static void move_places(struct errors *e)
@@ -275,7 +275,7 @@ static void move_places(struct errors *e)
 		const bool off = is_off(e->drift, m);
 
 		e->left[k] = off ? rb_vec3_scale(-m->gap, m->normal) : (rb_vec3){0, 0, 0};
-		e->give[k] = e->hold.rows.count > 0 ? 0 : give_of(e->drift, m);
+		e->compliance[k] = e->hold.rows.count > 0 ? 0 : compliance_of(e->drift, m);
 		any = any || off;
 	}
 	if (!any)

@@ -644,15 +644,17 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 
 	RB_ASSERT(until >= l->world->state.time_s);
 	l->err = err;
-	if (!l->started) {
+	const bool starts = !l->started;
+	if (starts) {
 		rb_crowd_begin(l);
 		start(l, l->world->state.time_s);
-		rb_joint_states_fit(l->world);
 		if (l->status == RB_OK) /* slips that no force sustains have ended at once */
 			call_hooks(l, reported, l->now_s);
 	}
 	if (is_interrupted(l, 0) || gives_way(l))
 		return l->status;
+	if (starts && l->status == RB_OK) /* else steps may be left to fit some of them */
+		rb_joint_states_fit(l->world);
 	for (int which = rb_queue_first(l->queue, &t);
 	     l->status == RB_OK && which >= 0 && t <= until; which = rb_queue_first(l->queue, &t)) {
 		rb_arena_reset(l->arena);
