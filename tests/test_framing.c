@@ -242,6 +242,38 @@ static void who_flies_off_for_ever_is_left_out_and_told(void **state)
 	lab_close(&lab);
 }
 
+/* Beads of a row that is longer than pixels show: to leave some out would make none larger. */
+static void who_moves_among_what_stays_is_in_the_picture(void **state)
+{
+	struct rb_camera_def camera = rb_camera_def_default();
+	struct rb_framing framing;
+	struct rb_frame frame;
+	struct rb_error err;
+	char text[80];
+	struct lab lab;
+
+	(void)state;
+	lab_open(&lab, 1, 10);
+	for (int i = 0; i < 8; i++) {
+		struct rb_body_def def = lab_sphere_def(0.5, 1, (rb_vec3){1000.0 * i, 0, 0},
+		                                        (rb_vec3){0, 0, 0});
+		lab_add(&lab, &def);
+	}
+	seal(&lab);
+	open_frame(&lab, &frame);
+	assert_ok(rb_framing_init(&framing, lab.model, &err));
+	for (int k = 0; k < 4; k++) {
+		frame.position[3 * 5] += 10;    /* away from the middle of all */
+		frame.position[3 * 7] += 100;   /* beyond what stays, by a little */
+		frame.position[3 * 4 + 2] += 5; /* across to the row */
+		assert_true(rb_framing_see(&framing, &frame));
+	}
+	assert_int_equal(rb_framing_aim(&framing, &camera, text, sizeof text), 0);
+	rb_framing_release(&framing);
+	rb_frame_release(&frame);
+	lab_close(&lab);
+}
+
 static void a_point_that_is_looked_at_stays_in_the_middle(void **state)
 {
 	struct rb_camera_def camera = rb_camera_def_default();
@@ -348,6 +380,7 @@ int main(void)
 		cmocka_unit_test(what_moves_is_seen_wherever_it_gets),
 		cmocka_unit_test(planes_that_move_are_seen_unless_they_are_the_ground),
 		cmocka_unit_test(who_flies_off_for_ever_is_left_out_and_told),
+		cmocka_unit_test(who_moves_among_what_stays_is_in_the_picture),
 		cmocka_unit_test(a_point_that_is_looked_at_stays_in_the_middle),
 		cmocka_unit_test(there_is_a_picture_of_next_to_nothing),
 	};

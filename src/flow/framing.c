@@ -3,8 +3,9 @@
  * A camera is placed so that the boxes swept by the bodies fit its picture. Bodies that only ever
  * get farther away (a ball that rolls off a plane) would make everything else a dot; they are
  * sorted to the end and taken in, nearest first, as long as a body of typical size keeps
- * pixels_least pixels. All is done with boxes and their eight corners: one pass over the frames,
- * memory per body only, and a result that does not depend on the order of frames shown twice.
+ * pixels_least pixels, or all else at least half of its size. All is done with boxes and their
+ * eight corners: one pass over the frames, memory per body only, and a result that does not depend
+ * on the order of frames shown twice.
  */
 #include "flow/framing.h"
 
@@ -33,6 +34,8 @@ struct rb_reach {
  * A body of typical size must stay this wide in the picture: smaller, it cannot be told from noise.
  */
 static const double pixels_least = 2;
+/* What one that leaves may make of the distance of the camera, where that is so anyway. */
+static const double farther_most = 2;
 /* Share of half the picture that is left free at its edges. */
 static const double margin = 0.1;
 
@@ -288,7 +291,7 @@ int rb_framing_aim(const struct rb_framing *framing, struct rb_camera_def *camer
 	const rb_vec3 end = {(double)INFINITY, (double)INFINITY, (double)INFINITY};
 	const bool looks = camera->look_at.source == RB_CAMERA_FIXED && camera->aimed;
 	rb_vec3 low = end, high = rb_vec3_neg(end), target = camera->look_at.value;
-	double distance = 0;
+	double distance = 0, staying = 0;
 	int count = 0, taken = 0, left_out = 0;
 
 	RB_ASSERT(size > 0);
@@ -307,12 +310,15 @@ int rb_framing_aim(const struct rb_framing *framing, struct rb_camera_def *camer
 		                                             rb_vec3_add(wider_low, wider_high));
 		const double wider = distance_of(&sight, wider_low, wider_high, middle);
 		const double pixel_m = 2 * wider * sight.upright / camera->size_px[1];
-		if (some_stay && order[taken]->leaves && typical_m < pixels_least * pixel_m)
+		if (some_stay && order[taken]->leaves && typical_m < pixels_least * pixel_m &&
+		    wider > farther_most * staying)
 			break;
 		low = wider_low;
 		high = wider_high;
 		target = middle;
 		distance = wider;
+		if (!order[taken]->leaves)
+			staying = wider;
 	}
 	for (int k = taken; k < count; k++, left_out++)
 		if (left_out < 3)

@@ -3,8 +3,9 @@
  * Where a camera without a place of its own stands: so that it sees all that moves over the time it
  * shows.
  *
- * What moves away from everything to the end, and would make all else smaller than two pixels,
- * flies off for ever and is left out. Owned by whoever initialized it; one thread.
+ * What moves away from everything to the end, and would make all else smaller than two pixels and
+ * than half of what it is without, flies off for ever and is left out. Owned by whoever initialized
+ * it; one thread.
  */
 #ifndef RB_FLOW_FRAMING_H
 #define RB_FLOW_FRAMING_H
