@@ -253,7 +253,7 @@ static double disk_bytes(const char *name)
 	return known ? (double)about.f_blocks * (double)about.f_frsize : 0;
 }
 
-/* Refuses what no disk and no patience is enough for, before anything is made. */
+/* Refuses what this disk or no patience is enough for, before anything is made. */
 static enum rb_status check_size(const struct rb_loaded *loaded, struct rb_error *err)
 {
 	/* the least that a frame takes, of any run on any machine; and more than anybody waits */
@@ -269,17 +269,18 @@ static enum rb_status check_size(const struct rb_loaded *loaded, struct rb_error
 	bytes = (record->compression > 0 ? 0 : bytes) + sizeof(double);
 	bytes *= frames / (record->every > 1 ? record->every : 1);
 	const double disk = loaded->output ? disk_bytes(loaded->output) : 0;
-	const bool too_large = disk > 0 && bytes > disk;
-	if (!too_large && !(frames * frame_s > wait_s))
+	const bool too_large = disk > 0 && bytes > disk, too_long = frames * frame_s > wait_s;
+	if (!too_large && !too_long)
 		return RB_OK;
-	if (frames * frame_s > wait_s)
+	if (too_long)
 		snprintf(years, sizeof years, " and %.2g years at a microsecond each",
 		         frames * frame_s / wait_s);
 	rb_text_bytes((uint64_t)fmin(bytes, 1e19), needed);
 	rb_text_bytes((uint64_t)disk, there);
 	if (loaded->scene.world.line > 0)
 		snprintf(line, sizeof line, ":%d", loaded->scene.world.line);
-	return RB_FAIL(err, RB_ERR_SCENE,
+	/* on another disk the same scene runs */
+	return RB_FAIL(err, too_long ? RB_ERR_SCENE : RB_ERR_CREATE,
 	               "%s%s: world: 'duration' %g s times 'frame_rate' %g makes %g frames, which "
 	               "would take at least %s of disk%s%s%s%s",
 	               loaded->scene.file, line, model->duration_s, model->frame_rate, frames,
