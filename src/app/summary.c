@@ -166,9 +166,11 @@ void rb_summary_print(FILE *file, const struct rb_run_result *result,
 		         loaded->scene.expect_count);
 	}
 	rb_print(file, "  memory        %s at most\n", rb_text_bytes(result->memory_bytes, size));
-	if (loaded->output)
+	if (loaded->output && result->recording_bytes > 0)
 		rb_print(file, "  recording     %s, %s\n", loaded->output,
 		         rb_text_bytes(result->recording_bytes, size));
+	else if (loaded->output)
+		rb_print(file, "  recording     none\n");
 }
 
 /* The recording's own words. */

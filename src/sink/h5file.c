@@ -166,8 +166,12 @@ void rb_h5_fail(struct rb_h5 *h5, const char *what, const char *path)
 
 	if (h5->status)
 		return;
-	h5->status = RB_FAIL(&h5->error, RB_ERR_IO, "cannot %s '%s' in '%s': %s", what, path,
-	                     h5->name, rb_h5_reason(reason));
+	if (strcmp(path, "/") == 0) /* the whole file */
+		h5->status = RB_FAIL(&h5->error, RB_ERR_IO, "cannot %s '%s': %s", what, h5->name,
+		                     rb_h5_reason(reason));
+	else
+		h5->status = RB_FAIL(&h5->error, RB_ERR_IO, "cannot %s '%s' in '%s': %s", what,
+		                     path, h5->name, rb_h5_reason(reason));
 }
 
 void rb_h5_made(struct rb_h5 *h5, const char *path, hid_t dataset)

@@ -257,10 +257,10 @@ static void make_growing(struct rb_recorder *recorder, struct rb_scales *scales)
 		rb_scales_write(scales, h5, recorder->frames.time->path);
 	rb_frames_detach(&recorder->frames);
 	if (!h5->status && H5Fstart_swmr_write(h5->file) < 0)
-		rb_h5_fail(h5, "share", "/");
+		rb_h5_fail(h5, "write", "/");
 	rb_frames_attach(h5, &recorder->frames);
 	if (!h5->status && H5Fflush(h5->file, H5F_SCOPE_LOCAL) < 0)
-		rb_h5_fail(h5, "flush", "/");
+		rb_h5_fail(h5, "write", "/");
 }
 
 /* Makes the whole file up to its first frame. */
@@ -366,7 +366,7 @@ static enum rb_status reopen_file(struct rb_recorder *recorder, struct rb_error 
 		rb_h5_retext(h5, "/rbsim/ended", "");
 	}
 	if (!h5->status && H5Fflush(h5->file, H5F_SCOPE_LOCAL) < 0)
-		rb_h5_fail(h5, "flush", "/");
+		rb_h5_fail(h5, "write", "/");
 	if (h5->status && err)
 		*err = h5->error;
 	recorder->seen = options->frame + 1;
@@ -483,7 +483,7 @@ static void write_end(struct rb_recorder *recorder, const struct rb_outcome *out
 	rb_h5_retext(h5, "/rbsim/status",
 	             recorder->failed ? "failed" : status_text(outcome->status));
 	if (!h5->status && H5Fflush(h5->file, H5F_SCOPE_LOCAL) < 0)
-		rb_h5_fail(h5, "flush", "/");
+		rb_h5_fail(h5, "write", "/");
 }
 
 /* Cuts columns that a failure left longer than `step`. */

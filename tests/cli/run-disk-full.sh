@@ -16,3 +16,16 @@ told=$(sed -n 's/.*simulated, \([0-9]*\) of them.*/\1/p' err)
 exits 0 info s.h5 --json
 [ "$(value frames)" -gt 10 ] || fail "$(value frames) frames are readable"
 [ "$(value frames)" = "$told" ] || fail "$(value frames) frames are readable, the summary says $told"
+
+# Not even the beginning fits: the message names the file, not what is in it, and the summary no recording that is not there.
+for limit in 100 400; do
+	(
+		ulimit -f $limit
+		exec timeout 60 "$RBSIM" s.lua -o little.h5 >out 2>err
+	)
+	got=$?
+	[ $got -eq 73 ] || [ $got -eq 74 ] || fail "exit status $got, wanted 73 or 74"
+	says err "cannot (create|write) 'little.h5': File too large"
+	[ -e little.h5 ] || ! grep -q 'little.h5, ' err out || fail "a recording that is not there: $(cat err)"
+	rm -f little.h5
+done
