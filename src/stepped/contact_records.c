@@ -238,10 +238,11 @@ static bool is_impact(const struct rb_world *world, const struct rb_cohort *coho
 	for (size_t k = 0; k < length; k++) {
 		const rb_vec3 rebound = rb_cohort_rebound(cohort, first + k);
 
-		if (!(point[k].normal_impulse > 0))
-			continue;
 		const double along = point[k].normal_impulse +
 		                     rb_vec3_dot(rebound, point[k].normal);
+
+		if (!(along > 0))
+			continue;
 		event->impulse = rb_vec3_add(
 			event->impulse,
 			rb_vec3_add(rb_vec3_add_scaled(point[k].friction_impulse,

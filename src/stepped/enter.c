@@ -547,9 +547,9 @@ static void enter_points(struct entering *n)
 	for (size_t k = 0; k < points->count; k++) {
 		const struct rb_step_point *point = &points->row[k];
 
-		if (!(point->normal_impulse > 0) || !is_in(n, point->a))
+		if (!is_in(n, point->a))
 			continue;
-		if (n->tally->body[point->a].kind == RB_TALLY_JOINED)
+		if (point->normal_impulse > 0 && n->tally->body[point->a].kind == RB_TALLY_JOINED)
 			enter_point(n, point);
 		const rb_vec3 rebound = rb_cohort_rebound(n->cohort, k);
 		if (rebound.x != 0 || rebound.y != 0 || rebound.z != 0)

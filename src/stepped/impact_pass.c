@@ -5,7 +5,7 @@
  * simultaneous impact law; bodies get a kick (change of velocity, and the shift that makes the
  * parabola continuous), and their other points are predicted again. Larger groups rebound at the
  * end of the step and are counted as crowded; so that accumulating impacts end, what is left after
- * EVENTS_MAX rebounds there too.
+ * EVENTS_MAX rebounds there too. So do joined bodies, by the same law (stepped/joined_rebound).
  */
 #include "stepped/impact_pass.h"
 
@@ -39,6 +39,8 @@ static const double fine_share = 1e-9;
 /* Rounding of an approach after an impact, in ulp of the largest speed of the group. */
 static const double noise_ulp = 32;
 
+enum crowd { CROWD_NONE, CROWD_LARGE, CROWD_JOINED };
+
 /* Working data of one try. */
 struct impacts {
 	struct rb_world *world;
@@ -52,13 +54,14 @@ struct impacts {
 	unsigned char *touched; /* [points] it was part of an impact */
 	unsigned char *seen;    /* [points] its gap is looked at when all is done, or in the set */
 	int *place;             /* [bodies] in the set, or -1 */
-	unsigned char *crowded; /* [bodies] of a group that is too large */
+	unsigned char *crowded; /* [bodies] enum crowd: why its group is left to the end */
 
 	/* what touches at one moment */
 	int *body;
 	int body_count, bodies_max;
 	size_t *contact;
 	int contact_count;
+	enum crowd crowd; /* why they are not resolved now */
 	double t_s, start_s;
 	double noise; /* m/s: of approaches among these */
 	int unit;     /* 2^unit kg is that of masses while they are solved for, else 0 */
@@ -98,15 +101,17 @@ static enum rb_status predict(struct impacts *all, size_t point, double now, str
 
 /* ---- the search ---- */
 
-/* Who is joined rebounds at the end of the step: the law of impacts knows nothing of joints. */
+/* Who is joined rebounds at the end of the step. */
 static void mark_joined(struct impacts *all)
 {
 	const struct rb_joints *joints = all->world->model->joints;
 
 	for (int k = 0; joints && k < joints->count; k++) {
-		all->crowded[joints->joint[k].a] = 1;
+		if (all->world->joint[k].released)
+			continue;
+		all->crowded[joints->joint[k].a] = CROWD_JOINED;
 		if (joints->joint[k].b >= 0)
-			all->crowded[joints->joint[k].b] = 1;
+			all->crowded[joints->joint[k].b] = CROWD_JOINED;
 	}
 }
 
@@ -153,8 +158,10 @@ static bool take_body(struct impacts *all, int i)
 	RB_ASSERT_COSTLY(i >= 0 && all->body_count <= all->bodies_max);
 	if (!rb_stepped_is_dynamic(all->world, i) || all->place[i] >= 0)
 		return true;
-	if (all->body_count == all->bodies_max || all->crowded[i])
+	if (all->body_count == all->bodies_max || all->crowded[i]) {
+		all->crowd = all->crowded[i] ? all->crowded[i] : CROWD_LARGE;
 		return false;
+	}
 	all->place[i] = all->body_count;
 	all->body[all->body_count++] = i;
 	return true;
@@ -178,6 +185,7 @@ static bool gather(struct impacts *all, size_t due)
 	bool fits;
 
 	all->body_count = all->contact_count = 0;
+	all->crowd = CROWD_LARGE;
 	fits = take_body(all, row[due].a) && take_body(all, row[due].b);
 	for (int k = 0; k < all->body_count && fits; k++) {
 		const int i = all->body[k];
@@ -529,12 +537,14 @@ static bool target_velocity(struct impacts *all, size_t due)
 {
 	if (may_be_left(all, due))
 		return true;
+	for (int k = 0; k < all->body_count; k++)
+		all->crowded[all->body[k]] = (unsigned char)all->crowd;
+	if (all->crowd == CROWD_JOINED)
+		return true;
 	const struct rb_step_point *point = &all->points->row[due];
 	struct rb_hit *hit = add_hit(all, point);
 	const rb_vec3 none = {0, 0, 0};
 
-	for (int k = 0; k < all->body_count; k++)
-		all->crowded[all->body[k]] = 1;
 	if (!hit)
 		return false;
 	hit->crowded = true;
@@ -611,6 +621,8 @@ static bool collide(struct impacts *all, size_t due, bool *done)
 			                                         joint.contact[k].impulse);
 		all->unit = 0;
 		*done = !rb_simultaneous_is_over(&joint);
+		if (!*done)
+			all->crowd = CROWD_LARGE;
 		fine = *done ? report(all, &joint, converged) : target_velocity(all, due);
 	}
 	if (fine && *done && all->s->tally)

@@ -5,7 +5,8 @@
  * An impact is an approach that does not come from the forces of the step. In order of time, each
  * is resolved together with all that touches then, as long as these are no more than
  * RB_IMPACT_CONTACTS; bodies go on from there. What lasts is solved afterwards for the whole step.
- * Larger groups rebound when the step is over, at once (rb_solver_rebound), and are counted.
+ * Larger groups rebound when the step is over, at once (rb_solver_rebound), and are counted; joined
+ * bodies do so then by the law (stepped/joined_rebound).
  *
  * Impacts that give nothing back are such ones where something else does, or where the step's
  * solution would take them apart (rb_flight_splits) and no more than two bodies that yield touch.

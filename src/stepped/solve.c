@@ -9,6 +9,7 @@
 #include "constraint/effective_mass.h"
 #include "force/spring.h"
 #include "stepped/energy.h"
+#include "stepped/joined_rebound.h"
 #include "stepped/second_half.h"
 #include "stepped/strategies.h"
 #include "stepped/swing.h"
@@ -148,7 +149,8 @@ struct work {
 	struct rb_solver *solver;
 	struct rb_world *world;
 	const int *first; /* [blocks + 1]: groups of each block */
-	bool rebound, second;
+	bool second;
+	const struct rb_step_points *rebound; /* whose impacts rebound; NULL: none do yet */
 };
 
 static bool is_due(const struct work *work, const struct rb_island *island)
@@ -156,6 +158,17 @@ static bool is_due(const struct work *work, const struct rb_island *island)
 	if (work->second)
 		return rb_second_half_is_due(work->solver, island);
 	return work->rebound ? island->rebounds : !island->kept && !island->swings;
+}
+
+static void solve_group(const struct work *work, struct rb_island *island, struct rb_team *team,
+                        struct rb_arena *arena)
+{
+	const rb_arena_mark here = rb_arena_here(arena);
+
+	if (!work->rebound ||
+	    !rb_joined_rebound(work->solver, work->world, work->rebound, island, arena))
+		rb_strategies_solve(work->solver, island, team, arena);
+	rb_arena_back(arena, here);
 }
 
 static void solve_block(void *user, int block, int worker)
@@ -168,10 +181,7 @@ static void solve_block(void *user, int block, int worker)
 		if (island->row_count >= RB_STRATEGY_LARGE_ROWS || !is_due(work, island) ||
 		    rb_interrupt_is_set(work->solver->interrupt))
 			continue;
-		struct rb_arena *arena = &work->world->arena[worker];
-		const rb_arena_mark here = rb_arena_here(arena);
-		rb_strategies_solve(work->solver, island, NULL, arena);
-		rb_arena_back(arena, here);
+		solve_group(work, island, NULL, &work->world->arena[worker]);
 	}
 }
 
@@ -197,14 +207,10 @@ static enum rb_status solve_all(struct work *work, struct rb_error *err)
 	RB_ASSERT(first[blocks] == (int)solver->island_count || blocks == 0);
 	work->first = first;
 	rb_team_run(work->world->team, blocks, solve_block, work);
-	for (size_t g = 0; g < solver->island_count; g++) {
-		const rb_arena_mark here = rb_arena_here(arena);
-
+	for (size_t g = 0; g < solver->island_count; g++)
 		if (solver->island[g].row_count >= RB_STRATEGY_LARGE_ROWS &&
 		    is_due(work, &solver->island[g]) && !rb_interrupt_is_set(solver->interrupt))
-			rb_strategies_solve(solver, &solver->island[g], work->world->team, arena);
-		rb_arena_back(arena, here);
-	}
+			solve_group(work, &solver->island[g], work->world->team, arena);
 	return rb_interrupt_is_set(solver->interrupt)
 	               ? RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted")
 	               : RB_OK;
@@ -458,7 +464,7 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
                                  const struct rb_step_points *points, rb_vec3 *rebound,
                                  struct rb_error *err)
 {
-	struct work work = {.solver = solver, .world = world, .rebound = true};
+	struct work work = {.solver = solver, .world = world, .rebound = points};
 	bool any = false;
 
 	for (size_t g = 0; g < solver->island_count; g++) {
