@@ -129,8 +129,10 @@ struct rounds {
 	int *which;
 	int contact_rows;
 	bool *stops;  /* [joint_count]: row of a joint that only pushes and takes part */
+	int *leader;  /* [body_count]: the first of the bodies that joints connect with it */
+	bool *near;   /* [body_count]: leaders of those that take part in this round */
 	double first; /* m/s: largest approach of the first round */
-	double scale; /* m/s: largest speed */
+	double scale; /* m/s: largest speed of those that take part */
 	struct rb_cone cone;
 };
 
@@ -158,14 +160,31 @@ static double stop_speeds(const struct rb_simultaneous *joint, const struct rb_c
 	return fmax(bias, fmax(speed_bound(a, row->base.arm_a), speed_bound(b, row->base.arm_b)));
 }
 
-static double largest_speed(const struct rb_simultaneous *joint)
+/* Whether a row of a joint has to do with what takes part in this round. */
+static bool is_near(const struct rounds *all, const struct rb_cone_row *row)
 {
+	return all->near[all->leader[row->base.a]] || all->near[all->leader[row->base.b]];
+}
+
+/*
+ * Of what takes part in this round: the speed of others, which a shock has sent off, would hide
+ * what is left of it here.
+ */
+static double largest_speed(const struct rounds *all)
+{
+	const struct rb_simultaneous *const joint = all->joint;
 	double largest = 0;
 
-	for (int k = 0; k < joint->contact_count; k++)
-		largest = fmax(largest, speeds_of(joint, &joint->contact[k]));
+	for (int k = 0; k < joint->contact_count; k++) {
+		const struct rb_solver_contact *c = &joint->contact[k];
+
+		if (all->active[k] || all->near[all->leader[c->a]])
+			largest = fmax(largest, speed_bound(&joint->body[c->a], c->arm_a));
+		if (all->active[k] || all->near[all->leader[c->b]])
+			largest = fmax(largest, speed_bound(&joint->body[c->b], c->arm_b));
+	}
 	for (int k = 0; k < joint->joint_count; k++)
-		if (is_stop(&joint->joint_row[k]))
+		if (is_stop(&joint->joint_row[k]) && is_near(all, &joint->joint_row[k]))
 			largest = fmax(largest, stop_speeds(joint, &joint->joint_row[k]));
 	return largest;
 }
@@ -394,6 +413,28 @@ static int find_active(struct rounds *all, bool *only_tail)
 	return count;
 }
 
+/* Leaders of those that contacts, limits and ropes of this round act on. */
+static void find_near(struct rounds *all)
+{
+	const struct rb_simultaneous *const joint = all->joint;
+
+	memset(all->near, 0, (size_t)joint->body_count * sizeof *all->near);
+	for (int k = 0; k < joint->contact_count; k++) {
+		if (!all->active[k])
+			continue;
+		all->near[all->leader[joint->contact[k].a]] = true;
+		all->near[all->leader[joint->contact[k].b]] = true;
+	}
+	for (int k = 0; k < joint->joint_count; k++) {
+		const struct rb_constraint *const base = &joint->joint_row[k].base;
+
+		if (!is_stop(&joint->joint_row[k]) || !all->stops[k])
+			continue;
+		all->near[all->leader[base->a]] = true;
+		all->near[all->leader[base->b]] = true;
+	}
+}
+
 /*
  * Those that share no body with another are done at once, the others together. False when memory is
  * out.
@@ -407,6 +448,7 @@ static bool run_round(struct rounds *all, bool with_restitution)
 
 	memset(all->crowd, 0, (size_t)joint->body_count * sizeof *all->crowd);
 	cone->row_count = 0;
+	find_near(all);
 	for (int k = 0; k < joint->contact_count; k++) {
 		const struct rb_solver_contact *c = &joint->contact[k];
 
@@ -435,13 +477,13 @@ static bool run_round(struct rounds *all, bool with_restitution)
 		all->which[cone->row_count] = k;
 		cone->row[cone->row_count++] = row_of(c);
 	}
-	all->scale = largest_speed(joint);
+	all->scale = largest_speed(all);
 	all->contact_rows = cone->row_count;
 	for (int k = 0; k < joint->joint_count; k++) {
 		const bool stop = is_stop(&joint->joint_row[k]);
 
 		felt = felt || (stop && all->stops[k]);
-		if (stop && !all->stops[k])
+		if ((stop && !all->stops[k]) || !is_near(all, &joint->joint_row[k]))
 			continue;
 		struct rb_cone_row *const row = &cone->row[cone->row_count];
 
@@ -453,6 +495,29 @@ static bool run_round(struct rounds *all, bool with_restitution)
 	if (all->contact_rows == 0 && !felt)
 		return true;
 	return hit_together(all, with_restitution);
+}
+
+/* Bodies that yield and are connected by joints get the smallest of them as their leader. */
+static void find_leaders(struct rounds *all)
+{
+	const struct rb_simultaneous *const joint = all->joint;
+	bool more = true;
+
+	for (int i = 0; i < joint->body_count; i++)
+		all->leader[i] = i;
+	while (more) {
+		more = false;
+		for (int k = 0; k < joint->joint_count; k++) {
+			const struct rb_constraint *const base = &joint->joint_row[k].base;
+			int *const a = &all->leader[base->a], *const b = &all->leader[base->b];
+
+			if (*a == *b || !rb_solver_is_dynamic(&joint->body[base->a]) ||
+			    !rb_solver_is_dynamic(&joint->body[base->b]))
+				continue;
+			*a = *b = *a < *b ? *a : *b;
+			more = true;
+		}
+	}
 }
 
 static bool take_rounds(struct rounds *all)
@@ -472,9 +537,15 @@ static bool take_rounds(struct rounds *all)
 	all->stops = rb_arena_take(joint->arena, (size_t)joint->joint_count + 1,
 	                           sizeof *all->stops);
 	all->crowd = rb_arena_take(joint->arena, (size_t)joint->body_count, sizeof *all->crowd);
+	all->leader = rb_arena_take(joint->arena, (size_t)joint->body_count, sizeof *all->leader);
+	all->near = rb_arena_take(joint->arena, (size_t)joint->body_count, sizeof *all->near);
 	all->cone.row = rb_arena_take(joint->arena, contacts + (size_t)joint->joint_count,
 	                              sizeof *all->cone.row);
-	return all->active && all->which && all->stops && all->crowd && all->cone.row;
+	if (!all->active || !all->which || !all->stops || !all->crowd || !all->leader ||
+	    !all->near || !all->cone.row)
+		return false;
+	find_leaders(all);
+	return true;
 }
 
 bool rb_simultaneous_impact(struct rb_simultaneous *joint, int *rounds)

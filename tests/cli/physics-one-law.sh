@@ -39,6 +39,7 @@ alike "row, e = 0.5, gaps of 1e-9 m" -p kind=row -p e=0.5 -p gap=1e-9
 alike "row, each heavier, e = 0.9" -p kind=row -p grow=1.7 -p e=0.9
 alike "row, each lighter, against a wall" -p kind=row -p grow=0.7 -p wall=true
 alike "row on a table" -p kind=row -p e=0.8 -p g=9.81
+alike "row on rods" -p joined=true
 alike "row on rods, e = 0.99" -p joined=true -p e=0.99
 alike "row on rods, e = 0.5, each heavier" -p joined=true -p e=0.5 -p grow=1.7
 alike "row on rods, each lighter, against a wall" -p joined=true -p grow=0.7 -p wall=true
