@@ -326,7 +326,7 @@ static enum rb_status unknown_option(struct parse *parse, const char *name, size
 	snprintf(word, sizeof word, "%.*s", (int)length, name);
 	struct rb_nearest nearest = rb_nearest_to(word);
 	for (int i = 0; i < rb_option_row_count; i++)
-		if (rb_option_rows[i].help)
+		if (rb_option_rows[i].help && rb_option_rows[i].verbs & 1u << parse->options->verb)
 			rb_nearest_offer(&nearest, rb_option_rows[i].name,
 			                 strlen(rb_option_rows[i].name));
 	if (*nearest.best)

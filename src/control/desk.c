@@ -157,8 +157,7 @@ static void draw(struct desk *desk)
 	}
 	const struct rb_layout *const l = &desk->layout;
 	if (!l->fits) {
-		rb_screen_text(screen, (rb_area){0, 0, width, 1}, 0, RB_STYLE_PLAIN,
-		               "too small: 40x12 is needed");
+		rb_screen_text(screen, (rb_area){0, 0, width, 1}, 0, RB_STYLE_PLAIN, "needs 40x12");
 		rb_screen_flush(screen, -1, 0);
 		desk->stale = false;
 		return;

@@ -28,7 +28,9 @@ sees 'mass +4.189 kg'
 types : && enters 'seek 0.25 and this line is much longer than the screen is wide and goes on and on'
 sees "'much longer than the screen"
 resize 39 11
-sees 'too small: 40x12'
+sees '^needs 40x12'
+resize 20 5
+sees '^needs 40x12'
 resize 70 20
 sees 'frame 0 of 30'
 resize 250 70
