@@ -9,8 +9,10 @@
 #include "constraint/simultaneous.h"
 #include "world/world.h"
 
-/* Products with the matrix of a group's contacts, times these: as of impacts within a step. */
+/* Products with the matrix of a group's rows, times these: as of impacts within a step. */
 static const long work_max = 200000;
+/* Rows of joints, several for each contact of the largest group: factors of more cost the most. */
+enum { HELD_MAX = 4 * RB_IMPACT_CONTACTS };
 /* Of the fastest approach: speeds to which what follows from it is resolved. */
 static const double fine_share = 1e-9;
 /* Of the fastest row: what is left of what is to be stopped, beyond which it has not been. */
@@ -145,7 +147,7 @@ static bool take_rows(struct group *g)
 	for (int k = island->contact_count; k < island->row_count - island->spring_count; k++)
 		if (holds(&g->rows.row[k], &rebounds))
 			g->held[g->held_count++] = k;
-	return g->contact_count > 0 && g->held_count > 0 && !rebounds;
+	return g->contact_count > 0 && g->held_count > 0 && g->held_count <= HELD_MAX && !rebounds;
 }
 
 /* A row between bodies of the problem. */
@@ -220,6 +222,11 @@ static double noise_of(const struct group *g, const struct rb_step_point *point)
 	return lasts ? g->solver->tolerance : 0;
 }
 
+static long products_max(const struct group *g)
+{
+	return work_max / (g->contact_count + g->held_count);
+}
+
 /* L(u); false: it has not settled, or memory is out. */
 static bool apply_law(const struct group *g, struct rb_simultaneous *law)
 {
@@ -232,7 +239,7 @@ static bool apply_law(const struct group *g, struct rb_simultaneous *law)
 	                                .joint_count = g->held_count,
 	                                .arena = g->arena,
 	                                .interrupt = g->solver->interrupt,
-	                                .products_max = work_max / g->contact_count};
+	                                .products_max = products_max(g)};
 	law->contact = rb_arena_take(g->arena, (size_t)g->contact_count, sizeof *law->contact);
 	law->joint_row = rb_arena_take(g->arena, (size_t)g->held_count, sizeof *law->joint_row);
 	if (!law->body || !law->contact || !law->joint_row)
@@ -268,7 +275,7 @@ static bool stop_all(const struct group *g, struct rb_cone *cone)
 	                         .row_count = count,
 	                         .row = rb_arena_take(g->arena, (size_t)count, sizeof *cone->row),
 	                         .arena = g->arena,
-	                         .max = work_max / g->contact_count,
+	                         .max = products_max(g),
 	                         .interrupt = g->solver->interrupt};
 	if (!cone->bodies.body || !cone->row)
 		return false;
