@@ -85,7 +85,10 @@ static double joint_work(const struct rb_solver *solver, const struct rb_island 
 	return sum;
 }
 
-/* A body's share of the sums: what forces, and then impulses, have changed its motion by. */
+/*
+ * A body's share of the sums: what forces, and then impulses, have changed its motion by. One that
+ * has no impulse may go on as a free one, which forces take nothing of.
+ */
 static inline void add_body(struct rb_energy *energy, const struct rb_solver *solver, int i)
 {
 	const struct rb_solver_body *now = &solver->dense.bodies.body[i], *free = &solver->free[i];
@@ -97,9 +100,11 @@ static inline void add_body(struct rb_energy *energy, const struct rb_solver *so
 	double square = mass * rb_vec3_dot(more, more);
 	double mixed = mass * rb_vec3_dot(more, before.linear);
 	double lost = mass * rb_vec3_dot(force, force);
+	const rb_vec3 turn = rb_vec3_sub(now->angular, free->angular);
 
+	if (rb_vec3_max_abs(more) == 0 && rb_vec3_max_abs(turn) == 0)
+		return;
 	if (now->inverse_inertia != 0) {
-		const rb_vec3 turn = rb_vec3_sub(now->angular, free->angular);
 		const rb_vec3 twist = rb_vec3_sub(free->angular, before.angular);
 		const rb_vec3 momentum = weigh_turn(solver, i, turn);
 
