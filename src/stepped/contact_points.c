@@ -512,8 +512,11 @@ static bool passes(const struct inspection *inspection, struct rb_pair pair, con
                    const rb_placed *b, const rb_manifold *manifold)
 {
 	const struct rb_world *world = inspection->world;
+	/* where overlaps are closed nothing is on its way any more */
+	const struct rb_state *const before = inspection->max < HUGE_VAL ? &world->state
+	                                                                 : &world->mark;
 
-	const struct rb_beside beside = {.before = relative(inspection, &world->mark, pair, a->at),
+	const struct rb_beside beside = {.before = relative(inspection, before, pair, a->at),
 	                                 .forced = relative(inspection, &world->state, pair, a->at),
 	                                 .held = is_held(inspection, pair.a) &&
 	                                         is_held(inspection, pair.b),

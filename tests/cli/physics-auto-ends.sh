@@ -62,6 +62,15 @@ for scales in "0 0" "-6 0" "2 4"; do
 	first="$part $place"
 done
 
+# by steps alone too: where overlaps are closed no velocity is taken for a way
+first=
+for time in 0 4; do
+	exits 0 scaled.lua --method stepped -p time="$time" --no-record --json --quiet --threads 1
+	place=$(sed -n 's/.*"measured":\([^,]*\).*/\1/p' out)
+	[ "${first:-$place}" = "$place" ] || fail "steps scaled by 2^$time: at $place; as it was: $first"
+	first=$place
+done
+
 # what stands again after steps is not tried again before they have cost much more than that
 exits 0 "$TOP/scenes/arch.lua" --method auto --no-record --no-render --json --quiet --threads 1
 [ "$(value rollbacks)" -le 1 ] || fail "the arch: $(value rollbacks) frames were done again"
