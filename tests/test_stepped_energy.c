@@ -101,7 +101,7 @@ static void nothing_that_is_thrown_gains_energy(void **state)
 	static const double steps[] = {1.0 / 30, 1.0 / 120, 1.0 / 480};
 
 	/* a rebound is paid for only by what stays in contact, not by those that fly beside it */
-	static const uint64_t others[] = {1910};
+	static const uint64_t others[] = {1910, 440};
 	const uint64_t count = 72 + sizeof others / sizeof *others;
 
 	(void)state;

@@ -19,6 +19,7 @@ struct rb_step_point {
 	uint32_t parts; /* as in its name, the body of the lower index first */
 	bool central;
 	bool rolls;        /* at the lowest point of a rim, which goes round it */
+	bool rolls_to;     /* another point of that rim, to which it goes: no impact of its own */
 	bool after_impact; /* what the step's solution has applied has been told as an impact */
 	uint64_t key;      /* as in its name */
 	uint32_t pair;     /* among the candidates */

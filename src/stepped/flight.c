@@ -18,6 +18,7 @@
 #include <float.h>
 
 #include "base/error.h"
+#include "stepped/rolling.h"
 
 /*
  * STEPS_MAX: Newton steps to a touch; from far off each halves the way at worst near a grazing
@@ -59,12 +60,106 @@ struct rb_flight_motion rb_flight_of(const struct rb_flight *flight, int i, rb_v
 
 		motion.velocity = rb_vec3_add(motion.velocity,
 		                              rb_vec3_cross(rb_vec3_add(spin, kick->angular), arm));
+		motion.shift = rb_vec3_add(motion.shift, rb_vec3_cross(kick->turn, arm));
 		more = rb_vec3_add(
 			more, rb_vec3_cross(rb_vec3_sub(rb_world_row3(now->spin, i), spin), arm));
 	}
 	if (!flight->held[i])
 		motion.external = rb_vec3_scale(1 / flight->h_s, more);
 	return motion;
+}
+
+/* For `t` seconds, which may be less than none. */
+static void turn_for(const struct rb_flight *flight, int i, double t,
+                     struct rb_flight_turning *turning)
+{
+	const struct rb_stepped *s = flight->world->stepped;
+	const rb_vec3 none = {0, 0, 0};
+
+	if (t == 0 || rb_vec3_max_abs(turning->spin) == 0)
+		return;
+	if (!s->top || s->top[i].kind == RB_TOP_CONSTANT) {
+		turning->orientation = rb_quat_turned(turning->orientation,
+		                                      rb_vec3_scale(t, turning->spin));
+		return;
+	}
+	/* what turns the other way goes the same way back */
+	const rb_vec3 spin = t < 0 ? rb_vec3_neg(turning->spin) : turning->spin;
+	struct rb_top top = rb_top_start(&s->top[i], turning->orientation, spin, none);
+
+	rb_top_at(&top, fabs(t), &turning->orientation, &turning->spin);
+	if (t < 0)
+		turning->spin = rb_vec3_neg(turning->spin);
+}
+
+struct rb_flight_turning rb_flight_turning(const struct rb_flight *flight, int i, double t)
+{
+	const struct rb_state *mark = &flight->world->mark;
+	const struct rb_kick *kick = &flight->world->stepped->kick[i];
+	struct rb_flight_turning turning = {
+		.orientation = kick->turns ? kick->orientation
+	                                   : rb_quat_from(mark->orientation + 4 * (size_t)i),
+		.spin = kick->turns ? kick->spin : rb_world_row3(mark->spin, i)};
+
+	if (rb_stepped_is_dynamic(flight->world, i))
+		turn_for(flight, i, t, &turning);
+	return turning;
+}
+
+/* Its impulse is that at the beginning, whatever has turned since. */
+rb_vec3 rb_flight_forced_spin(const struct rb_flight *flight, int i, rb_quat orientation)
+{
+	const struct rb_world *world = flight->world;
+	const struct rb_model *model = world->model;
+	const rb_vec3 more = rb_vec3_sub(rb_world_row3(world->state.spin, i),
+	                                 rb_world_row3(world->mark.spin, i));
+
+	if (rb_vec3_max_abs(more) == 0 || !isnan(model->inverse_inertia_scalar[i]))
+		return more;
+	const rb_quat from = rb_quat_from(world->mark.orientation + 4 * (size_t)i);
+	const rb_vec3 twist = rb_quat_rotate(
+		from, rb_mat3_apply(&model->inertia[i], rb_quat_rotate_back(from, more)));
+
+	return rb_quat_rotate(orientation, rb_mat3_apply(&model->inverse_inertia[i],
+	                                                 rb_quat_rotate_back(orientation, twist)));
+}
+
+void rb_flight_kick(const struct rb_flight *flight, int i, double t,
+                    const struct rb_flight_turning *at, const struct rb_solver_body *more)
+{
+	const struct rb_world *world = flight->world;
+	struct rb_stepped *const s = world->stepped;
+	struct rb_kick *const kick = &s->kick[i];
+
+	if (!kick->is_set)
+		s->kicked[s->kicked_count++] = i;
+	kick->is_set = true;
+	kick->linear = rb_vec3_add(kick->linear, more->linear);
+	kick->shift = rb_vec3_add_scaled(kick->shift, -t, more->linear);
+	if (!world->state.spin || rb_vec3_max_abs(more->angular) == 0)
+		return;
+	struct rb_flight_turning from = {at->orientation, rb_vec3_add(at->spin, more->angular)};
+	const rb_vec3 was = kick->angular;
+
+	kick->angular = rb_vec3_sub(from.spin, rb_world_row3(world->mark.spin, i));
+	kick->turn = rb_vec3_add_scaled(kick->turn, -t, rb_vec3_sub(kick->angular, was));
+	turn_for(flight, i, -t, &from);
+	kick->orientation = from.orientation;
+	kick->spin = from.spin;
+	kick->turns = true;
+}
+
+void rb_flight_turn_from(const struct rb_flight *flight, struct rb_state *state, int i)
+{
+	const struct rb_world *world = flight->world;
+	struct rb_kick *const kick = &world->stepped->kick[i];
+	const rb_vec3 forced = rb_flight_forced_spin(flight, i, kick->orientation);
+	const rb_vec3 before = rb_world_row3(world->mark.spin, i);
+
+	kick->angular = rb_vec3_sub(kick->spin, before);
+	rb_vec3_to(state->spin + 3 * (size_t)i,
+	           rb_vec3_add(rb_vec3_add(before, kick->angular), forced));
+	rb_quat_to(state->orientation + 4 * (size_t)i, kick->orientation);
 }
 
 bool rb_flight_is_plain(const struct rb_flight *flight, const struct rb_step_point *point)
@@ -234,6 +329,8 @@ bool rb_flight_splits(const struct rb_flight *flight, const struct rb_step_point
 static double rebound(const struct rb_flight *flight, const struct rb_step_point *point,
                       double approach)
 {
+	if (point->rolls_to)
+		return 0;
 	if (point->restitution > 0)
 		return point->restitution * approach;
 	return flight->mixed || rb_flight_splits(flight, point) ? approach : 0;
@@ -256,10 +353,43 @@ bool rb_flight_could_touch(const struct rb_flight *flight, const struct rb_step_
 
 struct guess {
 	const struct rb_flight *flight;
-	const struct rb_step_points *points;
+	struct rb_step_points *points;
 	unsigned char *could;
 	bool any; /* written by all */
 };
+
+/* Whether both are on one rim of the same part. */
+static bool share_rim(const struct rb_step_point *x, const struct rb_step_point *y)
+{
+	bool share = false;
+
+	for (int shift = 0; shift <= 32; shift += 32) {
+		const int end = rb_rolling_end((rb_part)(x->key >> shift));
+
+		share = share || (end >= 0 && end == rb_rolling_end((rb_part)(y->key >> shift)));
+	}
+	return share && x->a == y->a && x->b == y->b && x->parts == y->parts;
+}
+
+/*
+ * A rim that rolls on one of its points comes to the next ones without an impact, though these come
+ * near on straight ways.
+ */
+static bool rolls_to(const struct rb_step_points *points, size_t k)
+{
+	const struct rb_step_point *row = points->row, *point = &row[k];
+	bool found = false;
+
+	if (point->rolls || point->from > 0 ||
+	    (rb_rolling_end((rb_part)point->key) < 0 &&
+	     rb_rolling_end((rb_part)(point->key >> 32)) < 0))
+		return false;
+	for (size_t o = k; o-- > 0 && row[o].pair == point->pair && !found;)
+		found = row[o].rolls && row[o].from > 0 && share_rim(point, &row[o]);
+	for (size_t o = k + 1; o < points->count && row[o].pair == point->pair && !found; o++)
+		found = row[o].rolls && row[o].from > 0 && share_rim(point, &row[o]);
+	return found;
+}
 
 enum { POINTS_PER_BLOCK = 512 };
 
@@ -269,6 +399,7 @@ static void guess_part(void *user, size_t first, size_t end)
 	bool any = false;
 
 	for (size_t k = first; k < end; k++) {
+		guess->points->row[k].rolls_to = rolls_to(guess->points, k);
 		guess->could[k] = rb_flight_could_touch(guess->flight, &guess->points->row[k]);
 		any = any || guess->could[k];
 	}
@@ -276,7 +407,7 @@ static void guess_part(void *user, size_t first, size_t end)
 		__atomic_store_n(&guess->any, true, __ATOMIC_RELAXED);
 }
 
-bool rb_flight_find_possible(const struct rb_flight *flight, const struct rb_step_points *points,
+bool rb_flight_find_possible(const struct rb_flight *flight, struct rb_step_points *points,
                              unsigned char *could)
 {
 	struct guess guess = {.flight = flight, .points = points, .could = could};
@@ -379,7 +510,9 @@ static rb_vec3 turned(const struct rb_flight *flight, int i, double t, rb_vec3 a
 	const rb_vec3 spin = rb_vec3_add(rb_world_row3(world->mark.spin, i),
 	                                 world->stepped->kick[i].angular);
 
-	return rb_vec3_add_scaled(arm, t, rb_vec3_cross(spin, arm));
+	const rb_vec3 turn = rb_vec3_add_scaled(world->stepped->kick[i].turn, t, spin);
+
+	return rb_vec3_add(arm, rb_vec3_cross(turn, arm));
 }
 
 void rb_flight_turn(const struct rb_flight *flight, struct rb_step_point *point, double t,

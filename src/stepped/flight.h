@@ -32,8 +32,8 @@ bool rb_flight_splits(const struct rb_flight *flight, const struct rb_step_point
 
 /* Whether it may be an impact in the step: by approach and gap. */
 bool rb_flight_could_touch(const struct rb_flight *flight, const struct rb_step_point *point);
-/* Marks them among all; whether there is one. */
-bool rb_flight_find_possible(const struct rb_flight *flight, const struct rb_step_points *points,
+/* Marks them among all, and what rims roll to; whether there is one. */
+bool rb_flight_find_possible(const struct rb_flight *flight, struct rb_step_points *points,
                              unsigned char *could);
 
 /* A point of a body, and what it does; without the forces of the step: `pull`, m/s^2. */
@@ -48,6 +48,28 @@ static inline rb_vec3 rb_flight_velocity(const struct rb_flight_motion *motion, 
 {
 	return rb_vec3_add_scaled(motion->velocity, t, motion->external);
 }
+
+/* How a body turns, as impacts so far have left it, without what forces of the step do. */
+struct rb_flight_turning {
+	rb_quat orientation;
+	rb_vec3 spin; /* rad/s */
+};
+
+/* At `t` seconds, as without torque. */
+struct rb_flight_turning rb_flight_turning(const struct rb_flight *flight, int i, double t);
+
+/* rad/s: what the forces of the step add in all, where it stands like that. */
+rb_vec3 rb_flight_forced_spin(const struct rb_flight *flight, int i, rb_quat orientation);
+
+/*
+ * An impact at `t`, where it turns like that, changes its motion. From then on it moves and turns
+ * as one that has come with the new velocities: angular momentum and energy are those after it.
+ */
+void rb_flight_kick(const struct rb_flight *flight, int i, double t,
+                    const struct rb_flight_turning *at, const struct rb_solver_body *more);
+
+/* The step goes on from where the body would have come with what impacts have left. */
+void rb_flight_turn_from(const struct rb_flight *flight, struct rb_state *state, int i);
 
 /* Two spheres about their centres of mass. */
 bool rb_flight_is_plain(const struct rb_flight *flight, const struct rb_step_point *point);

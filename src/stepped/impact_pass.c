@@ -54,6 +54,7 @@ struct impacts {
 	unsigned char *touched; /* [points] it was part of an impact */
 	unsigned char *seen;    /* [points] its gap is looked at when all is done, or in the set */
 	int *place;             /* [bodies] in the set, or -1 */
+	struct rb_flight_turning *turning; /* [bodies_max] of those in the set, at the moment */
 	unsigned char *crowded; /* [bodies] enum crowd: why its group is left to the end */
 
 	/* what touches at one moment */
@@ -130,9 +131,10 @@ static enum rb_status begin(struct impacts *all, struct rb_error *err)
 	all->place = rb_arena_take(arena, n, sizeof *all->place);
 	all->crowded = rb_arena_take(arena, n + (size_t)model->static_count, 1);
 	all->body = rb_arena_take(arena, (size_t)all->bodies_max + 1, sizeof *all->body);
+	all->turning = rb_arena_take(arena, (size_t)all->bodies_max + 1, sizeof *all->turning);
 	all->contact = rb_arena_take(arena, RB_IMPACT_CONTACTS + 1, sizeof *all->contact);
 	if (!all->held || !all->first || !all->of || !all->due_s || !all->touched || !all->place ||
-	    !all->crowded || !all->body || !all->contact)
+	    !all->crowded || !all->body || !all->turning || !all->contact)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 	all->flight.held = all->held;
 	memset(all->touched, 0, count);
@@ -162,6 +164,8 @@ static bool take_body(struct impacts *all, int i)
 		all->crowd = all->crowded[i] ? all->crowded[i] : CROWD_LARGE;
 		return false;
 	}
+	if (all->world->state.spin)
+		all->turning[all->body_count] = rb_flight_turning(&all->flight, i, all->t_s);
 	all->place[i] = all->body_count;
 	all->body[all->body_count++] = i;
 	return true;
@@ -219,6 +223,13 @@ static void forget_set(struct impacts *all)
 
 /* ---- the law ---- */
 
+static struct rb_flight_turning turning_of(const struct impacts *all, int i)
+{
+	return rb_stepped_is_dynamic(all->world, i) && all->place[i] >= 0
+	               ? all->turning[all->place[i]]
+	               : rb_flight_turning(&all->flight, i, all->t_s);
+}
+
 /* Velocity of a body at the moment, with its inverse mass and inertia. */
 static struct rb_solver_body joint_body(const struct impacts *all, int i)
 {
@@ -230,13 +241,13 @@ static struct rb_solver_body joint_body(const struct impacts *all, int i)
 	if (i >= world->model->body_count)
 		return body;
 	if (world->state.spin) {
-		const rb_vec3 spin = rb_world_row3(world->mark.spin, i);
+		const struct rb_flight_turning turning = turning_of(all, i);
 
-		body.angular = rb_vec3_add(spin, all->s->kick[i].angular);
+		body.angular = turning.spin;
 		if (!all->held[i])
 			body.angular = rb_vec3_add_scaled(
 				body.angular, all->t_s / all->flight.h_s,
-				rb_vec3_sub(rb_world_row3(world->state.spin, i), spin));
+				rb_flight_forced_spin(&all->flight, i, turning.orientation));
 	}
 	if (!rb_stepped_is_dynamic(world, i))
 		return body;
@@ -261,8 +272,7 @@ static rb_mat3 root_of(const struct impacts *all, int i)
 	for (int k = 0; k < 3; k++)
 		for (int x = 0; x < 3; x++)
 			inertia.m[k][x] *= less;
-	return rb_top_inverse_root(&top, &inertia,
-	                           rb_quat_from(world->mark.orientation + 4 * (size_t)i));
+	return rb_top_inverse_root(&top, &inertia, turning_of(all, i).orientation);
 }
 
 /* A body of the problem; of what does not yield each contact has its own. */
@@ -383,21 +393,15 @@ static bool build(struct impacts *all, double approach, struct rb_simultaneous *
 	return true;
 }
 
-/* Adds the change of velocity at t, and -t times it to the shift: x(t) stays continuous. */
 static void kick(struct impacts *all, int i, const struct rb_solver_body *after)
 {
-	struct rb_stepped *s = all->s;
-	struct rb_kick *const to = &s->kick[i];
 	const struct rb_solver_body before = joint_body(all, i);
-	const rb_vec3 more = rb_vec3_sub(after->linear, before.linear);
+	const struct rb_flight_turning turning = turning_of(all, i);
+	const struct rb_solver_body more = {.linear = rb_vec3_sub(after->linear, before.linear),
+	                                    .angular = rb_vec3_sub(after->angular, before.angular)};
 
 	RB_ASSERT_COSTLY(rb_stepped_is_dynamic(all->world, i));
-	if (!to->is_set)
-		s->kicked[s->kicked_count++] = i;
-	to->is_set = true;
-	to->linear = rb_vec3_add(to->linear, more);
-	to->angular = rb_vec3_add(to->angular, rb_vec3_sub(after->angular, before.angular));
-	to->shift = rb_vec3_add_scaled(to->shift, -all->t_s, more);
+	rb_flight_kick(&all->flight, i, all->t_s, &turning, &more);
 }
 
 /* ---- what is told ---- */
@@ -706,10 +710,8 @@ static void end(struct impacts *all)
 		double *const v = state->velocity + 3 * (size_t)s->kicked[k];
 
 		rb_vec3_to(v, rb_vec3_add(rb_vec3_from(v), left_of_kick(all, s->kicked[k], of)));
-		if (!state->spin)
-			continue;
-		double *const w = state->spin + 3 * (size_t)s->kicked[k];
-		rb_vec3_to(w, rb_vec3_add(rb_vec3_from(w), of->angular));
+		if (of->turns)
+			rb_flight_turn_from(&all->flight, state, s->kicked[k]);
 	}
 }
 

@@ -275,6 +275,12 @@ static struct rb_island *group_of_spring(const struct rb_solver *solver,
 	return &solver->island[solver->island_of[owner_of_spring(solver, spring)]];
 }
 
+/* m: of the end of an arm. */
+static rb_vec3 shifted(const struct rb_kick *kick, rb_vec3 arm)
+{
+	return rb_vec3_add(kick->shift, rb_vec3_cross(kick->turn, arm));
+}
+
 struct rb_spring_query rb_islands_springs(const struct rb_solver *solver,
                                           const struct rb_step_spring *spring)
 {
@@ -286,8 +292,9 @@ struct rb_spring_query rb_islands_springs(const struct rb_solver *solver,
 
 	for (int e = 0; solver->kick && e < 2; e++)
 		if (spring->end[e] < solver->body_count)
-			query.shift = rb_vec3_add_scaled(query.shift, e == 0 ? -1 : 1,
-			                                 solver->kick[spring->end[e]].shift);
+			query.shift = rb_vec3_add_scaled(
+				query.shift, e == 0 ? -1 : 1,
+				shifted(&solver->kick[spring->end[e]], spring->arm[e]));
 	return query;
 }
 

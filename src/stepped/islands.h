@@ -45,12 +45,12 @@ struct rb_island {
 /* What impacts within the step have done to a body. */
 struct rb_kick {
 	rb_vec3 linear, angular; /* m/s, rad/s */
-	/*
-	 * m: where it is besides what its velocity at the end comes to; turns go on as from the
-	 * beginning
-	 */
-	rb_vec3 shift;
-	bool is_set;
+	/* m, rad: where it is besides what its velocities at the end come to; `turn` to first order */
+	rb_vec3 shift, turn;
+	/* with which it would have come to turn as it does, if `turns`; `angular` as of the last one */
+	rb_quat orientation;
+	rb_vec3 spin;
+	bool is_set, turns;
 };
 
 /* Where a body is after a step without rows (stepped/swing). */

@@ -64,13 +64,10 @@ static double bend_of(const struct rb_world *world, const struct rim *rim)
 	return before - after + rim->h_s * rb_vec3_dot(outward, straight);
 }
 
-/* 0, 1: the end whose rim that is; -1: none. */
-static int end_of(const rb_placed *part, rb_part feature)
+int rb_rolling_end(rb_part feature)
 {
 	const int index = (int)(feature & 0xffffff);
 
-	if (part->core->kind != RB_CORE_CYLINDER)
-		return -1;
 	switch ((rb_part_kind)(feature >> 24 & 15)) {
 	case RB_PART_RIM:
 		return index & 1;
@@ -98,7 +95,9 @@ double rb_rolling_bend_of_rims(const struct rb_world *world, const struct rb_rol
 		const struct rim rim = {
 			.part = rolling->part[e],
 			.i = rolling->body[e],
-			.end = end_of(rolling->part[e], feature[e]),
+			.end = rolling->part[e]->core->kind == RB_CORE_CYLINDER
+		                       ? rb_rolling_end(feature[e])
+		                       : -1,
 			.outward = e == 0 ? rolling->normal : rb_vec3_neg(rolling->normal),
 			.arm = rolling->arm[e],
 			.h_s = rolling->h_s,

@@ -12,6 +12,9 @@
 #include "geom/patch.h"
 #include "world/world.h"
 
+/* 0, 1: the end of a cylinder whose rim that is; -1: none. */
+int rb_rolling_end(rb_part feature);
+
 /* A point of two parts, a's first, at which they may touch. */
 struct rb_rolling {
 	const rb_placed *const *part;

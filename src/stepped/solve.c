@@ -335,6 +335,9 @@ void rb_solver_go_back(const struct rb_solver *solver, struct rb_world *world)
 		rb_vec3_to(world->state.velocity + 3 * (size_t)i, given[i].linear);
 		if (world->state.spin)
 			rb_vec3_to(world->state.spin + 3 * (size_t)i, given[i].angular);
+		if (solver->kick && solver->kick[i].turns)
+			rb_quat_to(world->state.orientation + 4 * (size_t)i,
+			           solver->kick[i].orientation);
 	}
 }
 
