@@ -122,10 +122,17 @@ static void what_meets_with_friction_goes_on_with_its_new_spin(void **state)
 	assert_whole(0.5);
 }
 
+static void what_meets_without_friction_is_told_of_all_of_its_impulse(void **state)
+{
+	(void)state;
+	assert_whole(0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_meets_with_friction_goes_on_with_its_new_spin),
+		cmocka_unit_test(what_meets_without_friction_is_told_of_all_of_its_impulse),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -319,8 +319,8 @@ bool rb_flight_splits(const struct rb_flight *flight, const struct rb_step_point
 {
 	const double h = flight->h_s, approach = point->approach;
 
-	return point->friction > 0 && point->restitution == 0 && point->from == 0 &&
-	       flight->world->state.spin && approach > left_share * left_of(flight, point) &&
+	return point->restitution == 0 && point->from == 0 &&
+	       approach > left_share * left_of(flight, point) &&
 	       point->gap > whole_share * h * approach &&
 	       approach > SOME_STEPS * closing_by_forces(flight, point, point->normal);
 }

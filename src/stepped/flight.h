@@ -25,8 +25,8 @@ struct rb_flight {
  * the step begins: a solution lets the gap close by the end, and of an impact in the middle of the
  * step gives one part now, and the other one in the next step. Friction of two parts, each in a
  * cone of its own and against the slip that is left after it, is not that of the whole, by as much
- * as it is itself, however short the step. What forces alone bring about in some steps is no
- * impact, nor what the solution before may have left.
+ * as it is itself, however short the step. Without friction each part would be told alone. What
+ * forces alone bring about in some steps is no impact, nor what the solution before may have left.
  */
 bool rb_flight_splits(const struct rb_flight *flight, const struct rb_step_point *point);
 

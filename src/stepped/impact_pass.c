@@ -73,8 +73,6 @@ enum rb_status rb_impacts_create(struct rb_stepped *s, const struct rb_model *mo
 {
 	const size_t n = (size_t)model->body_count + 1;
 
-	if (!s->solver.bounces && !s->solver.rough)
-		return RB_OK;
 	s->kick = rb_memory_take(n, sizeof *s->kick);
 	s->kicked = rb_memory_take(n, sizeof *s->kicked);
 	return s->kick && s->kicked

@@ -121,7 +121,6 @@ struct rb_solver {
 	double whole_s;  /* of the step that was tried first, set by the caller; 0: of this one */
 	double external; /* m^2/s^2: the most that its forces change a velocity by, squared */
 	bool bounces;    /* materials of the scene have restitution */
-	bool rough;      /* some without it have friction */
 	bool joins_arms; /* angular momentum is to stay: stepped/levers */
 	bool mixed;      /* some pairs of them have, others have none */
 	bool joints_bounce; /* limits of joints have restitution */

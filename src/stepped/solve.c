@@ -59,12 +59,6 @@ static enum rb_status create_springs(struct rb_solver *solver, const struct rb_m
 	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %d springs", springs->count);
 }
 
-static void note_plastic(struct rb_solver *solver, const struct rb_pair_material *pair)
-{
-	solver->mixed = true;
-	solver->rough = solver->rough || pair->friction > 0;
-}
-
 enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model *model,
                                 struct rb_error *err)
 {
@@ -101,7 +95,7 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 			if (model->pair_materials[k].restitution > 0)
 				solver->bounces = true;
 			else
-				note_plastic(solver, &model->pair_materials[k]);
+				solver->mixed = true;
 		solver->mixed = solver->mixed && solver->bounces;
 		const enum rb_status status = create_springs(solver, model, err);
 		return status == RB_OK ? create_joints(solver, model, err) : status;
