@@ -45,9 +45,10 @@ struct rb_island {
 /* What impacts within the step have done to a body. */
 struct rb_kick {
 	rb_vec3 linear, angular; /* m/s, rad/s */
-	/* m, rad: where it is besides what its velocities at the end come to; `turn` to first order */
+	/* m, rad: where it is besides what its velocities at the end come to; `turn` to the first
+	   order */
 	rb_vec3 shift, turn;
-	/* with which it would have come to turn as it does, if `turns`; `angular` as of the last one */
+	/* if `turns`: with what it would have come to turn as it does */
 	rb_quat orientation;
 	rb_vec3 spin;
 	bool is_set, turns;
