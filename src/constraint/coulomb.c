@@ -10,11 +10,18 @@
 enum {
 	FIRST_STEPS = 2, /* of all rows at once, before the first Newton step */
 	STEPS_LIMIT = 64,
-	ROUNDS_LIMIT = 400
+	ROUNDS_LIMIT = 400,
+	RAISE_ROUNDS = 32 /* of Newton, at a friction */
 };
 
 /* Violation, as a share of the speeds, above which a solution is not taken for one. */
 static const double failed_share = 1e-9;
+
+/*
+ * Friction that a solution without any is near enough to, and factors by which it is raised: the
+ * largest, and the one at which it is given up (there is no solution with more).
+ */
+static const double first_friction = 0.125, friction_step = 2, least_step = 1.0001;
 
 /* Across the normal, at a push that the step leads to. */
 static void friction_impulse_of(const struct rb_cone *cone, struct rb_cone_row *row,
@@ -416,6 +423,104 @@ static double give_way(struct rb_cone *cone, double tolerance, double scale)
 	return left;
 }
 
+/* Friction of all rows, no more than `most` of a material's; false: that is all that they have. */
+static bool bound_friction(struct rb_cone *cone, const double *whole, double most)
+{
+	bool less = false;
+
+	for (int k = 0; k < cone->row_count; k++) {
+		cone->row[k].base.friction = fmin(whole[k], most);
+		less = less || whole[k] > most;
+	}
+	return less;
+}
+
+/* Newton steps alone: from near enough to a solution, others lead away from some. */
+static double refine(struct rb_cone *cone, double tolerance)
+{
+	double left = residual_of(cone, cone->residual);
+	bool better = true, ends = false;
+
+	for (int round = 0; round < RAISE_ROUNDS && better && left > tolerance; round++) {
+		better = !rb_cone_is_over(cone) && newton(cone, false, &ends);
+		left = residual_of(cone, cone->residual);
+	}
+	return left;
+}
+
+/* Impulses, and the bodies that have had them. */
+struct mark {
+	rb_along_across *impulse;
+	struct rb_solver_body *body;
+};
+
+static bool take_mark(struct rb_cone *cone, struct mark *mark)
+{
+	mark->impulse = rb_arena_take(cone->arena, (size_t)cone->row_count, sizeof *mark->impulse);
+	mark->body = rb_arena_take(cone->arena, (size_t)cone->body_count, sizeof *mark->body);
+	return mark->impulse && mark->body;
+}
+
+static void set_mark(const struct rb_cone *cone, struct mark *mark)
+{
+	memcpy(mark->body, cone->bodies.body, (size_t)cone->body_count * sizeof *mark->body);
+	for (int k = 0; k < cone->row_count; k++)
+		mark->impulse[k] = cone->row[k].base.impulse;
+}
+
+static void back_to_mark(struct rb_cone *cone, const struct mark *mark)
+{
+	memcpy(cone->bodies.body, mark->body, (size_t)cone->body_count * sizeof *mark->body);
+	for (int k = 0; k < cone->row_count; k++)
+		cone->row[k].base.impulse = mark->impulse[k];
+}
+
+/*
+ * The whole friction by steps, each from the solution with less of it, from none on, which always
+ * has one: a large friction alone says from afar neither which way a contact slips nor how hard it
+ * presses. False, and all as it was: it leads to no solution.
+ */
+static bool raise_friction(struct rb_cone *cone, double tolerance, double scale, double *left)
+{
+	const rb_arena_mark here = rb_arena_here(cone->arena);
+	double *const whole = rb_arena_take(cone->arena, (size_t)cone->row_count, sizeof *whole);
+	struct mark start, good;
+	double most = 0, step = friction_step;
+	bool less = true, fails = false;
+
+	if (!whole || !take_mark(cone, &start) || !take_mark(cone, &good)) {
+		rb_arena_back(cone->arena, here);
+		return false;
+	}
+	set_mark(cone, &start);
+	for (int k = 0; k < cone->row_count; k++)
+		whole[k] = cone->row[k].base.friction;
+	(void)bound_friction(cone, whole, 0);
+	*left = relax(cone, true, tolerance, ROUNDS_LIMIT);
+	fails = *left > failed_share * scale;
+	while (less && !fails && !rb_cone_is_over(cone)) {
+		const double next = most > 0 ? most * step : first_friction;
+
+		set_mark(cone, &good);
+		less = bound_friction(cone, whole, next);
+		*left = refine(cone, tolerance);
+		if (*left <= failed_share * scale) {
+			most = next;
+			step = fmin(step * step, friction_step);
+		} else {
+			back_to_mark(cone, &good);
+			less = true;
+			step = sqrt(step);
+			fails = !(step > least_step) || most == 0;
+		}
+	}
+	(void)bound_friction(cone, whole, HUGE_VAL);
+	if (less)
+		back_to_mark(cone, &start);
+	rb_arena_back(cone->arena, here);
+	return !less;
+}
+
 double rb_cone_resolve(struct rb_cone *cone, double scale)
 {
 	const double tolerance = fmax(2 * DBL_EPSILON * scale, cone->tolerance);
@@ -435,6 +540,11 @@ double rb_cone_resolve(struct rb_cone *cone, double scale)
 		left = relax(cone, false, tolerance, 5);
 	}
 	if (convex || left <= failed_share * scale)
+		return left;
+	double raised;
+	if (raise_friction(cone, tolerance, scale, &raised))
+		return raised;
+	if (rb_cone_is_over(cone))
 		return left;
 	cone->gave_way = true;
 	return give_way(cone, tolerance, scale);
