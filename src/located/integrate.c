@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "located/account.h"
 #include "located/event_records.h"
+#include "located/failure.h"
 #include "located/follow.h"
 #include "located/landing.h"
 #include "located/mode_checks.h"
@@ -402,119 +403,6 @@ static bool begin_modes(struct rb_modes *w)
 	return true;
 }
 
-/*
- * Where no step is short enough: two that attract each other and cannot touch may have met head on.
- * Names them; false: it is no such case.
- */
-static bool fails_by_collision(const struct rb_modes *w)
-{
-	struct rb_located *l = w->l;
-	const struct rb_attract *const all = &l->gravitation.all;
-	double least = HUGE_VAL, factor;
-	int pair[2] = {-1, -1};
-	char first[64], second[64];
-
-	for (int k = 0; rb_located_gravitates(l) && k < w->c->member_count; k++)
-		for (int j = 0; j < all->count; j++) {
-			const int i = w->c->member[k];
-
-			if (j == i || !(all->mu[i] > 0 || all->mu[j] > 0))
-				continue;
-			const rb_vec3 d = rb_attract_between(all, i, j, &factor);
-			if (rb_vec3_length(d) < least) {
-				least = rb_vec3_length(d);
-				pair[0] = i < j ? i : j;
-				pair[1] = i < j ? j : i;
-			}
-		}
-	if (pair[0] < 0 || rb_pair_can_touch(l, pair[0], pair[1]))
-		return false;
-	l->status = RB_FAIL(
-		l->err, RB_ERR_PHYSICS,
-		"'%s' and '%s' come within %.3g m of each other at t = %.9g s, and nothing keeps "
-		"them apart: let them collide, or give 'gravitation' a 'softening'",
-		rb_scene_body_label(l->model->scene, l->model->id_of[pair[0]], first),
-		rb_scene_body_label(l->model->scene, l->model->id_of[pair[1]], second), least,
-		w->origin_s);
-	return true;
-}
-
-/* m/s^2: what the accelerations found leave of a joint's row. */
-static double left_of(const struct rb_modes *w, const struct rb_joint_row *row)
-{
-	const struct rb_coupled_row coupled = rb_joint_rows_coupled(row);
-
-	return fabs(rb_coupled_felt(&coupled, w->linear, w->angular) + row->bias);
-}
-
-/*
- * Joints that lock: what they leave free to first order is none of the ways that they leave free,
- * as of a straight chain that is held taut at both ends. Rows of theirs are combinations of others,
- * but not what these ask for. Elimination takes a row for a combination (math/dense) where the
- * square of what sets it apart is within 16 n ulp, and a motion there contradicts it by up to about
- * the root of that; what does so by more goes on to, from one piece to the next, each of them as
- * short as rounding makes it. Motors and contacts are let go instead. Names the joint; false: they
- * agree.
- */
-static bool fails_by_lock(const struct rb_modes *w)
-{
-	struct rb_located *l = w->l;
-	const struct rb_joint_rows *rows = &w->joints;
-	const double share = 8 * sqrt(16 * rows->count * DBL_EPSILON);
-	double worst = 0;
-	int which = 0;
-	char label[96], source[96];
-
-	if (rows->count == 0 || !w->dense.open || w->c->held_count > 0 || rb_joint_rows_drive(rows))
-		return false;
-	for (int k = 0; k < rows->count; k++) {
-		const double left = left_of(w, &rows->row[k]);
-
-		if (left > worst) {
-			worst = left;
-			which = rows->row[k].joint;
-		}
-	}
-	if (!(worst > share * fmax(w->max, rb_sizes_load(w))))
-		return false;
-	const int def = l->model->joints->joint[which].def;
-
-	l->status = RB_FAIL(
-		l->err, RB_ERR_PHYSICS,
-		"%s%s cannot be kept together with the other joints at t = %.17g s: they lock, and "
-		"leave it %.3g m/s^2 (is a chain held taut, or a linkage stretched flat?)",
-		rb_joint_source(l->model->scene, def, source),
-		rb_joint_label(l->model->scene, def, label), w->origin_s, worst);
-	return true;
-}
-
-/* Names the joint that carries most; false: there are none. */
-static bool fails_by_joints(const struct rb_modes *w, const char *why)
-{
-	struct rb_located *l = w->l;
-	double largest = 0;
-	char label[96], source[96], body[64];
-
-	if (w->joints.count == 0)
-		return false;
-	int which = w->joints.row[0].joint;
-	for (int k = 0; k < w->joints.count; k++)
-		if (fabs(w->multiplier[k]) > largest) {
-			largest = fabs(w->multiplier[k]);
-			which = w->joints.row[k].joint;
-		}
-	const int def = l->model->joints->joint[which].def;
-
-	l->status = RB_FAIL(
-		l->err, RB_ERR_PHYSICS,
-		"%sthe motion of '%s' and what is joined to it cannot be followed beyond "
-		"t = %.17g s: %s, and %s carries most",
-		rb_joint_source(l->model->scene, def, source),
-		rb_scene_body_label(l->model->scene, l->model->id_of[w->c->member[0]], body),
-		w->origin_s, why, rb_joint_label(l->model->scene, def, label));
-	return true;
-}
-
 /* Are joints, constant forces and inertia all that makes the members' pieces short? */
 static bool moves_by_joints(const struct rb_modes *w)
 {
@@ -562,8 +450,8 @@ static void fail(struct rb_modes *w, enum rb_status status)
 	struct rb_located *l = w->l;
 
 	if (status == RB_ERR_PHYSICS && l->status == RB_OK &&
-	    ((w->c->held_count > 0 && is_painleve(w)) || fails_by_collision(w) ||
-	     fails_by_joints(w, "no step is short enough")))
+	    ((w->c->held_count > 0 && is_painleve(w)) || rb_failure_by_collision(w) ||
+	     rb_failure_by_joints(w, "no step is short enough")))
 		return;
 	l->status = status;
 }
@@ -664,7 +552,7 @@ static void run(struct rb_modes *w, const struct columns *columns)
 		w->doubt = fmax(w->doubt,
 		                4 * fmin(rb_check_excess(w, k), RB_CHECK_DOUBTFUL * w->force_max));
 	const double guess = rb_sizes_of(w, columns->scale);
-	if (fails_by_lock(w))
+	if (rb_failure_by_lock(w))
 		return;
 	const double natural_s = moves_by_joints(w) ? fmin(guess, rb_sizes_fall(w)) : 0;
 	w->calls = &calls;
@@ -687,7 +575,7 @@ static void run(struct rb_modes *w, const struct columns *columns)
 	if (l->status != RB_OK || c->has_jumped)
 		return;
 	if (length < left_s && !count_crept(w, length, natural_s) &&
-	    fails_by_joints(w, "joints lock and let go in turn"))
+	    rb_failure_by_joints(w, "joints lock and let go in turn"))
 		return;
 	/* a piece ends at a moment that is later than its beginning */
 	put_on_piece(w, fmax(w->origin_s + length, nextafter(w->origin_s, HUGE_VAL)));
