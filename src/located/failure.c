@@ -12,6 +12,9 @@
 #include "located/pair_contacts.h"
 #include "located/sizes.h"
 
+/* Above it a double does not hold sums of squares, from which sizes and lengths are known. */
+static const double rate_max = 1e150;
+
 /*
  * Where no step is short enough: two that attract each other and cannot touch may have met head on.
  * Names them; false: it is no such case.
@@ -123,4 +126,27 @@ bool rb_failure_by_joints(const struct rb_modes *w, const char *why)
 		rb_scene_body_label(l->model->scene, l->model->id_of[w->c->member[0]], body),
 		w->origin_s, why, rb_joint_label(l->model->scene, def, label));
 	return true;
+}
+
+bool rb_failure_by_size(const struct rb_modes *w)
+{
+	struct rb_located *l = w->l;
+	char label[64];
+
+	for (int k = 0; k < w->c->member_count; k++) {
+		const double *const v = w->c->piece.start + k * w->row + RB_PIECE_VELOCITY;
+		const double speed = fmax(fmax(fabs(v[0]), fabs(v[1])), fabs(v[2]));
+		const double rate = rb_vec3_max_abs(w->linear[k]);
+
+		if (speed < rate_max && rate < rate_max)
+			continue;
+		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
+		                    "'%s' moves at %.3g m/s and gets %.3g m/s^2 at t = %.9g s: squares "
+		                    "of more than %.0e are not finite",
+		                    rb_scene_body_label(l->model->scene,
+		                                        l->model->id_of[w->c->member[k]], label),
+		                    speed, rate, w->origin_s, rate_max);
+		return true;
+	}
+	return false;
 }

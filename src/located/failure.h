@@ -8,6 +8,8 @@
 
 #include "located/modes.h"
 
+/* Velocities, or accelerations just evaluated, whose squares are not finite. */
+bool rb_failure_by_size(const struct rb_modes *w);
 bool rb_failure_by_collision(const struct rb_modes *w);
 bool rb_failure_by_lock(const struct rb_modes *w);
 bool rb_failure_by_joints(const struct rb_modes *w, const char *why);

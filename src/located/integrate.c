@@ -538,7 +538,7 @@ static void run(struct rb_modes *w, const struct columns *columns)
 
 	for (int k = 0; k < c->member_count; k++)
 		start_rows(w, k, columns->rate_row);
-	if (rb_landing_begin(w) || !begin_modes(w))
+	if (rb_landing_begin(w) || !begin_modes(w) || rb_failure_by_size(w))
 		return;
 	for (int k = 0; k < c->held_count; k++) {
 		c->held[k].force = w->force[k];

@@ -87,3 +87,16 @@ sphere { radius = 1, forces = { { start = 1 } } }
 LUA
 exits 65 check nothing.lua
 says err "needs 'vector', or 'direction' and 'magnitude', or 'torque'"
+
+# a spring that pulls so hard that squares overflow says so; it had no end
+cat >hard.lua <<'LUA'
+world { duration = 1 }
+local a = sphere { name = "a", radius = 0.1, mass = 1 }
+local b = sphere { name = "b", radius = 0.1, mass = 1, position = {1, 0, 0} }
+spring { a = a, b = b, stiffness = 1, rest_length = param("rest", 1e160) }
+LUA
+for rest in 1e151 1e160 1e300; do
+	exits 76 hard.lua --method located --no-record -p rest=$rest
+	says err "'a' moves at 0 m/s and gets 1e.${rest#1e} m/s.2 at t = 0 s"
+done
+exits 0 hard.lua --method located --no-record -p rest=1e140
