@@ -141,8 +141,8 @@ bool rb_failure_by_size(const struct rb_modes *w)
 		if (speed < rate_max && rate < rate_max)
 			continue;
 		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
-		                    "'%s' moves at %.3g m/s and gets %.3g m/s^2 at t = %.9g s: squares "
-		                    "of more than %.0e are not finite",
+		                    "'%s' moves at %.3g m/s and gets %.3g m/s^2 at t = %.9g s: "
+		                    "squares of more than %.0e are not finite",
 		                    rb_scene_body_label(l->model->scene,
 		                                        l->model->id_of[w->c->member[k]], label),
 		                    speed, rate, w->origin_s, rate_max);

@@ -190,7 +190,8 @@ static bool rebounds(struct rb_modes *w)
 }
 
 /*
- * All contacts stick after it, and the cluster is to be resolved anew. False: it is no such case.
+ * All contacts stick after it, or one is slower, and the cluster is to be resolved anew. False: it
+ * is no such case.
  */
 static bool is_painleve(struct rb_modes *w)
 {
@@ -220,8 +221,11 @@ static bool is_painleve(struct rb_modes *w)
 		return false;
 	for (int k = 0; k < c->held_count; k++)
 		friction[k] = w->contact[k].friction;
-	if (!rb_painleve_stop(&painleve))
-		return rebounds(w);
+	const bool stops = rb_painleve_stop(&painleve);
+	if (!stops && rebounds(w))
+		return true;
+	if (!stops && !rb_painleve_slow(&painleve))
+		return false;
 	for (int k = 0; k < c->member_count; k++) {
 		struct rb_pose pose = w->pose[k];
 		const rb_vec3 none = {0, 0, 0};
@@ -235,11 +239,14 @@ static bool is_painleve(struct rb_modes *w)
 		rb_work_impact(l, &w->contact_point[k], painleve.impulse[k],
 		               w->contact_point[k].velocity,
 		               rb_vec3_add(w->contact_point[k].velocity, painleve.scratch[k]));
-		c->held[k].ending = c->held[k].slipping;
+		c->held[k].ending = stops && c->held[k].slipping;
 		rb_record_impact(l, w->origin_s, &w->contact_point[k], painleve.impulse[k], 0);
 	}
 	c->integrated = false;
 	c->has_jumped = true;
+	c->hits = !stops;
+	c->hit_a = w->contact_point[0].a;
+	c->hit_b = w->contact_point[0].b;
 	return true;
 }
 
@@ -470,7 +477,7 @@ static double follow(struct rb_modes *w, const struct columns *columns,
 	/* what is straight at the beginning may turn: on what turns itself, say */
 	for (bool starts = false, turns = true; turns && l->status == RB_OK;) {
 		double try_s = fmin(c->try_s, left_s);
-		const double tried = try_s;
+		const double tried = try_s, before = length;
 		const bool cut = tried < c->try_s;
 		const enum rb_status status = rb_singular_step(
 			w, problem, 2 * DBL_EPSILON * w->origin_s, &try_s);
@@ -499,6 +506,13 @@ static double follow(struct rb_modes *w, const struct columns *columns,
 		if (w->joints.joint_count > 0)
 			length = check_joints_within(w, length, columns->value);
 		c->is_cut = length < c->piece.length_s;
+		/* what begins has gone where friction pulls: it was not where forces led */
+		if (l->status == RB_OK && !starts && length < creeping * c->piece.length_s &&
+		    rb_check_begins_straight(w)) {
+			starts = true;
+			c->try_s = shorter * (before > 0 ? before : c->piece.length_s);
+			continue;
+		}
 		turns = l->status == RB_OK &&
 		        (rb_check_turns_aside(w, length, columns->value) ||
 		         rb_check_turns_aside(w, 0.5 * length, columns->value));

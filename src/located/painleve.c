@@ -94,6 +94,27 @@ bool rb_painleve_stop(struct rb_painleve *painleve)
 	return true;
 }
 
+bool rb_painleve_slow(struct rb_painleve *painleve)
+{
+	double share = HUGE_VAL;
+
+	respond(painleve, painleve->force, painleve->scratch);
+	for (int k = 0; k < painleve->count; k++) {
+		const struct rb_contact_point *const m = &painleve->contact_point[k];
+		const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
+		const double slows = -rb_vec3_dot(slip, painleve->scratch[k]);
+
+		if (slows > 0 && rb_vec3_dot(painleve->force[k], m->normal) > 0)
+			share = fmin(share, rb_vec3_dot(slip, slip) / slows);
+	}
+	if (!(share < HUGE_VAL))
+		return false;
+	for (int k = 0; k < painleve->count; k++)
+		painleve->impulse[k] = rb_vec3_scale(share, painleve->force[k]);
+	respond(painleve, painleve->impulse, painleve->scratch);
+	return true;
+}
+
 /* True for a body that has a place: others do not yield. */
 static bool is_dynamic(const struct rb_located *l, int body)
 {

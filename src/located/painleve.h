@@ -30,6 +30,12 @@ struct rb_painleve {
 
 /* Impulses that stop all contacts' points; false: they would pull, or be outside the cones. */
 bool rb_painleve_stop(struct rb_painleve *painleve);
+/*
+ * The same along the forces, which balance each other where they have grown without bound, as far
+ * as the first of the slips ends: of points of which no impulse stops all, and none jams alone.
+ * False: none becomes slower.
+ */
+bool rb_painleve_slow(struct rb_painleve *painleve);
 
 /* The points of a pair, [count], as one: at the centre of their normal forces; one pushes. */
 struct rb_contact_point rb_painleve_middle(const struct rb_located *l,

@@ -15,6 +15,9 @@
 #include "located/set.h"
 #include "located/work.h"
 
+/* Noises of a slip, per unit of friction, from which on its velocity says where it goes. */
+enum { AIMED = 16 };
+
 /*
  * Share of the external accelerations below which accelerations are residue of the solver: of a
  * cluster at rest, and of one that slides.
@@ -176,6 +179,17 @@ bool rb_rates_are_stopped(struct rb_modes *w)
 	return l->status == RB_ERR_INTERRUPT;
 }
 
+/*
+ * m/s: a slower slip of this contact is rounding and has the direction in which it began. Where
+ * friction jams, the normal force changes by as many times itself as the direction is off, in units
+ * of 1 / friction.
+ */
+static double aimed(const struct rb_modes *w, int k)
+{
+	return 4 * rb_contact_point_noise(w->l, &w->contact_point[k]) *
+	       fmax(1, AIMED * w->c->held[k].friction);
+}
+
 /* Poses, forces of contacts and accelerations at `t`. */
 bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 {
@@ -218,11 +232,7 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 			                                    w->contact_point[k].normal);
 			const double speed = rb_vec3_length(slip);
 
-			/*
-			 * a slip that is just beginning goes in its initial direction: its velocity
-			 * is rounding
-			 */
-			if (speed > 4 * w->contact[k].noise)
+			if (speed > aimed(w, k))
 				w->contact[k].slip = rb_vec3_scale(1 / speed, slip);
 		}
 	}

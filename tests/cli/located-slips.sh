@@ -94,3 +94,37 @@ exits 0 run jams.lua --method located --no-record --quiet --json
 # no impulse of a jam adds energy
 gained=$(value gained_share)
 awk -v gained="$gained" 'BEGIN { exit !(gained != "" && gained + 0 < 1e-13) }' || fail "energy gained: $gained"
+
+# a corner that begins to slip: friction goes against the way that it takes, from the first moment on. The answers are of the one
+# angle at which the slip that friction leaves goes against it, of 20,000 that were tried
+cat >aims.lua <<'LUA'
+world { duration = 0.001, gravity = {0, 0, -9.81}, frame_rate = 1000 }
+local friction, answer = param("mu", 1000.0), param("answer", 0.02399)
+local m = material { name = "m", friction = friction, restitution = 0 }
+local n = vec3(0.010074551682450132, -0.1994761233125126, 0.97985089663509972)
+plane { normal = n, point = {-0.14038313679684564, -0.013517391463426079, 0.010001426956827097}, material = m }
+local b = hull { material = m, density = 1012.5741933238554,
+	position = {0.030724506921540488, 0.05475785206434286, 0.26145080184844333},
+	orientation = {-0.78063089568236477, 0.11932429909450142, -0.5521551644704229, 0.26739818754134304},
+	velocity = {1.2764651821084598, -0.71135229651726106, -1.0636526344668349},
+	angular_velocity = {2.190461011144738, 5.5613686920062779, -1.0906240813543426}, points = {
+		{-0.053314945220296339, -0.035636182950495081, -0.3214980027268895},
+		{0.35461873918997255, -0.38658200730092984, 0.34105389788332757},
+		{0.20448462553232086, -0.42717146401991002, -0.17347065581378079},
+		{-0.06294398773765951, 0.15818905616683063, 0.099285695775653507},
+		{-0.12151439287633714, -0.020029120173359137, -0.17174447788408986},
+		{-0.047785126217456078, -0.19821641762453732, -0.071686949549403661},
+		{0.12848891609907562, 0.15782800939887046, -6.7480339954844031e-05},
+		{-0.048706794655368785, -0.21401698058248142, 0.14248529932322429},
+		{0.19591260679955766, 0.015640628476113898, -0.24194987908427013},
+		{0.23508940152653093, -0.48714993866742173, -0.11747292504686463},
+		{0.13215722524973234, -0.36759918759576743, 0.016777300172132061},
+		{-0.24027807996330883, 0.1609321954195202, 0.15108392530238557},
+		{0.025917806108351388, 0.082913878631396598, 0.059778812281401833} } }
+local first
+on_frame(function(t) first = first or (b.force - vec3(0, 0, -9.81) * b.mass):dot(n) end)
+expect("its normal force", function() return math.abs(first / answer - 1), 1e-3 end)
+LUA
+for case in 0.3:16.56 10:2.154 100:0.2374 1000:0.02399; do
+	exits 0 run aims.lua --method located --no-record -p mu="${case%:*}" -p answer="${case#*:}"
+done

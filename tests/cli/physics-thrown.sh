@@ -44,3 +44,12 @@ thrown box box 1e6 0 2.4 1e-3 1 140
 # where one feature takes over from another, two points lay 1e-7 of the size apart: their gaps of 1e-14 were closed by turns of 1e-8
 thrown cylinder terrain 0 0 0 1 -1 69124
 thrown capsule terrain 0.1 0.5 0 1 -1 47806
+
+# two points of a hull that jam on two triangles: no impulse stops both, and neither jams alone
+thrown hull terrain 10 0 0 1 -1 739
+
+# what begins to slip with a large friction: by the direction of its rounding the normal force would pull, or grow, in pieces of one ulp
+thrown hull terrain 1e3 0 0 1 -1 374
+thrown box terrain 1e3 0 1.0 1 -1 55524
+thrown union terrain 10 0 0 1 1 74846
+thrown hull terrain 10 0 0 1e-3 1 95607
