@@ -66,15 +66,17 @@ static bool slips_as_the_law_says(const struct pile *p, double scale)
 {
 	for (int k = 0; k < p->joint.contact_count; k++) {
 		const struct rb_solver_contact *c = &p->joint.contact[k];
-		const rb_vec3 u = rb_vec3_reject(rb_vec3_add(rb_vec3_sub(point_velocity(p, c->b, c->arm_b),
-		                                                         point_velocity(p, c->a, c->arm_a)),
-		                                             c->bias),
-		                                 c->normal);
+		const rb_vec3 u = rb_vec3_reject(
+			rb_vec3_add(rb_vec3_sub(point_velocity(p, c->b, c->arm_b),
+		                                point_velocity(p, c->a, c->arm_a)),
+		                    c->bias),
+			c->normal);
 		const rb_vec3 t = rb_vec3_reject(c->impulse, c->normal);
 		const double n = rb_vec3_dot(c->impulse, c->normal), speed = rb_vec3_length(u);
 
 		if (n > 0 && speed > 1e-7 * scale &&
-		    rb_vec3_length(rb_vec3_add_scaled(t, c->friction * n / speed, u)) > 1e-7 * c->friction * n)
+		    rb_vec3_length(rb_vec3_add_scaled(t, c->friction * n / speed, u)) >
+		            1e-7 * c->friction * n)
 			return false;
 	}
 	return true;
@@ -98,11 +100,15 @@ static void a_large_friction_is_found_that_a_small_one_leads_to(void **state)
 
 			pile_open(&p, 1, 1);
 			ball(&p, 1, 1, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 0});
-			struct rb_solver_contact *c = plane(&p, 1, (rb_vec3){0, 0, 1}, frictions[i], 0);
+			struct rb_solver_contact *c = plane(&p, 1, (rb_vec3){0, 0, 1}, frictions[i],
+			                                    0);
 
 			p.joint.body[1].inverse_inertia = 2 + 20 * rb_random_unit(seed, 0, index++);
-			c->arm_a = (rb_vec3){drawn(seed, &index), drawn(seed, &index), drawn(seed, &index)};
-			c->bias = rb_vec3_scale(10, (rb_vec3){drawn(seed, &index), drawn(seed, &index), drawn(seed, &index)});
+			c->arm_a = (rb_vec3){drawn(seed, &index), drawn(seed, &index),
+			                     drawn(seed, &index)};
+			c->bias = rb_vec3_scale(10,
+			                        (rb_vec3){drawn(seed, &index), drawn(seed, &index),
+			                                  drawn(seed, &index)});
 			load(&p, (rb_vec3){0, 0, -9.81});
 			wrong += !slips_as_the_law_says(&p, 10);
 			pile_close(&p);

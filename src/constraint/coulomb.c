@@ -423,14 +423,14 @@ static double give_way(struct rb_cone *cone, double tolerance, double scale)
 	return left;
 }
 
-/* Friction of all rows, no more than `most` of a material's; false: that is all that they have. */
-static bool bound_friction(struct rb_cone *cone, const double *whole, double most)
+/* Friction of all rows, no more than `max` of a material's; false: that is all that they have. */
+static bool bound_friction(struct rb_cone *cone, const double *whole, double max)
 {
 	bool less = false;
 
 	for (int k = 0; k < cone->row_count; k++) {
-		cone->row[k].base.friction = fmin(whole[k], most);
-		less = less || whole[k] > most;
+		cone->row[k].base.friction = fmin(whole[k], max);
+		less = less || whole[k] > max;
 	}
 	return less;
 }
@@ -485,7 +485,7 @@ static bool raise_friction(struct rb_cone *cone, double tolerance, double scale,
 	const rb_arena_mark here = rb_arena_here(cone->arena);
 	double *const whole = rb_arena_take(cone->arena, (size_t)cone->row_count, sizeof *whole);
 	struct mark start, good;
-	double most = 0, step = friction_step;
+	double max = 0, step = friction_step;
 	bool less = true, fails = false;
 
 	if (!whole || !take_mark(cone, &start) || !take_mark(cone, &good)) {
@@ -499,19 +499,19 @@ static bool raise_friction(struct rb_cone *cone, double tolerance, double scale,
 	*left = relax(cone, true, tolerance, ROUNDS_LIMIT);
 	fails = *left > failed_share * scale;
 	while (less && !fails && !rb_cone_is_over(cone)) {
-		const double next = most > 0 ? most * step : first_friction;
+		const double next = max > 0 ? max * step : first_friction;
 
 		set_mark(cone, &good);
 		less = bound_friction(cone, whole, next);
 		*left = refine(cone, tolerance);
 		if (*left <= failed_share * scale) {
-			most = next;
+			max = next;
 			step = fmin(step * step, friction_step);
 		} else {
 			back_to_mark(cone, &good);
 			less = true;
 			step = sqrt(step);
-			fails = !(step > least_step) || most == 0;
+			fails = !(step > least_step) || max == 0;
 		}
 	}
 	(void)bound_friction(cone, whole, HUGE_VAL);
