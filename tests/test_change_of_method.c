@@ -418,6 +418,45 @@ static void what_is_known_makes_the_beginning_cheaper(void **state)
 	}
 }
 
+/* ---- steps that are located together ---- */
+
+static enum rb_status nothing(void *user, struct rb_world *world, double t, double dt,
+                              struct rb_error *err)
+{
+	(void)world, (void)t, (void)dt, (void)err;
+	++*(int *)user;
+	return RB_OK;
+}
+
+/* Evaluations of one body in a frame of `per_frame` steps that are located. */
+static uint64_t evaluations(int per_frame, bool with_callback, int *called)
+{
+	const struct rb_world_options options = {.threads = 1};
+	const struct rb_world_hooks hooks = {.user = called, .step = nothing};
+	struct lab lab;
+
+	open_auto(&lab, 0.5, (rb_vec3){0, 0, -earth});
+	lab.scene.world.time_step_s = 1 / (frame_rate * per_frame);
+	lab_sphere(&lab, 0.1, 1, (rb_vec3){0, 0, 1}, none);
+	lab_seal_with(&lab, &options, with_callback ? &hooks : NULL);
+	assert_int_equal(rb_world_step_frame(lab.world, &lab.error), RB_OK);
+	const uint64_t count = lab.world->frame_counts.body_steps;
+	lab_close(&lab);
+	return count;
+}
+
+static void located_bodies_are_evaluated_once_where_nobody_asks_between_frames(void **state)
+{
+	int called = 0;
+
+	(void)state;
+	assert_int_equal(evaluations(1, false, &called), 1);
+	assert_int_equal(evaluations(64, false, &called), 1);
+	assert_int_equal(called, 0);
+	assert_int_equal(evaluations(64, true, &called), 64);
+	assert_int_equal(called, 64);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -425,6 +464,8 @@ int main(void)
 		cmocka_unit_test(the_force_of_every_point_is_continuous_over_a_change_of_method),
 		cmocka_unit_test(a_rim_that_steps_count_from_elsewhere_starts_from_its_mean),
 		cmocka_unit_test(what_is_known_makes_the_beginning_cheaper),
+		cmocka_unit_test(
+			located_bodies_are_evaluated_once_where_nobody_asks_between_frames),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -443,12 +443,59 @@ static enum rb_status try_located(struct rb_world *world, double start, double s
 	return RB_OK;
 }
 
+/* ---- the grid of time_step in a frame ---- */
+
+struct grid {
+	double begin_s, end_s;
+	int64_t steps;
+};
+
+static double grid_moment(const struct grid *grid, int64_t k)
+{
+	return k < grid->steps ? grid->begin_s + (grid->end_s - grid->begin_s) *
+	                                                 ((double)k / (double)grid->steps)
+	                       : grid->end_s;
+}
+
+/* The first of its moments that is not before `t`, which lies in the frame. */
+static int64_t grid_from(const struct grid *grid, double t)
+{
+	const double share = (t - grid->begin_s) / (grid->end_s - grid->begin_s);
+	int64_t k = (int64_t)fmin(share * (double)grid->steps, (double)grid->steps);
+
+	while (k > 0 && grid_moment(grid, k - 1) >= t)
+		k--;
+	while (k < grid->steps && grid_moment(grid, k) < t)
+		k++;
+	return k;
+}
+
+/* Does a callback's force act in the step to come? */
+static bool is_pushed(const struct rb_world *world)
+{
+	const size_t n = 3 * (size_t)world->model->body_count;
+	bool any = false;
+
+	for (size_t k = 0; world->pushed && k < n; k++)
+		any = any || world->state.push[k] != 0 || world->state.twist[k] != 0;
+	return any;
+}
+
+/*
+ * Where motion is located and nobody can ask or push before the frame ends, its steps are one:
+ * arcs would be evaluated at each of them for nobody.
+ */
+static bool goes_by_grid(const struct rb_world *world)
+{
+	return !world->located || world->dense_left > 0 || has_callbacks(world) || is_pushed(world);
+}
+
 /*
  * Locates a step with a snapshot if there are callbacks: a step can be repeated as long as only
  * on_step has been called, whose effect is kept.
  */
-static enum rb_status located(struct rb_world *world, double start, double stop,
-                              struct rb_error *err)
+static enum rb_status located(struct rb_world *world, const struct grid *grid, double start,
+                              double stop, struct rb_error *err)
 {
 	struct restart before;
 	enum rb_status status = remember(world, can_change_method(world) && has_callbacks(world),
@@ -467,15 +514,17 @@ static enum rb_status located(struct rb_world *world, double start, double stop,
 	/* too dense to locate: the rest, of which there may be none, and some more, is stepped */
 	begin_dense_steps(world);
 	status = change_to_steps(world, err);
-	if (status == RB_OK && world->state.time_s < stop)
-		return by_step(world, world->state.time_s, stop, err);
+	const double now = world->state.time_s, next = grid_moment(grid, grid_from(grid, now));
+	if (status == RB_OK && now < next)
+		return by_step(world, now, next, err);
 	world->has_shown = false;
 	forget_pushes(world);
 	return status;
 }
 
 /* A step after on_step was called, by the method of the moment. */
-static enum rb_status go(struct rb_world *world, double start, double stop, struct rb_error *err)
+static enum rb_status go(struct rb_world *world, const struct grid *grid, double start, double stop,
+                         struct rb_error *err)
 {
 	enum rb_status status;
 
@@ -488,12 +537,14 @@ static enum rb_status go(struct rb_world *world, double start, double stop, stru
 			world->dense_left--;
 		return status;
 	}
-	return located(world, start, stop, err);
+	return located(world, grid, start, stop, err);
 }
 
-/* One step with its callback. */
-static enum rb_status step(struct rb_world *world, double start, double stop, struct rb_error *err)
+/* From the grid's k-th moment to a later one, with the callback of a step. */
+static enum rb_status step(struct rb_world *world, const struct grid *grid, int64_t k, int64_t to,
+                           struct rb_error *err)
 {
+	const double start = grid_moment(grid, k), stop = grid_moment(grid, to);
 	enum rb_status status = RB_OK;
 
 	if (world->hooks.step)
@@ -503,7 +554,7 @@ static enum rb_status step(struct rb_world *world, double start, double stop, st
 	RB_ASSERT(!world->in_step);
 	world->begun = world->in_step = true;
 	rb_world_choose_pushes(world);
-	status = go(world, start, stop, err);
+	status = go(world, grid, start, stop, err);
 	world->in_step = false;
 	world->moment++;
 	return status;
@@ -530,22 +581,20 @@ int64_t rb_frame_step_count(const struct rb_model *model, double begin, double e
 	return rb_step_count(whole ? interval : end - begin, model->time_step_s);
 }
 
-/* Runs a frame in `steps` equal steps. */
-static enum rb_status run_frame(struct rb_world *world, double begin, double end, int64_t steps,
+/* Runs a frame in equal steps. */
+static enum rb_status run_frame(struct rb_world *world, const struct grid *grid,
                                 struct rb_error *err)
 {
-	RB_ASSERT(steps >= 1);
+	RB_ASSERT(grid->steps >= 1);
 
-	for (int64_t k = 0; k < steps; k++) {
-		const double start = begin + (end - begin) * ((double)k / (double)steps);
-		const double stop = k + 1 < steps ? begin + (end - begin) * ((double)(k + 1) /
-		                                                             (double)steps)
-		                                  : end;
-		const enum rb_status status = step(world, start, stop, err);
+	for (int64_t k = 0; k < grid->steps;) {
+		const int64_t next = goes_by_grid(world) ? k + 1 : grid->steps;
+		const enum rb_status status = step(world, grid, k, next, err);
 
 		if (status != RB_OK && status != RB_ERR_INTERRUPT)
 			return status;
-		const bool polls = k % STEPS_PER_POLL == STEPS_PER_POLL - 1 && k + 1 < steps;
+		k = next == k + 1 ? next : grid_from(grid, world->state.time_s);
+		const bool polls = k % STEPS_PER_POLL == 0 && k < grid->steps;
 		if (status == RB_ERR_INTERRUPT || (polls && rb_world_is_stopped(world))) {
 			world->stopped = true;
 			return RB_OK;
@@ -579,7 +628,8 @@ enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
 	const double begin = rb_model_frame_time(model, world->state.frame);
 	const double end = rb_model_frame_time(model, world->state.frame + 1);
 	const bool by_steps = !world->located || rb_engine_wants_steps(world->located);
-	const int64_t steps = by_steps ? rb_frame_step_count(model, begin, end) : 1;
+	const struct grid grid = {begin, end,
+	                          by_steps ? rb_frame_step_count(model, begin, end) : 1};
 	struct restart before;
 	world->stopped = false;
 	rb_interrupt_begin(&world->interrupt, world->options.stop, world->options.stop_user);
@@ -587,11 +637,11 @@ enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
 	                                 &before, err);
 
 	if (status == RB_OK)
-		status = run_frame(world, begin, end, steps, err);
+		status = run_frame(world, &grid, err);
 	if (status == RB_ERR_PHYSICS && before.is_known) {
-		status = go_back(world, &before, steps, err);
+		status = go_back(world, &before, grid.steps, err);
 		if (status == RB_OK)
-			status = run_frame(world, begin, end, steps, err);
+			status = run_frame(world, &grid, err);
 	}
 	if (status != RB_OK || world->stopped)
 		return status;
