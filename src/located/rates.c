@@ -136,8 +136,9 @@ static bool count_inspection(struct rb_modes *w)
 	if (rb_located_gravitates(l))
 		l->products += RB_LOCATED_ATTRACTION * (uint64_t)c->member_count *
 		               (uint64_t)c->member_count / 2;
+	/* products of an elimination go four at a time */
 	l->products += c->held_count + w->joints.count > 0
-	                       ? (uint64_t)w->dense.products +
+	                       ? (uint64_t)w->dense.products / 2 +
 	                                 RB_LOCATED_INSPECTION *
 	                                         (uint64_t)(c->held_count + w->joints.joint_count)
 	                       : RB_LOCATED_FLIGHT * (uint64_t)c->member_count;

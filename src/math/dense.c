@@ -16,8 +16,11 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #include "base/error.h"
+#include "math/lanes.h"
+
 /*
  * Share of a column that must be left for it to be used as a pivot while others remain. A column of
  * which less is left is nearly a combination of those before it; used first, its unknown would take
@@ -128,6 +131,23 @@ static void put_off(struct rb_dense *d, int k)
 			d->matrix[r * d->n + k] = 0;
 }
 
+/* at -= share * top, four numbers at a time: to the same bits. */
+static void subtract(double *restrict at, const double *restrict top, double share, int count)
+{
+	int c = 0;
+
+	for (; c + RB_LANES <= count; c += RB_LANES) {
+		rb_lanes x, y;
+
+		memcpy(&x, at + c, sizeof x);
+		memcpy(&y, top + c, sizeof y);
+		x -= share * y;
+		memcpy(at + c, &x, sizeof x);
+	}
+	for (; c < count; c++)
+		at[c] -= share * top[c];
+}
+
 /* Subtracts multiples of the pivot row from the rows below, as far as column k reaches. */
 static void eliminate(struct rb_dense *d, int row, int k, const struct left *left)
 {
@@ -144,8 +164,9 @@ static void eliminate(struct rb_dense *d, int row, int k, const struct left *lef
 		const double share = at[k] / top[k];
 		at[k] = share; /* for rb_dense_again */
 		widen(d, r, d->last[row]);
-		for (int c = left->from; c <= d->last[row]; c++)
-			at[c] -= share * top[c];
+		if (left->from <= d->last[row])
+			subtract(at + left->from, top + left->from, share,
+			         d->last[row] + 1 - left->from);
 		for (int i = 0; i < left->late_count; i++)
 			at[left->late[i]] -= share * top[left->late[i]];
 		d->products += d->last[row] + 1 - left->from + left->late_count;
