@@ -8,6 +8,7 @@
 #include <float.h>
 
 #include "located/engine.h"
+#include "located/inspect.h"
 #include "located/located.h"
 #include "model/descriptor.h"
 #include "stepped/inside.h"
@@ -457,6 +458,80 @@ static void located_bodies_are_evaluated_once_where_nobody_asks_between_frames(v
 	assert_int_equal(called, 64);
 }
 
+/* ---- attempts that fail at once ---- */
+
+/* A tower that steps have brought to rest; then locating is tried, which may take nothing. */
+static void an_attempt_that_fails_at_once_leaves_no_trace(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	open_auto(&lab, 0.5, (rb_vec3){0, 0, -earth});
+	lab_plane(&lab, none, (rb_vec3){0, 0, 1});
+	for (int k = 0; k < 6; k++)
+		lab_box(&lab, (rb_vec3){0.4, 0.4, 0.2}, 1, (rb_vec3){0, 0, 0.1 + 0.2 * k},
+		        rb_quat_identity);
+	lab_seal(&lab, 1);
+	struct rb_world *const world = lab.world;
+	assert_int_equal(rb_world_step_frame(world, &lab.error), RB_OK);
+	change_to_steps(&lab, 400);
+	while (world->dense_left > 1)
+		assert_int_equal(rb_world_step_frame(world, &lab.error), RB_OK);
+	world->dense_left = 0;
+	world->dense_work = 0;
+
+	const size_t count = world->contacts.count;
+	struct rb_contact *const kept = test_calloc(count, sizeof *kept);
+	assert_true(count >= 24);
+	memcpy(kept, world->contacts.row, count * sizeof *kept);
+	const int sleeping = world->stepped->sleep.count;
+	const struct rb_ledger ledger = world->ledger;
+	assert_int_equal(sleeping, 6);
+
+	world->located->world_max = 0;
+	assert_int_equal(
+		rb_engine_advance(world->located, world->state.time_s + step_s, &lab.error), RB_OK);
+	assert_false(rb_engine_locates(world->located));
+	assert_int_equal(world->contacts.count, count);
+	assert_memory_equal(world->contacts.row, kept, count * sizeof *kept);
+	assert_memory_equal(&world->ledger, &ledger, sizeof ledger);
+	/* nor does a whole frame that begins with such an attempt wake anybody */
+	assert_int_equal(rb_world_step_frame(world, &lab.error), RB_OK);
+	assert_true(world->dense_left > 0);
+	assert_int_equal(world->stepped->sleep.count, sleeping);
+	test_free(kept);
+	lab_close(&lab);
+}
+
+/* ---- what rests ---- */
+
+/* Two boxes at rest; then one is lifted and put down into the other. */
+static void what_has_rested_is_looked_at_again_once_it_moves(void **state)
+{
+	struct lab lab;
+	int a, b;
+
+	(void)state;
+	lab_open_located(&lab, 2, frame_rate);
+	lab.scene.world.gravity = (rb_vec3){0, 0, -earth};
+	lab_surface(&lab, 0.5, 0);
+	lab_plane(&lab, none, (rb_vec3){0, 0, 1});
+	lab_box(&lab, (rb_vec3){1, 1, 1}, 1, (rb_vec3){0, 0, 0.5}, rb_quat_identity);
+	lab_box(&lab, (rb_vec3){1, 1, 1}, 1, (rb_vec3){3, 0, 0.5}, rb_quat_identity);
+	lab_seal(&lab, 1);
+	struct rb_located *const l = lab.world->located;
+	for (int k = 0; k < 3; k++)
+		assert_int_equal(rb_world_step_frame(lab.world, &lab.error), RB_OK);
+	const double t = lab.world->state.time_s;
+	assert_true(rb_inspect_overlap(l, t, &a, &b) <= DBL_EPSILON);
+	assert_true(l->inspected[0].rests && l->inspected[1].rests);
+	l->arc[1].position.x = 0.9;
+	l->generation[1]++;
+	assert_true(fabs(rb_inspect_overlap(l, t, &a, &b) - 0.1) < 1e-9);
+	assert_int_equal(a + b, 1);
+	lab_close(&lab);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -466,6 +541,8 @@ int main(void)
 		cmocka_unit_test(what_is_known_makes_the_beginning_cheaper),
 		cmocka_unit_test(
 			located_bodies_are_evaluated_once_where_nobody_asks_between_frames),
+		cmocka_unit_test(an_attempt_that_fails_at_once_leaves_no_trace),
+		cmocka_unit_test(what_has_rested_is_looked_at_again_once_it_moves),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

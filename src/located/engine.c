@@ -466,6 +466,7 @@ static void start(struct rb_located *l, double t)
 	l->started = l->starting = true;
 	l->now_s = l->from_s = t;
 	l->pace = rb_located_pace(l);
+	rb_inspect_forget(l);
 	take_left(l);
 	rb_account_begin(l, t);
 	for (int i = 0; i < l->n && l->status == RB_OK; i++) {
@@ -498,10 +499,13 @@ static void start(struct rb_located *l, double t)
 	for (int i = 0; i < l->n && l->status == RB_OK && !rb_located_is_dense(l); i++) {
 		if (rb_interrupt_after(&l->world->interrupt, START_WORK))
 			break;
+		/* with the cluster that it has come into it was predicted, too */
+		if (l->cluster_of[i] >= 0 && !rb_located_driven(l, i))
+			continue;
 		rb_crowd_event(l, i);
 		const int touching = rb_predict(l, i, t, -1);
 
-		if (rb_located_driven(l, i) || l->cluster_of[i] >= 0 ||
+		if (rb_located_driven(l, i) ||
 		    (touching == 0 && !isnan(rb_external_decay(l, i, t)) &&
 		     !rb_joint_rows_hold(l, i)))
 			continue;
@@ -601,12 +605,18 @@ void rb_engine_go_back(struct rb_located *l)
 	forget_arcs(l);
 }
 
-/* Gives up locating at the moment reached, where events are too dense or cannot be resolved. */
-static bool gives_way(struct rb_located *l)
+/* True where events are too dense or cannot be resolved, and steps can go on. */
+static bool is_beyond(const struct rb_located *l)
 {
 	if (!rb_located_can_be_stepped(l) || (l->status != RB_OK && l->status != RB_ERR_PHYSICS))
 		return false;
-	if (l->status == RB_OK && !rb_located_is_dense(l))
+	return l->status != RB_OK || rb_located_is_dense(l);
+}
+
+/* Gives up locating at the moment reached. */
+static bool gives_way(struct rb_located *l)
+{
+	if (!is_beyond(l))
 		return false;
 	l->status = RB_OK;
 	rb_set_clear(l);
@@ -615,6 +625,31 @@ static bool gives_way(struct rb_located *l)
 	rb_account_all(l, l->now_s);
 	forget_arcs(l);
 	return true;
+}
+
+/*
+ * Begins to locate. Where that is too much at once, nothing of it is left: what steps know of
+ * contacts and of what stands is as good as before.
+ */
+static void begin(struct rb_located *l)
+{
+	struct rb_world *const world = l->world;
+	const struct rb_counts counts = world->frame_counts;
+	const struct rb_ledger ledger = world->ledger;
+	const struct rb_entries open = world->open;
+	const size_t reported = world->events.count;
+
+	rb_crowd_begin(l);
+	start(l, world->state.time_s);
+	if (is_beyond(l)) {
+		rb_engine_go_back(l);
+		world->frame_counts = counts;
+		world->ledger = ledger;
+		world->open = open;
+		world->events.count = reported;
+	} else if (l->status == RB_OK) { /* slips that no force sustains have ended at once */
+		call_hooks(l, reported, l->now_s);
+	}
 }
 
 /* Advances the series of fast rotations in parts; false: the run is to end. */
@@ -639,19 +674,14 @@ static bool is_interrupted(struct rb_located *l, uint64_t work)
 
 enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_error *err)
 {
-	const size_t reported = l->world->events.count;
 	double t;
 
 	RB_ASSERT(until >= l->world->state.time_s);
 	l->err = err;
 	const bool starts = !l->started;
-	if (starts) {
-		rb_crowd_begin(l);
-		start(l, l->world->state.time_s);
-		if (l->status == RB_OK) /* slips that no force sustains have ended at once */
-			call_hooks(l, reported, l->now_s);
-	}
-	if (is_interrupted(l, 0) || gives_way(l))
+	if (starts)
+		begin(l);
+	if (is_interrupted(l, 0) || !l->started || gives_way(l))
 		return l->status;
 	if (starts && l->status == RB_OK) /* else steps may be left to fit some of them */
 		rb_joint_states_fit(l->world);

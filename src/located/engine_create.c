@@ -51,6 +51,7 @@ static bool make_rows(struct rb_located *l)
 	l->joined = row(n, sizeof *l->joined, &failed);
 	l->cluster_of = row(n, sizeof *l->cluster_of, &failed);
 	l->near = row(n, sizeof *l->near, &failed);
+	l->inspected = row(n, sizeof *l->inspected, &failed);
 	l->set = row(n, sizeof *l->set, &failed);
 	l->place = row(n, sizeof *l->place, &failed);
 	if (l->model->joints) {
@@ -174,6 +175,7 @@ void rb_engine_destroy(struct rb_located *l)
 	rb_memory_free(l->joined);
 	rb_memory_free(l->cluster_of);
 	rb_memory_free(l->near);
+	rb_memory_free(l->inspected);
 	rb_memory_free(l->set);
 	rb_memory_free(l->place);
 	rb_memory_free(l->plane_normal);

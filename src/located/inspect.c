@@ -138,20 +138,74 @@ static void deeper(const struct rb_located *l, double t, int i, int j, double *d
 	}
 }
 
+void rb_inspect_forget(struct rb_located *l)
+{
+	for (int i = 0; i < l->n; i++)
+		l->inspected[i].rested = false;
+}
+
+/* Does its arc leave it where it is? */
+static bool stands(const struct rb_located *l, int i)
+{
+	const struct rb_state *state = &l->world->state;
+	const rb_vec3 none = {0, 0, 0};
+	const rb_vec3 spin = state->spin ? rb_world_row3(state->spin, i) : none;
+
+	return !rb_located_on_piece(l, i) && !rb_located_driven(l, i) &&
+	       rb_vec3_max_abs(l->arc[i].velocity) == 0 &&
+	       rb_vec3_max_abs(l->arc[i].acceleration) == 0 && rb_vec3_max_abs(spin) == 0;
+}
+
+/* Who has rested since the last time. */
+static void see_rest(struct rb_located *l)
+{
+	for (int i = 0; i < l->n; i++) {
+		struct rb_inspected *const of = &l->inspected[i];
+		const bool still = stands(l, i);
+
+		of->rests = still && of->rested && of->generation == l->generation[i];
+		of->rested = still;
+		of->generation = l->generation[i];
+	}
+}
+
+static bool has_rested(const struct rb_located *l, int j)
+{
+	return j >= l->n || l->inspected[j].rests;
+}
+
+/* The deepest overlap of a body with those after it. */
+static void inspect_body(struct rb_located *l, double t, int i)
+{
+	struct rb_inspected *const of = &l->inspected[i];
+	const bool known = of->rests && (of->with < 0 || has_rested(l, of->with));
+	const int near = rb_set_near(l, i);
+	double deepest = known ? of->depth : 0;
+	int pair[2] = {i, known ? of->with : -1};
+
+	for (int k = 0; k < near; k++)
+		if (l->near[k] > i && !(known && has_rested(l, l->near[k])))
+			deeper(l, t, i, l->near[k], &deepest, pair);
+	for (int j = l->n; j < l->n + l->model->static_count && !known; j++)
+		deeper(l, t, i, j, &deepest, pair);
+	of->depth = deepest;
+	of->with = pair[1];
+}
+
 double rb_inspect_overlap(struct rb_located *l, double t, int *a, int *b)
 {
 	double deepest = 0;
 	int pair[2] = {-1, -1};
 
 	RB_ASSERT(t >= l->now_s);
+	see_rest(l);
 	for (int i = 0; i < l->n; i++) {
-		const int near = rb_set_near(l, i);
-
-		for (int k = 0; k < near; k++)
-			if (l->near[k] > i)
-				deeper(l, t, i, l->near[k], &deepest, pair);
-		for (int j = l->n; j < l->n + l->model->static_count; j++)
-			deeper(l, t, i, j, &deepest, pair);
+		inspect_body(l, t, i);
+		if (l->inspected[i].depth > deepest) {
+			deepest = l->inspected[i].depth;
+			pair[0] = i;
+			pair[1] = l->inspected[i].with;
+		}
 	}
 	*a = pair[0];
 	*b = pair[1];

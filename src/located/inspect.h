@@ -11,7 +11,13 @@ RB_CHECKED enum rb_status rb_inspect_contacts(struct rb_located *l, double t);
 RB_CHECKED enum rb_status rb_inspect_forces(struct rb_located *l, double t,
                                             struct rb_contacts *shown);
 
-/* The deepest overlap of any two bodies at `t`, and whose it is; 0 and -1: none. */
+/*
+ * The deepest overlap of any two bodies at `t`, which the state is of, and whose it is; 0 and -1:
+ * none. Two that have rested since the last time are not looked at again.
+ */
 double rb_inspect_overlap(struct rb_located *l, double t, int *a, int *b);
+
+/* Arcs begin anew: nothing is known of overlaps. */
+void rb_inspect_forget(struct rb_located *l);
 
 #endif

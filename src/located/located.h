@@ -283,11 +283,12 @@ struct rb_located {
 	signed char *drive_mode, *drive_next;
 	bool *eased; /* as many: stops that are taken to be further off (located/joint_stops) */
 
-	struct rb_queue *queue; /* [n] bodies, [n] clusters, 1 switch of forces */
-	struct rb_cells *cells; /* NULL: few bodies, all are candidates */
-	int *near;              /* [n] scratch */
-	int *set;               /* [n] scratch: bodies that are dealt with together */
-	int *place;             /* [n] a body's place in `set`, -1 between uses */
+	struct rb_queue *queue;         /* [n] bodies, [n] clusters, 1 switch of forces */
+	struct rb_cells *cells;         /* NULL: few bodies, all are candidates */
+	int *near;                      /* [n] scratch */
+	struct rb_inspected *inspected; /* [n]: located/inspect */
+	int *set;                       /* [n] scratch: bodies that are dealt with together */
+	int *place;                     /* [n] a body's place in `set`, -1 between uses */
 	int set_count;
 	int come_a, come_b; /* the pair whose touch is dealt with, -1: none */
 	/*
@@ -317,6 +318,15 @@ struct rb_located {
 };
 
 RB_FIELDS_DECLARE(rb_located_fields);
+
+/* What the last look for overlaps has found of a body, and of others that come after it. */
+struct rb_inspected {
+	double depth; /* m, the deepest of these overlaps; 0: none */
+	int with;     /* whose that is; -1: nobody's */
+	uint32_t generation;
+	bool rested; /* it stood still on its arc of that generation */
+	bool rests;  /* it does so since */
+};
 
 /* What of a joint may hold or let go: drives, and stops of the free coordinate, or of a rope. */
 enum rb_joint_part { RB_STOP_LOW = RB_JOINT_DRIVES, RB_STOP_HIGH, RB_JOINT_PARTS_HELD };
@@ -414,6 +424,15 @@ static inline long rb_located_products(const struct rb_located *l, int contacts)
 static inline uint64_t rb_located_rest_cost(int contacts)
 {
 	return (uint64_t)contacts * (uint64_t)contacts * RB_LOCATED_ROW / RB_LOCATED_PRODUCTS;
+}
+
+/*
+ * The same for an impact of so many, and the forces after it: five products for each contact are
+ * few, for either.
+ */
+static inline uint64_t rb_located_impact_cost(int contacts)
+{
+	return 10 * (uint64_t)contacts * (uint64_t)contacts * RB_LOCATED_ROW / RB_LOCATED_PRODUCTS;
 }
 
 static inline void rb_located_count(struct rb_located *l, long products, int contacts)

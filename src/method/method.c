@@ -498,6 +498,7 @@ static enum rb_status located(struct rb_world *world, const struct grid *grid, d
                               double stop, struct rb_error *err)
 {
 	struct restart before;
+	const bool tries = !rb_engine_locates(world->located);
 	enum rb_status status = remember(world, can_change_method(world) && has_callbacks(world),
 	                                 &before, err);
 
@@ -513,7 +514,9 @@ static enum rb_status located(struct rb_world *world, const struct grid *grid, d
 		return status;
 	/* too dense to locate: the rest, of which there may be none, and some more, is stepped */
 	begin_dense_steps(world);
-	status = change_to_steps(world, err);
+	/* an attempt that has failed at once has changed nothing that steps know */
+	if (!tries || !world->stepped || rb_engine_located(world->located) > 0)
+		status = change_to_steps(world, err);
 	const double now = world->state.time_s, next = grid_moment(grid, grid_from(grid, now));
 	if (status == RB_OK && now < next)
 		return by_step(world, now, next, err);
