@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/crowd.h"
 
+#include "base/forest.h"
+
 /*
  * Bodies that may be counted beyond those that time allows. By a crowd: so many for each of its
  * bodies, a few more, and shares of what few are worth: few in a crowd, and few in the world. A box
- * that goes over an edge takes 119 on its own, which is a hundredth of a second, three that slide
- * on each other 84, and twenty-six rollers that begin to slip together 137; of more, steps would
- * cost less. By the world: those of some crowds.
+ * that rocks takes 195 on its own, which is a fiftieth of a second, one that goes over an edge 101,
+ * three that slide on each other 84, and twenty-six rollers that begin to slip together 87 of 120;
+ * of more, steps would cost less. By the world: those of some crowds.
  */
-enum { CROWD_BODY = 4, CROWD_MORE = 16, CROWD_SHARE = 128, FEW_SHARE = 512 };
-enum { WORLD_BODY = 2, WORLD_MORE = 512 };
+enum { CROWD_BODY = 4, CROWD_MORE = 8, CROWD_SHARE = 128, FEW_SHARE = 128 };
+enum { WORLD_BODY = 2, WORLD_MORE = 256 };
 
 uint64_t rb_crowd_world_max(int bodies)
 {
@@ -54,13 +56,10 @@ void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *bef
 /* Share of the work of steps that the next attempt may take. */
 enum { TRY_SHARE = 8 };
 
-/*
- * Bodies that count when all are brought to their contacts, and a few more: what an attempt takes
- * at least.
- */
+/* What an attempt may take at least: of few bodies more than their steps allow, which is little. */
 static uint64_t least_try(const struct rb_located *l)
 {
-	return 32 + (uint64_t)l->n;
+	return l->n > 32 ? (uint64_t)l->n : 32;
 }
 
 /* Bodies that an attempt after these steps may count. */
@@ -69,9 +68,68 @@ static uint64_t next_try(const struct rb_located *l)
 	return l->world->dense_work / (TRY_SHARE * (uint64_t)RB_LOCATED_PRODUCTS);
 }
 
+/* What steps have left of a group that contacts connect. */
+struct group {
+	int contacts;
+	bool moves;
+};
+
+/* Connects what touches; counts the contacts of each group at its root. */
+static void gather_groups(const struct rb_located *l, int *parent, struct group *group)
+{
+	const struct rb_contacts *const contacts = &l->world->contacts;
+
+	for (int i = 0; i < l->n; i++) {
+		parent[i] = i;
+		group[i] = (struct group){0};
+	}
+	for (size_t k = 0; k < contacts->count; k++) {
+		const int a = contacts->row[k].a, b = contacts->row[k].b;
+
+		if (!rb_located_fixed(l, a) && !rb_located_fixed(l, b))
+			rb_forest_join(parent, a, b, false);
+	}
+	for (size_t k = 0; k < contacts->count; k++) {
+		const int a = contacts->row[k].a, b = contacts->row[k].b;
+		const int i = rb_located_fixed(l, a) ? b : a;
+
+		if (!rb_located_fixed(l, i))
+			group[rb_forest_root(parent, i)].contacts++;
+	}
+	for (int i = 0; i < l->n; i++)
+		if (!is_idle(&l->world->state, i))
+			group[rb_forest_root(parent, i)].moves = true;
+}
+
+/*
+ * Bodies that the forces of all groups count for, at least: those that an attempt begins with.
+ * Without memory to count them, none.
+ */
+static uint64_t forces_cost(const struct rb_located *l)
+{
+	struct rb_arena *const arena = l->arena;
+	const rb_arena_mark here = rb_arena_here(arena);
+	int *const parent = rb_arena_take(arena, (size_t)l->n, sizeof *parent);
+	struct group *const group = rb_arena_take(arena, (size_t)l->n, sizeof *group);
+	uint64_t sum = 0;
+
+	if (parent && group) {
+		gather_groups(l, parent, group);
+		for (int i = 0; i < l->n; i++)
+			sum += group[i].moves ? rb_located_cost(3.0 * group[i].contacts)
+			                      : rb_located_rest_cost(group[i].contacts);
+	}
+	rb_arena_back(arena, here);
+	return sum;
+}
+
 bool rb_crowd_may_try(const struct rb_located *l)
 {
-	return l->world_max == UINT64_MAX || next_try(l) >= (uint64_t)l->n;
+	if (l->world_max == UINT64_MAX)
+		return true;
+	const uint64_t least = least_try(l), next = next_try(l);
+
+	return next >= (uint64_t)l->n && forces_cost(l) <= (next > least ? next : least);
 }
 
 /* ---- crowds ---- */

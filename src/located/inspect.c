@@ -145,7 +145,7 @@ void rb_inspect_forget(struct rb_located *l)
 }
 
 /* Does its arc leave it where it is? */
-static bool stands(const struct rb_located *l, int i)
+static bool is_at_rest(const struct rb_located *l, int i)
 {
 	const struct rb_state *state = &l->world->state;
 	const rb_vec3 none = {0, 0, 0};
@@ -161,10 +161,10 @@ static void see_rest(struct rb_located *l)
 {
 	for (int i = 0; i < l->n; i++) {
 		struct rb_inspected *const of = &l->inspected[i];
-		const bool still = stands(l, i);
+		const bool at_rest = is_at_rest(l, i);
 
-		of->rests = still && of->rested && of->generation == l->generation[i];
-		of->rested = still;
+		of->rests = at_rest && of->rested && of->generation == l->generation[i];
+		of->rested = at_rest;
 		of->generation = l->generation[i];
 	}
 }
