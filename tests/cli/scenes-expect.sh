@@ -11,6 +11,10 @@ for run in 'bounce e=0' 'bounce e=0.5' 'bounce e=0.9' 'edge speed=0.3' 'edge spe
 	'examples/pull_at_the_rim force=1' 'examples/head_on e=0' 'examples/apart towards=true' 'stacked_drop mass=0.1' 'stacked_drop mass=3' 'two_materials ice=0.01' 'billiard speed=20'; do
 	exits 0 "$TOP/scenes/${run% *}.lua" --param "${run#* }" --no-record --no-render --quiet
 done
+# what is located by default holds within the tolerance of steps, too
+for run in 'auto 2' 'auto 8' 'stepped 3' 'stepped 6'; do
+	exits 0 "$TOP/scenes/tumbling_hull.lua" --method "${run% *}" --param "seed_points=${run#* }" --no-record --no-render --quiet
+done
 # worked examples run by every method; where steps only come near the answer, what they miss is of their first order
 for scene in "$TOP"/scenes/examples/*.lua; do
 	for method in located stepped classic; do
