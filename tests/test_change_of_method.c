@@ -7,6 +7,7 @@
 
 #include <float.h>
 
+#include "located/crowd.h"
 #include "located/engine.h"
 #include "located/inspect.h"
 #include "located/located.h"
@@ -503,6 +504,31 @@ static void an_attempt_that_fails_at_once_leaves_no_trace(void **state)
 	lab_close(&lab);
 }
 
+/* A tower of 40 whose steps have paid for as many bodies, and for its forces only if it rests. */
+static void no_attempt_is_made_that_forces_alone_make_too_dear(void **state)
+{
+	enum { BOXES_UP = 40, PAID = 60 };
+	struct lab lab;
+
+	(void)state;
+	open_auto(&lab, 0.5, (rb_vec3){0, 0, -earth});
+	lab_plane(&lab, none, (rb_vec3){0, 0, 1});
+	for (int k = 0; k < BOXES_UP; k++)
+		lab_box(&lab, (rb_vec3){0.4, 0.4, 0.2}, 1, (rb_vec3){0, 0, 0.1 + 0.2 * k},
+		        rb_quat_identity);
+	lab_seal(&lab, 1);
+	struct rb_world *const world = lab.world;
+	assert_int_equal(rb_world_step_frame(world, &lab.error), RB_OK);
+	assert_true(world->contacts.count >= 4 * BOXES_UP);
+	memset(world->state.velocity, 0, 3 * BOXES_UP * sizeof(double));
+	memset(world->state.spin, 0, 3 * BOXES_UP * sizeof(double));
+	world->dense_work = (uint64_t)8 * PAID * RB_LOCATED_PRODUCTS;
+	assert_true(rb_crowd_may_try(world->located));
+	world->state.velocity[3 * (BOXES_UP - 1)] = 1e-9;
+	assert_false(rb_crowd_may_try(world->located));
+	lab_close(&lab);
+}
+
 /* ---- what rests ---- */
 
 /* Two boxes at rest; then one is lifted and put down into the other. */
@@ -542,6 +568,7 @@ int main(void)
 		cmocka_unit_test(
 			located_bodies_are_evaluated_once_where_nobody_asks_between_frames),
 		cmocka_unit_test(an_attempt_that_fails_at_once_leaves_no_trace),
+		cmocka_unit_test(no_attempt_is_made_that_forces_alone_make_too_dear),
 		cmocka_unit_test(what_has_rested_is_looked_at_again_once_it_moves),
 	};
 

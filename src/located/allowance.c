@@ -9,7 +9,7 @@
 #include <math.h>
 
 /* Bodies of crowds that a body's way by its own size allows: each, and the fastest beside. */
-enum { PACE_BODY = 1, PACE_WORLD = 128, PACE_FEW = 2, PACE_RUN = 128 };
+enum { PACE_BODY = 2, PACE_WORLD = 128, PACE_FEW = 8, PACE_RUN = 128 };
 
 /* A number rounded down to eight bits: sums of such are the same in any order. */
 static double eight_bits(double number)
