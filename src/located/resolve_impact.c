@@ -723,32 +723,24 @@ static bool solve_impact(struct impact *s, int *rounds)
 	return solved;
 }
 
-static void fail_as_too_many(struct impact *s)
-{
-	s->l->status = RB_FAIL(s->l->err, RB_ERR_PHYSICS,
-	                       "%d contacts together are too many to locate",
-	                       s->contact_point_count);
-}
-
 /* Solves the impact, ends series, anchors the members. */
 static void collide(struct impact *s)
 {
 	struct rb_located *l = s->l;
 	int rounds = 0;
 
-	if (rb_located_impact_cost(s->contact_point_count) > rb_located_left(l)) {
-		fail_as_too_many(s);
-		return;
-	}
+	const bool too_many = rb_located_impact_cost(s->contact_point_count) > rb_located_left(l);
 	rb_vec3 *const approach = see_approaches(s);
 	if (l->status != RB_OK)
 		return;
 	s->joint.interrupt = &s->l->world->interrupt;
 	s->joint.products_max = rb_located_products(l, s->contact_point_count);
-	const bool converged = solve_impact(s, &rounds);
+	const bool converged = !too_many && solve_impact(s, &rounds);
 	rb_located_count(l, s->joint.products, s->contact_point_count);
-	if (rb_simultaneous_is_over(&s->joint)) {
-		fail_as_too_many(s);
+	if (too_many || rb_simultaneous_is_over(&s->joint)) {
+		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
+		                    "%d contacts together are too many to locate",
+		                    s->contact_point_count);
 		return;
 	}
 	if (!converged)
