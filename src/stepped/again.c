@@ -19,6 +19,7 @@
 #include "stepped/joint_steps.h"
 #include "stepped/projection.h"
 #include "stepped/spring_steps.h"
+#include "stepped/strategies.h"
 
 /* Bodies and candidate pairs of the islands that are solved again. */
 struct view {
@@ -37,23 +38,34 @@ static int group_of(const struct rb_world *world, int i)
 	return rb_stepped_is_dynamic(world, i) && !s->sleep.sleeps[i] ? s->solver.island_of[i] : -1;
 }
 
-/* Marks islands with an overlap that the projection may not close; false: there are none. */
-static bool mark_groups(const struct rb_world *world, const struct rb_depths *found,
-                        unsigned char *of_group)
+/*
+ * m: deeper overlaps of a group are looked at. In a heap a look at one pair solves all of it again,
+ * while closing moves a few bodies: only what would take it back is looked at, as often as may be,
+ * as shorter steps cost more. Small groups are sooner done with these than with another look.
+ */
+static double max_of(const struct rb_world *world, const struct rb_deep *deep, int g, int looks)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
+
+	if (solver->island[g].row_count >= RB_STRATEGY_HEAP_ROWS)
+		return rb_projection_lost(world, deep, solver->h_s);
+	return looks == 0 ? rb_projection_max(world, deep, solver->h_s) : (double)INFINITY;
+}
+
+/* Marks islands with an overlap that the projection may not close; false: there are none. */
+static bool mark_groups(const struct rb_world *world, const struct rb_depths *found, int looks,
+                        unsigned char *of_group)
+{
 	bool any = false;
 
 	for (size_t k = 0; k < found->deep_count; k++) {
 		const struct rb_deep *deep = &found->deep[k];
 		const int ends[2] = {deep->a, deep->b};
 
-		if (!(deep->depth > rb_projection_max(world, deep, solver->h_s)))
-			continue;
 		for (int e = 0; e < 2; e++) {
 			const int g = group_of(world, ends[e]);
 
-			if (g < 0)
+			if (g < 0 || !(deep->depth > max_of(world, deep, g, looks)))
 				continue;
 			of_group[g] = 1;
 			any = true;
@@ -273,7 +285,7 @@ static enum rb_status find_points(struct rb_world *world, struct rb_candidates *
 /* ---- the whole ---- */
 
 /* Overlaps of the cohort where they can be measured; marks groups in which one is deep. */
-static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort,
+static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort, int looks,
                                 unsigned char *of_group, bool *deep, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
@@ -290,14 +302,14 @@ static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort
 
 	if (status != RB_OK)
 		return status;
-	*deep = mark_groups(world, &found, of_group);
+	*deep = mark_groups(world, &found, looks, of_group);
 	cohort->depths = found;
 	cohort->is_measured = !*deep;
 	return RB_OK;
 }
 
-enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, bool overlaps,
-                        bool *again, struct rb_error *err)
+enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, int looks, bool *again,
+                        struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	struct view view;
@@ -309,8 +321,8 @@ enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, bool o
 	if (!of_group)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of a step");
 	memset(of_group, 0, s->solver.island_count + 1);
-	if (overlaps)
-		status = find_deep(world, cohort, of_group, &deep, err);
+	if (looks >= 0)
+		status = find_deep(world, cohort, looks, of_group, &deep, err);
 	if (status != RB_OK)
 		return status;
 	const bool joints = rb_joints_mark(world, of_group);

@@ -28,10 +28,10 @@
 #include "stepped/tally.h"
 
 /*
- * Looks at a step again, at most: one Newton step. What it leaves is of higher order in the angle,
- * and the projection closes it.
+ * Looks at a step again, at most: Newton steps. What the first leaves is of higher order in the
+ * angle, and the projection closes it; further ones are for heaps that would be taken back.
  */
-enum { INSPECTIONS_MAX = 1 };
+enum { INSPECTIONS_MAX = 3 };
 
 /*
  * Looks for the bends of joints' ways, at most. Each leaves of what the one before has missed about
@@ -322,7 +322,8 @@ static enum rb_status move_and_inspect(struct rb_world *world, struct rb_cohort 
 		if ((world->broadphase && inspections < INSPECTIONS_MAX) ||
 		    ((world->model->joints || world->stepped->solver.sprung_count > 0) &&
 		     inspections < JOINT_INSPECTIONS_MAX))
-			status = rb_again(world, cohort, inspections < INSPECTIONS_MAX, &again,
+			status = rb_again(world, cohort,
+			                  inspections < INSPECTIONS_MAX ? inspections : -1, &again,
 			                  err);
 	}
 	return status;

@@ -399,3 +399,19 @@ bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*
 		far = far || impulses[k][0] > far_ratio * impulses[k][1];
 	return far;
 }
+
+double rb_sweep_off_by(const struct rb_row_system *rows, const struct rb_constraint *row)
+{
+	const rb_vec3 u = rb_constraint_velocity(&rows->bodies, row);
+	const double u_n = rb_vec3_dot(u, row->normal);
+	const double normal_impulse = fmax(0, row->impulse.n +
+	                                              (row->target.n - u_n) / row->inverse_mass_n);
+	const rb_vec3 slip = rb_vec3_add_scaled(u, -u_n, row->normal);
+	const rb_vec3 wanted = rb_constraint_within(
+		rb_vec3_add_scaled(row->impulse.t, -1 / row->inverse_mass_t, slip),
+		row->friction * normal_impulse);
+
+	return fmax(fabs(normal_impulse - row->impulse.n) * row->inverse_mass_n,
+	            RB_SLIP_SHARE * row->inverse_mass_t *
+	                    rb_vec3_length(rb_vec3_sub(wanted, row->impulse.t)));
+}

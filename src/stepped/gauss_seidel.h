@@ -50,6 +50,9 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep);
 bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*impulses)[2],
                        int member_count);
 
+/* m/s: what a contact is off by, as a sweep would find it. */
+double rb_sweep_off_by(const struct rb_row_system *rows, const struct rb_constraint *row);
+
 /* Scratch, once dense is known; false: no memory. */
 bool rb_sweep_take(struct rb_sweep *sweep, struct rb_arena *arena);
 

@@ -53,6 +53,11 @@ double rb_projection_max(const struct rb_world *world, const struct rb_deep *dee
 	       closable_bends * (bend_of(world, deep->a, h) + bend_of(world, deep->b, h));
 }
 
+double rb_projection_lost(const struct rb_world *world, const struct rb_deep *deep, double h)
+{
+	return lost_ratio * rb_projection_max(world, deep, h);
+}
+
 /* What is looked for from what overlaps, from body to body. All in the arena. */
 struct search {
 	struct rb_world *world;
@@ -575,8 +580,7 @@ static void blame_unclosable(struct rb_world *world, const struct rb_cohort *coh
 	for (size_t k = 0; k < found->deep_count; k++) {
 		const struct rb_deep *deep = &found->deep[k];
 
-		if (!(deep->depth <=
-		      lost_ratio * rb_projection_max(world, deep, cohort->candidates->h_s)))
+		if (!(deep->depth <= rb_projection_lost(world, deep, cohort->candidates->h_s)))
 			blame(world, deep);
 	}
 }

@@ -18,7 +18,11 @@
 RB_CHECKED enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *cohort,
                                               struct rb_depths *found, struct rb_error *err);
 
-/* m: what moving positions is for; a deeper overlap is looked at again, stepped/again. */
+/*
+ * m: what moving positions is for; a deeper overlap is looked at again, stepped/again. And what is
+ * too deep for it: the try is bad.
+ */
 double rb_projection_max(const struct rb_world *world, const struct rb_deep *deep, double h);
+double rb_projection_lost(const struct rb_world *world, const struct rb_deep *deep, double h);
 
 #endif

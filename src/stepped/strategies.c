@@ -39,10 +39,8 @@ static const double let_share = 1.0 / 32, touch_share = 0.5;
 static const double stiff_ratio = 30, hold_slack = 16;
 /*
  * Of what forces change a velocity by in a step, what sweeps may leave in a small group: by much
- * more than this, stacks that ought to come to stand are kept swaying. A group of so many rows is
- * taken for a heap: it would be a stack of a hundred boxes and more.
+ * more than this, stacks that ought to come to stand are kept swaying.
  */
-enum { HEAP_ROWS = 512 };
 static const double external_share = 1e-3;
 
 /* Velocities are what the impulses make of them. */
@@ -272,7 +270,7 @@ static double aim_of(const struct rb_solver *solver, const struct rb_island *isl
 	const int *member = solver->member + island->first_member;
 	double external = 0;
 
-	if (solver->before && island->row_count < HEAP_ROWS && !sweeper->central)
+	if (solver->before && island->row_count < RB_STRATEGY_HEAP_ROWS && !sweeper->central)
 		external = sqrt(rb_strategies_external(solver, member, island->member_count,
 		                                       (double)INFINITY));
 	if (external == 0)
@@ -593,23 +591,6 @@ static bool factors_of_joints(const struct trial *trial)
 	return trial->island->residual <= direct_share * trial->solver->tolerance;
 }
 
-/* m/s: what a contact is off by, as a sweep would find it. */
-static double off_by(const struct rb_row_system *rows, const struct rb_constraint *row)
-{
-	const rb_vec3 u = rb_constraint_velocity(&rows->bodies, row);
-	const double u_n = rb_vec3_dot(u, row->normal);
-	const double normal_impulse = fmax(0, row->impulse.n +
-	                                              (row->target.n - u_n) / row->inverse_mass_n);
-	const rb_vec3 slip = rb_vec3_add_scaled(u, -u_n, row->normal);
-	const rb_vec3 wanted = rb_constraint_within(
-		rb_vec3_add_scaled(row->impulse.t, -1 / row->inverse_mass_t, slip),
-		row->friction * normal_impulse);
-
-	return fmax(fabs(normal_impulse - row->impulse.n) * row->inverse_mass_n,
-	            RB_SLIP_SHARE * row->inverse_mass_t *
-	                    rb_vec3_length(rb_vec3_sub(wanted, row->impulse.t)));
-}
-
 /*
  * Joints are put right for the contacts that have been found: exactly, and without what iterations
  * have left of forces of joints against each other. Where contacts are then farther off than the
@@ -625,7 +606,7 @@ static void polish_joints(const struct rb_solver *solver, struct rb_island *isla
 	double left = solve_joints(solver, island, rows, arena);
 
 	for (int k = 0; k < island->contact_count; k++)
-		left = fmax(left, off_by(rows, &rows->row[k]));
+		left = fmax(left, rb_sweep_off_by(rows, &rows->row[k]));
 	if (left <= fmax(island->residual, solver->tolerance)) {
 		island->residual = left;
 		return;

@@ -24,8 +24,11 @@
 
 #include "stepped/islands.h"
 
-/* Rows from which on a group is solved by all workers. */
-enum { RB_STRATEGY_LARGE_ROWS = 2048 };
+/*
+ * Rows from which on a group is solved by all workers; from which on it is taken for a heap: it
+ * would be a stack of a hundred boxes and more.
+ */
+enum { RB_STRATEGY_LARGE_ROWS = 2048, RB_STRATEGY_HEAP_ROWS = 512 };
 
 /* Of the tolerance, what sweeps may leave of a gap's closing in one step. */
 #define RB_STRATEGY_SWEEP_SHARE 0.25
