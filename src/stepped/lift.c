@@ -476,7 +476,7 @@ enum rb_status rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool an
 		                            .anyhow = anyhow};
 		struct payment payment = payment_of(sum, need, means);
 
-		if (anyhow && isnan(payment.twist) && need <= lift->sunk[root])
+		if (isnan(payment.twist) && need <= lift->sunk[root])
 			payment = nothing;
 
 		if (isnan(payment.twist))
