@@ -120,6 +120,7 @@ struct rb_solver {
 	const struct rb_kick *kick; /* borrowed: by body; NULL: there have been no impacts */
 	double h_s, tolerance;      /* of the step; m/s */
 	double whole_s;  /* of the step that was tried first, set by the caller; 0: of this one */
+	bool divides;    /* groups for which a step fails take shorter ones on their own */
 	double external; /* m^2/s^2: the most that its forces change a velocity by, squared */
 	bool bounces;    /* materials of the scene have restitution */
 	bool joins_arms; /* angular momentum is to stay: stepped/levers */

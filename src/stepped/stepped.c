@@ -131,6 +131,7 @@ static enum rb_status prepare(struct rb_world *world, struct rb_error *err)
 		status = rb_step_points_create(&made->closing, model, err);
 	if (status == RB_OK)
 		status = rb_solver_create(&made->solver, model, err);
+	made->solver.divides = made->all.divides;
 	if (status == RB_OK && world->broadphase)
 		status = rb_impacts_create(made, model, err);
 	if (status == RB_OK)

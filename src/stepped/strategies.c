@@ -37,6 +37,8 @@ static const double sweep_share = RB_STRATEGY_SWEEP_SHARE, direct_share = 1e-2,
 /* Of the tolerance, gaps and overlaps that count as closed: of what stands, beside touches. */
 static const double let_share = 1.0 / 32, touch_share = 0.5;
 static const double stiff_ratio = 30, hold_slack = 16;
+/* Of a whole step, the part of which friction may be held. */
+static const double hold_parts = 8;
 /*
  * Of what forces change a velocity by in a step, what sweeps may leave in a small group: by much
  * more than this, stacks that ought to come to stand are kept swaying.
@@ -630,6 +632,16 @@ static bool is_large(const struct trial *trial)
 	       trial->island->row_count >= RB_STRATEGY_LARGE_ROWS;
 }
 
+/*
+ * A shorter step is solved sooner, and needs nothing held: only where such ones do not end either.
+ */
+static bool is_short(const struct trial *trial)
+{
+	const struct rb_solver *solver = trial->solver;
+
+	return !solver->before || !solver->divides || hold_parts * solver->h_s <= solver->whole_s;
+}
+
 static bool is_narrow(const struct trial *trial)
 {
 	return !trial->sweeper->wide;
@@ -696,7 +708,7 @@ static const struct strategy {
 	{NULL, sweeps_to_the_tolerance},
 	{NULL, factors_after_stalling},
 	{is_large, normals_and_friction_in_turns},
-	{NULL, held_friction},
+	{is_short, held_friction},
 	{is_narrow, sweeps_to_the_limit},
 };
 enum { STRATEGIES = sizeof strategies / sizeof *strategies, CLOSE_STRATEGIES = 2 };

@@ -48,6 +48,10 @@ for scene in arch "heap --param balls=20" "hopper --param n=40 --param seconds=1
 	awk -v a="$by_default" -v b="$cost" 'BEGIN { exit !(a < b) }' || fail "$scene: $by_default row sweeps, at a ppm $cost"
 done
 
+# what sweeps do not end is taken by shorter steps: nothing is held
+exits 0 "$TOP/scenes/hopper.lua" --param n=300 --param seconds=1.2 --no-record --no-render --json
+[ "$(value held_slip)" = 0 ] || fail "friction is held: $(value held_slip) m"
+
 # one scene, two statements; what is given holds for all frames
 exits 0 check "$TOP/scenes/pyramid.lua"
 says out 'tolerance  *[0-9.e-]* m until the first step, then [0-9.e-]* m$'
