@@ -131,11 +131,9 @@ static int max_of(const struct rb_sweeper *sweeper)
 	return sweeper->many.central ? CENTRAL_MAX : WIDE_MAX;
 }
 
-static bool sweep_more(const struct rb_solver *solver, struct rb_sweeper *sweeper,
-                       struct rb_island *island, double tolerance, int max)
+static bool end_sweeps(const struct rb_solver *solver, struct rb_sweeper *sweeper,
+                       struct rb_island *island, double tolerance, struct rb_sweep_result result)
 {
-	const struct rb_sweep_result result = rb_sweeper_run(sweeper, tolerance, max);
-
 	island->sweeps += result.sweeps;
 	island->residual = result.residual;
 	if (rb_sweeper_went_far(sweeper)) {
@@ -143,6 +141,13 @@ static bool sweep_more(const struct rb_solver *solver, struct rb_sweeper *sweepe
 		apply_again(solver, island, sweeper->dense);
 	}
 	return result.residual <= tolerance;
+}
+
+static bool sweep_more(const struct rb_solver *solver, struct rb_sweeper *sweeper,
+                       struct rb_island *island, double tolerance, int max)
+{
+	return end_sweeps(solver, sweeper, island, tolerance,
+	                  rb_sweeper_run(sweeper, tolerance, max));
 }
 
 /*
@@ -632,9 +637,7 @@ static bool is_large(const struct trial *trial)
 	       trial->island->row_count >= RB_STRATEGY_LARGE_ROWS;
 }
 
-/*
- * A shorter step is solved sooner, and needs nothing held: only where such ones do not end either.
- */
+/* Shorter steps are solved sooner, and need nothing held. */
 static bool is_short(const struct trial *trial)
 {
 	const struct rb_solver *solver = trial->solver;
@@ -667,8 +670,10 @@ static bool sweeps_to_the_aim(const struct trial *trial)
 /* The last digit costs as much as all before: the whole tolerance will do, as the verdict sees. */
 static bool sweeps_to_the_tolerance(const struct trial *trial)
 {
-	return sweep_more(trial->solver, trial->sweeper, trial->island,
-	                  trial->solver->tolerance / sweep_share, max_of(trial->sweeper));
+	const double tolerance = trial->solver->tolerance / sweep_share;
+
+	return end_sweeps(trial->solver, trial->sweeper, trial->island, tolerance,
+	                  rb_sweeper_go_on(trial->sweeper, tolerance, max_of(trial->sweeper)));
 }
 
 static bool factors_after_stalling(const struct trial *trial)

@@ -235,10 +235,17 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double tolerance, int max)
 {
 	if (sweeper->wide)
-		return rb_wide_solve(&sweeper->many, tolerance, max, false);
+		return rb_wide_solve(&sweeper->many, tolerance, max, RB_WIDE_FRESH);
 	sweeper->one.tolerance = tolerance;
 	sweeper->one.max = max;
 	return rb_sweep_solve(&sweeper->one);
+}
+
+struct rb_sweep_result rb_sweeper_go_on(struct rb_sweeper *sweeper, double tolerance, int max)
+{
+	if (sweeper->wide)
+		return rb_wide_solve(&sweeper->many, tolerance, max, RB_WIDE_GOES_ON);
+	return rb_sweeper_run(sweeper, tolerance, max);
 }
 
 bool rb_sweeper_went_far(const struct rb_sweeper *sweeper)
@@ -253,5 +260,5 @@ bool rb_sweeper_went_far(const struct rb_sweeper *sweeper)
 
 struct rb_sweep_result rb_sweeper_hold(struct rb_sweeper *sweeper, double tolerance, int max)
 {
-	return rb_wide_solve(&sweeper->many, tolerance, max, true);
+	return rb_wide_solve(&sweeper->many, tolerance, max, RB_WIDE_HOLDS);
 }

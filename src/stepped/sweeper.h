@@ -35,6 +35,8 @@ struct rb_sweeper {
 bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena);
 
 struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double tolerance, int max);
+/* From where that has ended, nothing having changed: wide ones keep the way that they go. */
+struct rb_sweep_result rb_sweeper_go_on(struct rb_sweeper *sweeper, double tolerance, int max);
 /*
  * Velocities have rounding beyond that of the impulses: to be made of these anew. Never of wide
  * ones.

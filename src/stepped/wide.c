@@ -686,15 +686,17 @@ bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
 }
 
 struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double tolerance, int max,
-                                     bool holds)
+                                     enum rb_wide_start start)
 {
 	struct rb_sweep_result result = {0};
+	const bool gathered = start == RB_WIDE_GOES_ON;
 	int same = 0;
 	double lead = lead_first, least = (double)INFINITY, before = (double)INFINITY;
 
-	run_all(wide, holds ? LOAD_HELD : LOAD, 0);
+	if (!gathered)
+		run_all(wide, start == RB_WIDE_HOLDS ? LOAD_HELD : LOAD, 0);
 	while (result.sweeps < max) {
-		result.residual = sweep_all(wide, result.sweeps > 0 ? lead : 0);
+		result.residual = sweep_all(wide, result.sweeps > 0 || gathered ? lead : 0);
 		result.sweeps++;
 		if (result.residual <= tolerance ||
 		    rb_interrupt_after(wide->interrupt,

@@ -49,10 +49,12 @@ size_t rb_wide_row_bytes(bool central, bool tensors);
 bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena);
 
 /*
- * From the impulses that the rows have, which the bodies feel already. `holds`: what acts across
- * the normals stays as it is, and no normal impulse falls below what holds it within the cone.
+ * From the impulses that the rows have, which the bodies feel already. GOES_ON: as the call before
+ * has left them, with the way that it has gathered. HOLDS: what acts across the normals stays as it
+ * is, and no normal impulse falls below what holds it within the cone.
  */
+enum rb_wide_start { RB_WIDE_FRESH, RB_WIDE_GOES_ON, RB_WIDE_HOLDS };
 struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double tolerance, int max,
-                                     bool holds);
+                                     enum rb_wide_start start);
 
 #endif
