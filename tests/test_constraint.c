@@ -255,6 +255,33 @@ static void a_ball_joint_of_any_bodies_comes_to_its_target_at_once(void **state)
 	}
 }
 
+/* In closed form as by their tensors, which say the same. */
+static void bodies_of_one_moment_give_way_as_their_tensors_say(void **state)
+{
+	(void)state;
+	for (int k = 0; k < 64; k++) {
+		static struct machine m;
+		struct rb_constraint *const row = &m.row[0];
+		const double angle = 0.37 * k;
+		const rb_vec3 n = rb_vec3_unit((rb_vec3){cos(angle), sin(2 * angle), 0.3},
+		                               (rb_vec3){0, 0, 0});
+
+		open_machine(&m, 2);
+		m.place[1] = (rb_vec3){1, 0.5, 0.2};
+		add_ball_joint(&m, 0, 1, (rb_vec3){0.4, sin(angle), cos(3 * angle)});
+		m.body[1].inverse_inertia = k % 3; /* 0: does not turn */
+		row->normal = n;
+		rb_effective_mass_fill(&m.rows.bodies, row);
+		const rb_mat3 all = rb_effective_mass_of(&m.rows.bodies, row,
+		                                         rb_effective_mass_world);
+		const double along = rb_vec3_dot(n, rb_mat3_apply(&all, n));
+		const double across = rb_effective_mass_tangent(&all, n);
+
+		assert_near(row->inverse_mass_n, along, 1e-13 * along);
+		assert_near(row->inverse_mass_t, across, 1e-13 * across);
+	}
+}
+
 /* A motor on a static axle: the spin asked for, or what its greatest impulse makes. */
 static void a_motor_reaches_its_speed_or_its_bound(void **state)
 {
@@ -574,6 +601,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_ball_joint_carries_a_blow_on_as_its_effective_mass_says),
 		cmocka_unit_test(a_ball_joint_of_any_bodies_comes_to_its_target_at_once),
+		cmocka_unit_test(bodies_of_one_moment_give_way_as_their_tensors_say),
 		cmocka_unit_test(a_motor_reaches_its_speed_or_its_bound),
 		cmocka_unit_test(friction_of_a_joint_stops_or_slows),
 		cmocka_unit_test(a_limit_acts_on_one_side_only),

@@ -65,7 +65,7 @@ rb_mat3 rb_effective_mass_of(const struct rb_solver_bodies *bodies, const struct
 	return k;
 }
 
-/* Of K along three axes, what rows are solved with. */
+/* Of K along the normal and across it, what rows are solved with. */
 struct entries {
 	double nn, xx, yy, xy;
 };
@@ -91,6 +91,31 @@ static void add_entries(const struct rb_solver_bodies *bodies, int i, rb_vec3 ar
 	k->xy += rb_vec3_dot(lever[1], spin[2]);
 }
 
+/*
+ * Of inertias that are multiples of one: J (r^2 1 - r r^T) turns, so that along n only J |n x r|^2
+ * counts, and across it J (r.n)^2 in every direction and J |n x r|^2 more in that of n x r.
+ */
+static void fill_of_multiples(const struct rb_solver_bodies *bodies, struct rb_constraint *row)
+{
+	const struct rb_solver_body *a = &bodies->body[row->a], *b = &bodies->body[row->b];
+	const rb_vec3 n = row->normal;
+	const rb_vec3 p = rb_vec3_cross(n, row->arm_a), q = rb_vec3_cross(n, row->arm_b);
+	const double along_a = rb_vec3_dot(n, row->arm_a), along_b = rb_vec3_dot(n, row->arm_b);
+	const double masses = a->inverse_mass + b->inverse_mass;
+	const double pp = a->inverse_inertia * rb_vec3_dot(p, p);
+	const double qq = b->inverse_inertia * rb_vec3_dot(q, q), pq = rb_vec3_dot(p, q);
+	const double all_ways = masses + a->inverse_inertia * along_a * along_a +
+	                        b->inverse_inertia * along_b * along_b;
+	const double off = pp - qq;
+
+	row->inverse_mass_n = masses + pp + qq;
+	/* the larger eigenvalue of J_a p p^T + J_b q q^T */
+	row->inverse_mass_t = all_ways +
+	                      0.5 * (pp + qq +
+	                             sqrt(off * off +
+	                                  4 * a->inverse_inertia * b->inverse_inertia * pq * pq));
+}
+
 void rb_effective_mass_fill(const struct rb_solver_bodies *bodies, struct rb_constraint *row)
 {
 	const struct rb_solver_body *a = &bodies->body[row->a], *b = &bodies->body[row->b];
@@ -100,6 +125,10 @@ void rb_effective_mass_fill(const struct rb_solver_bodies *bodies, struct rb_con
 		row->inverse_mass_t = row->inverse_mass_n +
 		                      a->inverse_inertia * row->arm_a.x * row->arm_a.x +
 		                      b->inverse_inertia * row->arm_b.x * row->arm_b.x;
+		return;
+	}
+	if (!row->couple && !isnan(a->inverse_inertia) && !isnan(b->inverse_inertia)) {
+		fill_of_multiples(bodies, row);
 		return;
 	}
 	const rb_vec3 x = rb_vec3_across(row->normal);
