@@ -5,6 +5,7 @@
 #include "geom/boxes.h"
 #include "geom/patch.h"
 #include "geom/separation.h"
+#include "stepped/beside.h"
 
 static const double noise_ulp = 4;
 
@@ -198,6 +199,38 @@ static void the_order_of_the_boxes_changes_the_sign_of_the_normal_only(void **sl
 		shapes_release(&s[i]);
 }
 
+/* By the search over all faces, which knows no closed form; far from where rounding decides. */
+static void a_face_between_boxes_is_seen_in_closed_form_too(void **slot)
+{
+	(void)slot;
+	shape s[2] = {shapes_box(0.5, 0.3, 0.8), shapes_box(0.4, 0.4, 0.4)};
+	const double gaps[3] = {-0.1, -1e-3, 1e-2}, tolerances[3] = {1e-6, 2e-3, 1e-2};
+	int found[2] = {0};
+
+	for (uint64_t k = 0; k < TRIES; k++) {
+		const rb_placed a = {&s[0].core, {0, 0, 0}, shapes_turn(24, k)};
+		const rb_placed b = beside(&a, &s[1], k, gaps[k % 3]);
+		const rb_vec3 normal = rb_separation_of(&a, &b).normal;
+		plain copy[2];
+		const rb_placed pa = plain_of(&copy[0], &a), pb = plain_of(&copy[1], &b);
+
+		for (int t = 0; t < 3; t++) {
+			const bool has = rb_beside_has_face(&a, &b, normal, tolerances[t]);
+
+			found[has]++;
+			assert_int_equal(has, rb_beside_has_face(&pa, &pb, normal, tolerances[t]));
+		}
+		/* its own face has nothing across it */
+		const rb_vec3 own = rb_placed_face_normal(&a, 0);
+		const rb_placed above = {&s[1].core, rb_vec3_scale(2, own), a.turn};
+
+		assert_false(rb_beside_has_face(&a, &above, own, 1e-6));
+	}
+	assert_true(found[0] > 100 && found[1] > 100);
+	for (int i = 0; i < 2; i++)
+		shapes_release(&s[i]);
+}
+
 static void what_is_not_sure_is_left_to_the_search(void **slot)
 {
 	(void)slot;
@@ -228,6 +261,7 @@ int main(void)
 		cmocka_unit_test(edges_that_are_parallel_to_rounding_prove_nothing),
 		cmocka_unit_test(patches_are_those_of_any_polytope),
 		cmocka_unit_test(the_order_of_the_boxes_changes_the_sign_of_the_normal_only),
+		cmocka_unit_test(a_face_between_boxes_is_seen_in_closed_form_too),
 		cmocka_unit_test(what_is_not_sure_is_left_to_the_search),
 	};
 

@@ -13,7 +13,13 @@
  */
 #include "stepped/beside.h"
 
+#include <float.h>
+
+#include "geom/boxes.h"
 #include "geom/patch_overlap.h"
+
+/* As geom/boxes has it: a normal that is that of a face, to rounding, has nothing across. */
+static const double parallel = 16 * DBL_EPSILON;
 
 /* Both parts, seen from the origin of the first. */
 struct parts {
@@ -112,9 +118,6 @@ static bool parts_them(const struct rb_beside *beside, const struct parts *parts
                        rb_vec3 n, bool of_a)
 {
 	const double gap = gap_along(parts, n);
-
-	if (!(gap >= -beside->tolerance))
-		return false;
 	const struct rb_beside_motion *const motion = beside->held || gap <= beside->tolerance
 	                                                      ? &beside->before
 	                                                      : &beside->forced;
@@ -140,30 +143,111 @@ static bool is_aside(const struct rb_beside *beside, const struct parts *parts, 
 	       (closes && misses(parts, m, beside->tolerance));
 }
 
+static struct parts parts_of(const rb_placed *a, const rb_placed *b)
+{
+	return (struct parts){{a->core, {0, 0, 0}, a->turn},
+	                      {b->core, rb_vec3_sub(b->at, a->at), b->turn},
+	                      a->core->radius + b->core->radius};
+}
+
+/* Faces that may be between parts. */
+struct faces {
+	const struct parts *parts;
+	rb_vec3 normal;   /* along which the parts come near: its own face has nothing across */
+	double tolerance; /* m */
+	bool boxes;
+	rb_box_pair pair; /* of boxes */
+	double noise;     /* m: of what it proves */
+	int of, face;     /* the next one: of a, of b */
+};
+
+static struct faces faces_of(const struct parts *parts, rb_vec3 normal, double tolerance)
+{
+	struct faces faces;
+
+	faces.parts = parts;
+	faces.normal = normal;
+	faces.tolerance = tolerance;
+	faces.boxes = rb_box_is(&parts->a) && rb_box_is(&parts->b);
+	faces.of = faces.face = 0;
+	if (!faces.boxes)
+		return faces;
+	faces.pair = rb_box_pair_of(&parts->a, &parts->b);
+	faces.noise = parallel * (parts->a.core->reach + parts->b.core->reach +
+	                          rb_vec3_length(parts->b.at) + parts->radii);
+	return faces;
+}
+
+/* Of boxes what a face proves is known, to rounding: most of them prove nothing. */
+static bool proves_nothing(const struct faces *faces)
+{
+	const struct parts *const parts = faces->parts;
+	const rb_box_pair *const pair = &faces->pair;
+
+	if (!faces->boxes)
+		return false;
+	const rb_core *const core = faces->of == 0 ? parts->a.core : parts->b.core;
+	const rb_vec3 n = core->polytope->faces[faces->face].normal;
+	const int k = fabs(n.x) > 0.5 ? 0 : fabs(n.y) > 0.5 ? 1 : 2;
+	const double sense = n.x + n.y + n.z > 0 ? 1 : -1;
+	const double way = faces->of == 0 ? sense * pair->from_a[k] : -sense * pair->from_b[k];
+	const double gap = pair->face[3 * faces->of + k] + 2 * fmin(way, 0) - parts->radii;
+
+	return gap < -faces->tolerance - faces->noise;
+}
+
+/* The next face that keeps the parts apart now; m its normal, from a to b. */
+static bool next_face(struct faces *faces, rb_vec3 *m, bool *of_a)
+{
+	for (; faces->of < 2; faces->of++, faces->face = 0) {
+		const rb_placed *const owner = faces->of == 0 ? &faces->parts->a : &faces->parts->b;
+
+		while (faces->face < rb_core_face_count(owner->core)) {
+			const bool nothing = proves_nothing(faces);
+			const int f = faces->face++;
+
+			if (nothing)
+				continue;
+			*m = rb_vec3_scale(faces->of == 0 ? 1 : -1,
+			                   rb_placed_face_normal(owner, f));
+			*of_a = faces->of == 0;
+			if (rb_vec3_max_abs(rb_vec3_cross(*m, faces->normal)) > parallel &&
+			    gap_along(faces->parts, *m) >= -faces->tolerance)
+				return true;
+		}
+	}
+	return false;
+}
+
+bool rb_beside_has_face(const rb_placed *a, const rb_placed *b, rb_vec3 normal, double tolerance)
+{
+	if (a->core->kind == RB_CORE_HALF_SPACE || b->core->kind == RB_CORE_HALF_SPACE)
+		return false;
+	const struct parts parts = parts_of(a, b);
+	struct faces faces = faces_of(&parts, normal, tolerance);
+	rb_vec3 m;
+	bool of_a;
+
+	return next_face(&faces, &m, &of_a);
+}
+
 bool rb_beside(const struct rb_beside *beside, const rb_placed *a, const rb_placed *b,
                const rb_manifold *manifold)
 {
 	const rb_vec3 n = manifold->normal;
-	const struct parts parts = {{a->core, {0, 0, 0}, a->turn},
-	                            {b->core, rb_vec3_sub(b->at, a->at), b->turn},
-	                            a->core->radius + b->core->radius};
+	const struct parts parts = parts_of(a, b);
+	rb_vec3 m;
+	bool of_a;
 
 	if (a->core->kind == RB_CORE_HALF_SPACE || b->core->kind == RB_CORE_HALF_SPACE ||
 	    !(gap_behind(&parts, n, &beside->forced) < 0))
 		return false;
 	const bool closes = gap_behind(&parts, n, &beside->before) < 0;
+	struct faces faces = faces_of(&parts, n, beside->tolerance);
 
-	for (int k = 0; k < 2; k++) {
-		const rb_placed *const owner = k ? &parts.b : &parts.a;
-
-		for (int f = 0; f < rb_core_face_count(owner->core); f++) {
-			const rb_vec3 m = rb_vec3_scale(k ? -1 : 1,
-			                                rb_placed_face_normal(owner, f));
-
-			if (parts_them(beside, &parts, n, m, !k) &&
-			    is_aside(beside, &parts, n, m, closes))
-				return true;
-		}
-	}
+	while (next_face(&faces, &m, &of_a))
+		if (parts_them(beside, &parts, n, m, of_a) &&
+		    is_aside(beside, &parts, n, m, closes))
+			return true;
 	return false;
 }

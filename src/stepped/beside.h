@@ -30,6 +30,12 @@ struct rb_beside {
 bool rb_beside_may(const rb_manifold *manifold, double band, double tolerance);
 
 /*
+ * Whether some face is between a and b, now, other than one whose normal is theirs: else they are
+ * not beside each other, whatever way they go.
+ */
+bool rb_beside_has_face(const rb_placed *a, const rb_placed *b, rb_vec3 normal, double tolerance);
+
+/*
  * Whether such a manifold, of a and b along its normal, is none of this step: a face of one keeps
  * them apart, over which the other does not lie.
  */

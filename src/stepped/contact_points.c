@@ -516,6 +516,9 @@ static bool passes(const struct inspection *inspection, struct rb_pair pair, con
 	const struct rb_state *const before = inspection->max < HUGE_VAL ? &world->state
 	                                                                 : &world->mark;
 
+	/* of most there is none, and their motions need not be known */
+	if (!rb_beside_has_face(a, b, manifold->normal, world->model->stepped_tolerance_m))
+		return false;
 	const struct rb_beside beside = {.before = relative(inspection, before, pair, a->at),
 	                                 .forced = relative(inspection, &world->state, pair, a->at),
 	                                 .held = is_held(inspection, pair.a) &&
