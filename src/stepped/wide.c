@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/wide.h"
 
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 #if defined(__SSE2__)
@@ -86,34 +87,82 @@ struct four {
 
 #define CHOOSE(where, yes, no) ((lanes)(((where) & (mask)(yes)) | (~(where) & (mask)(no))))
 #define DOT(p, q) ((p).x * (q).x + (p).y * (q).y + (p).z * (q).z)
-ALWAYS void take(struct four *four, const struct rb_solver_body *body, const int *which)
-{
-	const struct rb_solver_body *p = &body[which[0]], *q = &body[which[1]];
-	const struct rb_solver_body *r = &body[which[2]], *s = &body[which[3]];
+#if defined(__clang__)
+#define SHUFFLE(p, q, i, j, k, l) __builtin_shufflevector(p, q, i, j, k, l)
+#else
+#define SHUFFLE(p, q, i, j, k, l) __builtin_shuffle(p, q, (mask){i, j, k, l})
+#endif
 
-	four->linear.x = (lanes){p->linear.x, q->linear.x, r->linear.x, s->linear.x};
-	four->linear.y = (lanes){p->linear.y, q->linear.y, r->linear.y, s->linear.y};
-	four->linear.z = (lanes){p->linear.z, q->linear.z, r->linear.z, s->linear.z};
-	four->angular.x = (lanes){p->angular.x, q->angular.x, r->angular.x, s->angular.x};
-	four->angular.y = (lanes){p->angular.y, q->angular.y, r->angular.y, s->angular.y};
-	four->angular.z = (lanes){p->angular.z, q->angular.z, r->angular.z, s->angular.z};
-	four->inverse_mass = (lanes){p->inverse_mass, q->inverse_mass, r->inverse_mass,
-	                             s->inverse_mass};
-	four->inverse_inertia = (lanes){p->inverse_inertia, q->inverse_inertia, r->inverse_inertia,
-	                                s->inverse_inertia};
+/* Halves of a body as they stand in it; loaded and stored whole, and turned round in registers. */
+typedef double half_body
+	__attribute__((vector_size(WIDTH * sizeof(double)), aligned(8), may_alias));
+
+_Static_assert(offsetof(struct rb_solver_body, angular) == 3 * sizeof(double) &&
+                       offsetof(struct rb_solver_body, inverse_mass) == 6 * sizeof(double) &&
+                       sizeof(struct rb_solver_body) == 2 * sizeof(half_body),
+               "a body is two halves of four numbers");
+
+/* Rows of four become columns, and the other way round. */
+ALWAYS void transpose(lanes *p, lanes *q, lanes *r, lanes *s)
+{
+	const lanes a = SHUFFLE(*p, *q, 0, 4, 2, 6), b = SHUFFLE(*p, *q, 1, 5, 3, 7);
+	const lanes c = SHUFFLE(*r, *s, 0, 4, 2, 6), d = SHUFFLE(*r, *s, 1, 5, 3, 7);
+
+	*p = SHUFFLE(a, c, 0, 1, 4, 5);
+	*q = SHUFFLE(b, d, 0, 1, 4, 5);
+	*r = SHUFFLE(a, c, 2, 3, 6, 7);
+	*s = SHUFFLE(b, d, 2, 3, 6, 7);
 }
 
-ALWAYS void give(const struct four *four, struct rb_solver_body *body, const int *which,
+ALWAYS void take(struct four *four, const struct rb_solver_body *body, const int *which)
+{
+	const half_body *const p = (const half_body *)&body[which[0]];
+	const half_body *const q = (const half_body *)&body[which[1]];
+	const half_body *const r = (const half_body *)&body[which[2]];
+	const half_body *const s = (const half_body *)&body[which[3]];
+
+	four->linear = (struct lanes3){p[0], q[0], r[0]};
+	four->angular.x = s[0];
+	transpose(&four->linear.x, &four->linear.y, &four->linear.z, &four->angular.x);
+	four->angular.y = p[1];
+	four->angular.z = q[1];
+	four->inverse_mass = r[1];
+	four->inverse_inertia = s[1];
+	transpose(&four->angular.y, &four->angular.z, &four->inverse_mass, &four->inverse_inertia);
+}
+
+ALWAYS void give_one(struct rb_solver_body *body, const lanes *first, const lanes *second)
+{
+	half_body *const half = (half_body *)body;
+
+	half[0] = *first;
+	half[1] = *second;
+}
+
+/* `four` is turned round, and of no use afterwards. */
+ALWAYS void give(struct four *four, struct rb_solver_body *body, const int *which,
                  const bool *writes)
 {
-	for (int i = 0; i < WIDTH; i++) {
-		if (!writes[i])
-			continue;
-		body[which[i]].linear = (rb_vec3){four->linear.x[i], four->linear.y[i],
-		                                  four->linear.z[i]};
-		body[which[i]].angular = (rb_vec3){four->angular.x[i], four->angular.y[i],
-		                                   four->angular.z[i]};
-	}
+	transpose(&four->linear.x, &four->linear.y, &four->linear.z, &four->angular.x);
+	transpose(&four->angular.y, &four->angular.z, &four->inverse_mass, &four->inverse_inertia);
+	if (writes[0])
+		give_one(&body[which[0]], &four->linear.x, &four->angular.y);
+	if (writes[1])
+		give_one(&body[which[1]], &four->linear.y, &four->angular.z);
+	if (writes[2])
+		give_one(&body[which[2]], &four->linear.z, &four->inverse_mass);
+	if (writes[3])
+		give_one(&body[which[3]], &four->angular.x, &four->inverse_inertia);
+}
+
+/* Whether a lane is set. */
+ALWAYS bool any(const mask *m)
+{
+#if defined(__SSE2__)
+	return _mm_movemask_epi8((__m128i){(*m)[0], (*m)[1]} | (__m128i){(*m)[2], (*m)[3]}) != 0;
+#else
+	return ((*m)[0] | (*m)[1] | (*m)[2] | (*m)[3]) != 0;
+#endif
 }
 
 ALWAYS void root(lanes *r, const lanes *x)
@@ -262,7 +311,7 @@ ALWAYS void solve_pack(struct rb_solver_body *body, struct rb_wide_pack *pack,
 	along = pack->normal_impulse + (pack->target_velocity - along) * pack->inverse_n;
 	along = CHOOSE(along > pack->least, along, pack->least);
 	const mask acts = (along > none) | (pack->normal_impulse != none);
-	if (!(acts[0] | acts[1] | acts[2] | acts[3]))
+	if (!any(&acts))
 		return;
 	more = along - pack->normal_impulse;
 	if (turn) {
@@ -275,7 +324,7 @@ ALWAYS void solve_pack(struct rb_solver_body *body, struct rb_wide_pack *pack,
 	                                  pack->friction_impulse.z - pack->inverse_t * slip.z};
 	const lanes square = DOT(friction_impulse, friction_impulse), max = pack->friction * along;
 	const mask slides = square > max * max;
-	if (slides[0] | slides[1] | slides[2] | slides[3]) {
+	if (any(&slides)) {
 		root(&ratio, &square);
 		ratio = max / ratio;
 		ratio = CHOOSE(slides, ratio, one);
@@ -322,7 +371,7 @@ ALWAYS void lead_pack(struct rb_solver_body *body, struct rb_wide_pack *pack,
 	struct four a, b;
 
 	pack->extra = extra;
-	if (!(moves[0] | moves[1] | moves[2] | moves[3]))
+	if (!any(&moves))
 		return;
 	pack->normal_impulse += along;
 	pack->friction_impulse = (struct lanes3){pack->friction_impulse.x + across.x,
