@@ -44,6 +44,8 @@ static const double hold_parts = 8;
  * more than this, stacks that ought to come to stand are kept swaying.
  */
 static const double external_share = 1e-3;
+/* The same of speeds: what tumbles is not about to stand. Of heaps, over what others may leave. */
+static const double speed_share = 1e-2, heap_share = 2;
 
 /* Velocities are what the impulses make of them. */
 static void apply_again(const struct rb_solver *solver, const struct rb_island *island,
@@ -270,7 +272,7 @@ static bool goes_along(const struct rb_solver *solver, const struct rb_island *i
 	return sticks;
 }
 
-/* m/s: what the first sweeps may leave. Spheres do not sway, nor do heaps. */
+/* m/s: what the first sweeps may leave. Spheres do not sway, nor do heaps: half the tolerance. */
 static double aim_of(const struct rb_solver *solver, const struct rb_island *island,
                      const struct rb_sweeper *sweeper)
 {
@@ -281,12 +283,10 @@ static double aim_of(const struct rb_solver *solver, const struct rb_island *isl
 		external = sqrt(rb_strategies_external(solver, member, island->member_count,
 		                                       (double)INFINITY));
 	if (external == 0)
-		return solver->tolerance;
-	/* a group faster than its forces make it in a step is solved to a share of its speed */
-	const double speed = sweeper->wide ? 0
-	                                   : sqrt(fastest(solver, island, true, (double)INFINITY));
-	return fmin(fmax(external_share * fmax(external, speed), close_share * solver->tolerance),
-	            solver->tolerance);
+		return heap_share * solver->tolerance;
+	const double speed = sqrt(fastest(solver, island, true, (double)INFINITY));
+	const double aim = fmax(external_share * external, speed_share * speed);
+	return fmin(fmax(aim, close_share * solver->tolerance), solver->tolerance);
 }
 
 /* Whether the group hardly moved when the step began, and nothing moves under it. */
