@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* src/sink/h5frames.c: what of a recording grows with its frames, read back by the library */
+/* src/sink/h5frames.c, h5rows.c: what of a recording grows with its frames, read back by the library */
 #include "h5place.h"
 #include "h5support.h"
 
 #include "sink/h5frames.h"
+#include "sink/h5rows.h"
 
 enum { BODY_COUNT = 5 };
 

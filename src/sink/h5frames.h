@@ -139,19 +139,6 @@ void rb_frames_detach(struct rb_frames *frames);
 void rb_frames_forget(struct rb_frames *frames);
 void rb_frames_attach(struct rb_h5 *h5, struct rb_frames *frames);
 
-/*
- * Copies a frame; there must be room (rb_frames_full says no). RB_ERR_BUG: a column is missing;
- * RB_ERR_MEMORY.
- */
-RB_CHECKED enum rb_status rb_frames_take(struct rb_frames *frames, const struct rb_frame *frame,
-                                         struct rb_error *err);
-void rb_frames_commit(struct rb_frames *frames); /* the pending frame too */
-
-bool rb_frames_full(const struct rb_frames *frames);     /* write before the next one is taken */
-uint64_t rb_frames_need(const struct rb_frames *frames); /* bytes that writing may take at most */
-/* Appends what is committed, `step` last. */
-void rb_frames_write(struct rb_h5 *h5, struct rb_frames *frames);
-
 /* For estimates: the datasets as long as after `count` frames, and the bytes that the rows take. */
 uint64_t rb_frames_pretend(struct rb_h5 *h5, struct rb_frames *frames, uint64_t count);
 /* The bytes of that many frames without anything around them. */

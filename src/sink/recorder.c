@@ -34,6 +34,7 @@
 #include "sink/h5frames.h"
 #include "sink/h5mark.h"
 #include "sink/h5output.h"
+#include "sink/h5rows.h"
 #include "sink/h5scales.h"
 #include "sink/h5vtk.h"
 

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Rows on their way to the file: the buffers of sink/h5frames are filled, and appended to its
+ * datasets. Owned by the thread that owns these.
+ */
+#ifndef RB_SINK_H5ROWS_H
+#define RB_SINK_H5ROWS_H
+
+#include "sink/h5frames.h"
+
+/*
+ * Copies a frame; there must be room (rb_frames_full says no). RB_ERR_BUG: a column is missing;
+ * RB_ERR_MEMORY.
+ */
+RB_CHECKED enum rb_status rb_frames_take(struct rb_frames *frames, const struct rb_frame *frame,
+                                         struct rb_error *err);
+void rb_frames_commit(struct rb_frames *frames); /* the pending frame too */
+
+bool rb_frames_full(const struct rb_frames *frames);     /* write before the next one is taken */
+uint64_t rb_frames_need(const struct rb_frames *frames); /* bytes that writing may take at most */
+/* Appends what is committed, `step` last. */
+void rb_frames_write(struct rb_h5 *h5, struct rb_frames *frames);
+
+#endif
