@@ -314,6 +314,54 @@ static void a_frame_without_its_columns_is_a_bug_of_ours(void **state)
 	close_stage(&stage);
 }
 
+/* How many rows a dataset has. */
+static hsize_t rows_of(struct stage *stage, const char *path)
+{
+	hsize_t rows;
+
+	rb_memory_free(read_all(stage, path, RB_H5_F64, &rows));
+	return rows;
+}
+
+static void bodies_are_written_before_the_numbers_of_their_frames(void **state)
+{
+	enum { MANY = 20000, FRAMES = 12 };
+	struct stage stage;
+	struct rb_error err;
+	hsize_t rows;
+
+	(void)state;
+	open_file(&stage.file);
+	fake_init(&stage.fake, MANY, 100, false);
+	stage.fake.scene.record.fields = RB_FIELD_POSITION | RB_FIELD_EVENTS;
+	rb_frames_create(&stage.file.h5, &stage.frames, &stage.fake.info, true);
+	hsize_t ahead = 0;
+	for (uint64_t k = 0; k < FRAMES; k++) {
+		assert_ok(rb_frames_take(&stage.frames, fake_frame(&stage.fake, k), &err));
+		assert_false(rb_frames_due(&stage.frames));
+		if (!rb_frames_full(&stage.frames))
+			continue;
+		rb_frames_write_bodies(&stage.file.h5, &stage.frames);
+		ahead = k + 1;
+	}
+	assert_true(ahead > 0);
+	assert_int_equal(rows_of(&stage, "/particles/bodies/position/value"), ahead);
+	assert_int_equal(rows_of(&stage, "/particles/bodies/position/step"), 0);
+	/* where the disk is full: what is written of bodies counts, with the events of those frames */
+	rb_frames_write_rest(&stage.file.h5, &stage.frames);
+	assert_int_equal(stage.file.h5.status, RB_OK);
+	assert_int_equal(rows_of(&stage, "/particles/bodies/position/value"), ahead);
+	assert_int_equal(rows_of(&stage, "/particles/bodies/position/step"), ahead);
+	uint64_t *ends = read_all(&stage, "/rbsim/frames/event_end", RB_H5_U64, &rows);
+	assert_int_equal(rows, ahead);
+	assert_int_equal(rows_of(&stage, "/rbsim/events/time"), ends[ahead - 1]);
+	rb_memory_free(ends);
+	double *cells = read_all(&stage, "/particles/bodies/position/value", RB_H5_F64, &rows);
+	assert_true(cells[((ahead - 1) * MANY + 7) * 3 + 2] == fake_value(ahead - 1, 7, 0, 2));
+	rb_memory_free(cells);
+	close_stage(&stage);
+}
+
 /* How much writing takes at most, before it is written; how much in all, before the run. */
 static void room_is_known_beforehand(void **state)
 {
@@ -379,6 +427,7 @@ int main(void)
 		cmocka_unit_test(tables_have_as_many_rows_as_their_ends_say),
 		cmocka_unit_test(a_file_that_is_there_is_gone_on_with),
 		cmocka_unit_test(a_frame_without_its_columns_is_a_bug_of_ours),
+		cmocka_unit_test(bodies_are_written_before_the_numbers_of_their_frames),
 		cmocka_unit_test(room_is_known_beforehand),
 		cmocka_unit_test(the_number_of_rows_is_known_beforehand),
 	};

@@ -264,6 +264,7 @@ static void add_source(struct rb_h5 *h5, struct rb_frames *frames,
 	}
 	struct rb_frames_column *column = add_column(h5, frames, source->path, "value", &layout);
 	column->source = source;
+	column->of_bodies = bodies;
 	rb_h5_units(h5, column->path, source->units);
 }
 
@@ -347,19 +348,20 @@ static void name_kinds(struct rb_h5 *h5)
 	rb_h5_attribute_text(h5, "/rbsim/events/kind", "kinds", text);
 }
 
-/* Takes memory for frames->capacity rows of every column. */
+/* Takes memory for as many rows of every column as are to wait. */
 static void take_buffers(struct rb_h5 *h5, struct rb_frames *frames)
 {
 	RB_ASSERT(frames->capacity > 0);
 	for (int i = 0; i < frames->column_count; i++) {
 		struct rb_frames_column *const column = &frames->columns[i];
 		/* A frame that is written before its call returns need not be copied. */
-		column->borrows = frames->capacity == 1 && frames->every == 1 && column->source &&
-		                  column->source->field != 0 &&
-		                  column->column.layout.kind == RB_H5_F64;
+		column->borrows = frames->capacity == 1 && frames->every == 1 &&
+		                  column->of_bodies && column->column.layout.kind == RB_H5_F64;
 		if (column->borrows)
 			continue;
-		column->buffer = rb_memory_take((size_t)frames->capacity, column->column.row_bytes);
+		const hsize_t rows = column->of_bodies ? frames->capacity
+		                                       : frames->numbers_capacity;
+		column->buffer = rb_memory_take((size_t)rows, column->column.row_bytes);
 		if (!column->buffer && !h5->status)
 			h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY,
 			                     "cannot buffer %d bodies: out of memory",
@@ -373,8 +375,12 @@ void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct r
 	const struct cut cut = plan_cut(info);
 	const struct rb_model *const model = info->model;
 
-	*frames = (struct rb_frames){
-		.model = model, .fields = stored_fields(info), .capacity = cut.capacity};
+	*frames = (struct rb_frames){.model = model,
+	                             .fields = stored_fields(info),
+	                             .capacity = cut.capacity,
+	                             .numbers_capacity = cut.numbers_rows > cut.capacity
+	                                                         ? cut.numbers_rows
+	                                                         : cut.capacity};
 	frames->every = info->scene->record.every > 1 ? (uint64_t)info->scene->record.every : 1;
 	if (model->body_count == 0)
 		frames->fields &= ~(unsigned)(RB_FIELD_DEFAULT | RB_FIELD_LOADS);
@@ -480,7 +486,7 @@ void rb_frames_go_on(struct rb_h5 *h5, struct rb_frames *frames, hsize_t rows, u
 		frames->there = column->there < frames->there ? column->there : frames->there;
 		column->rows = rows;
 	}
-	frames->written = rows;
+	frames->written = frames->bodies_written = rows;
 	good = good && go_on_table(&frames->events, frames->event_end, rows) &&
 	       go_on_table(&frames->contacts, frames->contact_end, rows);
 	if (good && rows > 0)
@@ -571,6 +577,6 @@ uint64_t rb_frames_pretend(struct rb_h5 *h5, struct rb_frames *frames, uint64_t 
 		rb_h5_column_extend(h5, &frames->columns[i].column, count);
 		bytes += rb_h5_column_bytes(&frames->columns[i].column, count);
 	}
-	frames->written = count;
+	frames->written = frames->bodies_written = count;
 	return bytes;
 }

@@ -6,7 +6,9 @@
  * A frame is copied into the next row of every buffer; it counts once it is committed. One that
  * `every` leaves out stays there uncommitted, to be overwritten by the next one or, when it was the
  * last, committed after all. Owned by one thread. Buffers are taken once; those of events and
- * contacts grow.
+ * contacts grow. Those of bodies and joints hold few frames, for their size; they are written
+ * whenever they are full, and all the rest, which a call to the library for each column costs more
+ * than its bytes, only when the file is to be flushed.
  */
 #ifndef RB_SINK_H5FRAMES_H
 #define RB_SINK_H5FRAMES_H
@@ -71,7 +73,8 @@ struct rb_frames_column {
 		*source; /* NULL: step, time and ends, which are no part of a frame's columns */
 	bool of_probe;   /* the `probe`-th number of a frame's probes; it has no source */
 	int probe;
-	unsigned char *buffer; /* owned, [capacity] rows; NULL: none is needed */
+	bool of_bodies;        /* or joints */
+	unsigned char *buffer; /* owned, rows of its capacity; NULL: none is needed */
 	bool borrows;          /* rows are written from the frame itself */
 	const double
 		*borrowed; /* valid until rb_frames_write, which follows at once (rb_frames_full) */
@@ -102,10 +105,13 @@ struct rb_frames {
 		*step; /* in columns; step is the last. NULL: there was no memory */
 	struct rb_frames_table events, contacts;
 
-	hsize_t capacity;              /* rows that the buffers hold */
-	hsize_t written;               /* frames in the file */
-	hsize_t there;                 /* frames that it had when it was opened again */
-	hsize_t count;                 /* committed frames in the buffers */
+	/* rows that the buffers of bodies and joints hold, and those of all else */
+	hsize_t capacity, numbers_capacity;
+	hsize_t written;        /* frames in the file */
+	hsize_t there;          /* frames that it had when it was opened again */
+	hsize_t count;          /* committed frames in the buffers */
+	hsize_t bodies_written; /* of bodies and joints: these go ahead of the rest */
+	hsize_t bodies_count;
 	bool pending;                  /* one more row is filled, not committed */
 	struct rb_frame_numbers since; /* of the frames left out since the last one committed */
 	bool has_since;

@@ -9,11 +9,20 @@
 /* Rows of events and contacts that wait at most. */
 enum { TABLE_ROWS_MAX = 65536 };
 
+/* Committed rows in the buffer of a column. */
+static hsize_t waiting(const struct rb_frames *frames, const struct rb_frames_column *column)
+{
+	return column->of_bodies ? frames->bodies_count : frames->count;
+}
+
 /* The next row of a buffer. */
 static void *row_of(const struct rb_frames *frames, const struct rb_frames_column *column)
 {
-	RB_ASSERT(column->buffer && frames->count < frames->capacity);
-	return column->buffer + frames->count * column->column.row_bytes;
+	const hsize_t row = waiting(frames, column);
+
+	RB_ASSERT(column->buffer &&
+	          row < (column->of_bodies ? frames->capacity : frames->numbers_capacity));
+	return column->buffer + row * column->column.row_bytes;
 }
 
 /* Copies a column of a frame, or notes where it is (`borrows`). */
@@ -112,7 +121,8 @@ static enum rb_status keep_rows(struct rb_frames *frames, const struct rb_frame 
 enum rb_status rb_frames_take(struct rb_frames *frames, const struct rb_frame *frame,
                               struct rb_error *err)
 {
-	RB_ASSERT(frames->count < frames->capacity);
+	RB_ASSERT(frames->bodies_count < frames->capacity &&
+	          frames->count < frames->numbers_capacity);
 	join_numbers(frames, &frame->numbers);
 	enum rb_status status = keep_rows(frames, frame, err);
 
@@ -122,7 +132,7 @@ enum rb_status rb_frames_take(struct rb_frames *frames, const struct rb_frame *f
 			status = copy_probe(frames, column, frame, err);
 		if (!column->source)
 			continue;
-		if (column->source->field != 0)
+		if (column->of_bodies)
 			status = copy_bodies(frames, column, frame, err);
 		else
 			memcpy(row_of(frames, column),
@@ -152,7 +162,8 @@ void rb_frames_commit(struct rb_frames *frames)
 		return;
 	frames->pending = false;
 	frames->count++;
-	RB_ASSERT(frames->count <= frames->capacity);
+	frames->bodies_count++;
+	RB_ASSERT(frames->bodies_count <= frames->count);
 	frames->events.committed = frames->events.count;
 	frames->contacts.committed = frames->contacts.count;
 	frames->has_since = false;
@@ -161,9 +172,14 @@ void rb_frames_commit(struct rb_frames *frames)
 /* Buffers end where chunks end, whatever was written of them before their time. */
 bool rb_frames_full(const struct rb_frames *frames)
 {
-	return frames->count > 0 &&
-	       ((frames->written + frames->count) % frames->capacity == 0 ||
-	        frames->events.committed + frames->contacts.committed > TABLE_ROWS_MAX);
+	return frames->bodies_count > 0 &&
+	       (frames->bodies_written + frames->bodies_count) % frames->capacity == 0;
+}
+
+bool rb_frames_due(const struct rb_frames *frames)
+{
+	return frames->count >= frames->numbers_capacity ||
+	       frames->events.committed + frames->contacts.committed > TABLE_ROWS_MAX;
 }
 
 uint64_t rb_frames_need(const struct rb_frames *frames)
@@ -176,7 +192,8 @@ uint64_t rb_frames_need(const struct rb_frames *frames)
 		bytes += rb_h5_column_need(&frames->contacts.columns[i],
 		                           frames->contacts.committed);
 	for (int i = 0; i < frames->column_count; i++)
-		bytes += rb_h5_column_need(&frames->columns[i].column, frames->count);
+		bytes += rb_h5_column_need(&frames->columns[i].column,
+		                           waiting(frames, &frames->columns[i]));
 	return bytes;
 }
 
@@ -210,24 +227,73 @@ static void write_table(struct rb_h5 *h5, struct rb_frames_table *table)
 	table->committed = 0;
 }
 
+/*
+ * Appends so many waiting rows of all columns of bodies, or of all others in their order, and moves
+ * a frame that waits to be the last to the front.
+ */
+static void write_columns(struct rb_h5 *h5, struct rb_frames *frames, bool of_bodies, hsize_t rows)
+{
+	for (int i = 0; i < frames->column_count; i++) {
+		struct rb_frames_column *const column = &frames->columns[i];
+
+		if (column->of_bodies != of_bodies)
+			continue;
+		rb_h5_column_append(h5, &column->column, rows,
+		                    column->borrows ? (const void *)column->borrowed
+		                                    : column->buffer);
+		if (frames->pending && !h5->status)
+			memmove(column->buffer, row_of(frames, column), column->column.row_bytes);
+	}
+}
+
+void rb_frames_write_bodies(struct rb_h5 *h5, struct rb_frames *frames)
+{
+	write_columns(h5, frames, true, frames->bodies_count);
+	if (h5->status)
+		return;
+	frames->bodies_written += frames->bodies_count;
+	frames->bodies_count = 0;
+}
+
 void rb_frames_write(struct rb_h5 *h5, struct rb_frames *frames)
 {
 	write_table(h5, &frames->events);
 	write_table(h5, &frames->contacts);
+	rb_frames_write_bodies(h5, frames);
 	/* `step` stands last: a frame is there when its step is */
-	for (int i = 0; i < frames->column_count; i++) {
-		struct rb_frames_column *const column = &frames->columns[i];
-		rb_h5_column_append(h5, &column->column, frames->count,
-		                    column->borrows ? (const void *)column->borrowed
-		                                    : column->buffer);
-	}
+	write_columns(h5, frames, false, frames->count);
 	if (h5->status)
 		return;
 	frames->written += frames->count;
-	/* a frame that waits to be the last moves to the front */
-	for (int i = 0; i < frames->column_count && frames->pending; i++)
-		memmove(frames->columns[i].buffer, row_of(frames, &frames->columns[i]),
-		        frames->columns[i].column.row_bytes);
 	frames->count = 0;
-	RB_ASSERT(!frames->pending || frames->capacity > 0);
+	RB_ASSERT(frames->written == frames->bodies_written);
+}
+
+/* Of a table only the rows of the first `rows` waiting frames count from here on. */
+static void cut_table(struct rb_frames_table *table, const struct rb_frames_column *end,
+                      hsize_t rows)
+{
+	uint64_t last;
+
+	if (!table->on)
+		return;
+	memcpy(&last, end->buffer + (rows - 1) * end->column.row_bytes, sizeof last);
+	table->committed = (size_t)(last - table->rows_written);
+}
+
+void rb_frames_write_rest(struct rb_h5 *h5, struct rb_frames *frames)
+{
+	const hsize_t rows = frames->count - frames->bodies_count;
+
+	frames->pending = false;
+	if (rows > 0) {
+		cut_table(&frames->events, frames->event_end, rows);
+		cut_table(&frames->contacts, frames->contact_end, rows);
+		write_table(h5, &frames->events);
+		write_table(h5, &frames->contacts);
+		write_columns(h5, frames, false, rows);
+	}
+	if (!h5->status)
+		frames->written += rows;
+	frames->count = frames->bodies_count = 0;
 }

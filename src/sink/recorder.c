@@ -8,6 +8,8 @@
  *             the run fails
  *                here, with a file and a library that nothing has happened to
  *             2. rows are appended, `step` last      3. H5Fflush: index, lengths, end-of-file mark
+ *           where only the rows of bodies are full, these are all that is appended: they are the
+ *           bytes, and flushes cost by their number. No reader counts them before `step` does
  *           after the first flush the file gets its name
  *   close  the same, the texts that change, H5Fclose: a plain file now; then /VTKHDF is added
  *           (add_vtk)
@@ -180,22 +182,35 @@ static enum rb_status flush(struct rb_recorder *recorder, struct rb_error *err)
 	return RB_OK;
 }
 
+/* Writes what is committed by rb_frames_write or a part of that, where there is room for all. */
+static enum rb_status append(struct rb_recorder *recorder,
+                             void (*write)(struct rb_h5 *h5, struct rb_frames *frames),
+                             struct rb_error *err)
+{
+	struct rb_error error;
+	const enum rb_status status = reserve(recorder, rb_frames_need(&recorder->frames), &error);
+
+	if (status) {
+		if (err)
+			*err = error;
+		(void)note_failure(recorder, status, &error); /* before a flush: not all is held */
+		rb_frames_write_rest(&recorder->h5, &recorder->frames);
+		if (!recorder->h5.status && recorder->frames.written > 0)
+			(void)flush(recorder, NULL);
+		return status;
+	}
+	write(&recorder->h5, &recorder->frames);
+	return recorder->h5.status ? note_h5(recorder, err) : RB_OK;
+}
+
 /* Writes what is committed, so that it can be read from now on. */
 static enum rb_status write_out(struct rb_recorder *recorder, struct rb_error *err)
 {
-	struct rb_error error;
-
 	if (recorder->frames.count > 0) {
-		const enum rb_status status = reserve(recorder, rb_frames_need(&recorder->frames),
-		                                      &error);
-		if (status) {
-			if (err)
-				*err = error;
-			return note_failure(recorder, status, &error);
-		}
-		rb_frames_write(&recorder->h5, &recorder->frames);
-		if (recorder->h5.status)
-			return note_h5(recorder, err);
+		const enum rb_status status = append(recorder, rb_frames_write, err);
+
+		if (status)
+			return status;
 	}
 	return recorder->frames.written > 0 ? flush(recorder, err) : RB_OK;
 }
@@ -429,10 +444,10 @@ static enum rb_status take_frame(void *self, const struct rb_frame *frame, struc
 	const uint64_t now = rb_clock_now_ns();
 	if (recorder->oldest_ns == 0)
 		recorder->oldest_ns = now;
-	if (rb_frames_full(frames) || now - recorder->oldest_ns >= recorder->flush_ns ||
+	if (rb_frames_due(frames) || now - recorder->oldest_ns >= recorder->flush_ns ||
 	    (frames->written == 0 && frames->count > 0) || is_asked(recorder))
 		return write_out(recorder, err);
-	return RB_OK;
+	return rb_frames_full(frames) ? append(recorder, rb_frames_write_bodies, err) : RB_OK;
 }
 
 /* rb_sink.idle. */
