@@ -21,7 +21,8 @@ static void open_stage(struct stage *stage, uint64_t frames, int every, unsigned
 	fake_init(&stage->fake, BODY_COUNT, frames, true);
 	stage->fake.scene.record.every = every;
 	stage->fake.scene.record.fields = fields;
-	rb_frames_create(&stage->file.h5, &stage->frames, &stage->fake.info, true);
+	rb_frames_create(&stage->file.h5, &stage->frames, &stage->fake.info);
+	rb_frames_take_buffers(&stage->file.h5, &stage->frames, 0);
 	if (stage->file.h5.status)
 		fail_msg("%s", stage->file.h5.error.text);
 }
@@ -142,7 +143,8 @@ static void frames_come_back_row_by_row(void **state)
 	close_file(&stage.file);
 	open_file(&stage.file);
 	stage.fake.scene.record.fields = RB_FIELD_DEFAULT;
-	rb_frames_create(&stage.file.h5, &stage.frames, &stage.fake.info, true);
+	rb_frames_create(&stage.file.h5, &stage.frames, &stage.fake.info);
+	rb_frames_take_buffers(&stage.file.h5, &stage.frames, 0);
 	push(&stage, 0, 20);
 	finish(&stage);
 	check_columns(&stage, steps, 20, 0x1p-24); /* of half a unit in the last place */
@@ -254,7 +256,8 @@ static void a_file_that_is_there_is_gone_on_with(void **state)
 	finish(&stage);
 	rb_frames_release(&stage.frames);
 	stage.file.h5.there = true;
-	rb_frames_create(&stage.file.h5, &stage.frames, &stage.fake.info, true);
+	rb_frames_create(&stage.file.h5, &stage.frames, &stage.fake.info);
+	rb_frames_take_buffers(&stage.file.h5, &stage.frames, 0);
 	rb_frames_go_on(&stage.file.h5, &stage.frames, 10, 9);
 	assert_int_equal(stage.file.h5.status, RB_OK);
 	push(&stage, 10, 20);
@@ -271,7 +274,7 @@ static void a_file_that_is_there_is_gone_on_with(void **state)
 	static const uint64_t wrong[][2] = {{21, 20}, {10, 8}, {10, 10}, {1, 1}};
 	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
 		rb_frames_release(&stage.frames);
-		rb_frames_create(&stage.file.h5, &stage.frames, &stage.fake.info, false);
+		rb_frames_create(&stage.file.h5, &stage.frames, &stage.fake.info);
 		rb_frames_go_on(&stage.file.h5, &stage.frames, wrong[i][0], wrong[i][1]);
 		assert_int_equal(stage.file.h5.status, RB_ERR_INPUT);
 		assert_non_null(strstr(stage.file.h5.error.text, "does not hold the frames up to"));
@@ -280,7 +283,7 @@ static void a_file_that_is_there_is_gone_on_with(void **state)
 	rb_frames_release(&stage.frames);
 	/* other columns than those of this run */
 	stage.fake.scene.record.single_precision = true;
-	rb_frames_create(&stage.file.h5, &stage.frames, &stage.fake.info, false);
+	rb_frames_create(&stage.file.h5, &stage.frames, &stage.fake.info);
 	assert_int_equal(stage.file.h5.status, RB_ERR_INPUT);
 	stage.file.h5.status = RB_OK;
 	close_stage(&stage);
@@ -305,7 +308,8 @@ static void a_frame_without_its_columns_is_a_bug_of_ours(void **state)
 	/* what cannot turn has no orientation to be recorded */
 	open_file(&stage.file);
 	fake_init(&stage.fake, BODY_COUNT, 10, false);
-	rb_frames_create(&stage.file.h5, &stage.frames, &stage.fake.info, true);
+	rb_frames_create(&stage.file.h5, &stage.frames, &stage.fake.info);
+	rb_frames_take_buffers(&stage.file.h5, &stage.frames, 0);
 	assert_int_equal(stage.frames.fields & RB_FIELD_ORIENTATION, 0);
 	push(&stage, 0, 10);
 	finish(&stage);
@@ -334,7 +338,8 @@ static void bodies_are_written_before_the_numbers_of_their_frames(void **state)
 	open_file(&stage.file);
 	fake_init(&stage.fake, MANY, 100, false);
 	stage.fake.scene.record.fields = RB_FIELD_POSITION | RB_FIELD_EVENTS;
-	rb_frames_create(&stage.file.h5, &stage.frames, &stage.fake.info, true);
+	rb_frames_create(&stage.file.h5, &stage.frames, &stage.fake.info);
+	rb_frames_take_buffers(&stage.file.h5, &stage.frames, 0);
 	hsize_t ahead = 0;
 	for (uint64_t k = 0; k < FRAMES; k++) {
 		assert_ok(rb_frames_take(&stage.frames, fake_frame(&stage.fake, k), &err));

@@ -602,9 +602,9 @@ static void a_full_disk_ends_the_run_with_all_before_it_readable(void **slot)
 	if (child == 0) {
 		struct fake fake;
 		struct rb_error err;
-		/* a disk of four megabytes that only this process sees */
+		/* a disk of sixteen megabytes that only this process sees */
 		if (unshare(CLONE_NEWNS) || mount("none", "/", NULL, MS_REC | MS_PRIVATE, NULL) ||
-		    mount("small", mount_point, "tmpfs", 0, "size=4m"))
+		    mount("small", mount_point, "tmpfs", 0, "size=16m"))
 			_exit(77);
 		fake_init(&fake, 100, 100000, true);
 		if (fake_open(&fake, path, false, &err))

@@ -65,15 +65,15 @@ static void a_frame_has_no_column_that_the_scene_cannot_change_or_nobody_wants(v
 
 static void slots_follow_the_bytes_of_a_frame(void **state)
 {
-	const struct rb_model small = model_of(1, 0), medium = model_of(40000, RB_FEATURE_ROTATION),
+	const struct rb_model small = model_of(1, 0), medium = model_of(10000, RB_FEATURE_ROTATION),
 			      large = model_of(10000000, RB_FEATURE_ROTATION);
 	const int slots = rb_ring_slots_for(&medium, RB_FIELD_DEFAULT);
 
 	(void)state;
 	assert_int_equal(rb_ring_slots_for(&small, RB_FIELD_DEFAULT), RB_RING_SLOTS_MAX);
 	assert_int_equal(rb_ring_slots_for(&large, RB_FIELD_DEFAULT), RB_RING_SLOTS_MIN);
-	assert_true((size_t)slots * rb_frame_bytes(&medium, RB_FIELD_DEFAULT) <= 64u << 20);
-	assert_true((size_t)(slots + 1) * rb_frame_bytes(&medium, RB_FIELD_DEFAULT) > 64u << 20);
+	assert_true((size_t)slots * rb_frame_bytes(&medium, RB_FIELD_DEFAULT) <= 16u << 20);
+	assert_true((size_t)(slots + 1) * rb_frame_bytes(&medium, RB_FIELD_DEFAULT) > 16u << 20);
 }
 
 /* A consumer on a thread of its own that notes what it sees. */
@@ -243,6 +243,45 @@ static void a_closed_ring_is_read_to_its_end(void **state)
 	rb_ring_destroy(ring);
 }
 
+/* Frames that a consumer has not given back stay as they are, and lie one after another. */
+static void a_consumer_may_keep_half_of_the_slots(void **state)
+{
+	enum { SLOTS = 6, BODIES = 3, ROUNDS = 20 };
+	const struct rb_model model = model_of(BODIES, 0);
+	struct rb_ring *ring = ring_of(&model, SLOTS);
+	const struct rb_frame *kept[SLOTS / 2];
+	int consumer, slots, most = rb_ring_keep_most(ring);
+	uint64_t made = 0;
+
+	(void)state;
+	assert_int_equal(most, SLOTS / 2);
+	assert_int_equal(rb_ring_add_consumer(ring, true, &consumer, NULL), RB_OK);
+	for (int round = 0; round < ROUNDS; round++) {
+		while (rb_ring_used(ring, &slots) < SLOTS) {
+			struct rb_frame *const frame = rb_ring_acquire(ring);
+
+			frame->index = made++;
+			for (int i = 0; i < 3 * BODIES; i++)
+				frame->velocity[i] = (double)frame->index;
+			rb_ring_publish(ring);
+		}
+		for (int k = 0; k < most; k++)
+			assert_int_equal(rb_ring_wait(ring, consumer, 0, &kept[k]), RB_RING_FRAME);
+		for (int k = 0; k < most; k++) {
+			const uint64_t index = (uint64_t)round * (uint64_t)most + (uint64_t)k;
+
+			assert_int_equal(kept[k]->index, index);
+			assert_true(kept[k]->velocity[3 * BODIES - 1] == (double)index);
+			if (index % SLOTS != 0 && k > 0)
+				assert_true(kept[k]->velocity ==
+				            kept[k - 1]->velocity + 3 * (size_t)BODIES);
+		}
+		for (int k = 0; k < most; k++)
+			rb_ring_give_back(ring, consumer);
+	}
+	rb_ring_destroy(ring);
+}
+
 static void *abort_later(void *ring)
 {
 	sleep_ms(50);
@@ -351,6 +390,7 @@ int main(void)
 		cmocka_unit_test(a_viewer_takes_the_newest_and_never_holds_the_producer_back),
 		cmocka_unit_test(viewers_and_a_recorder_read_whole_frames_side_by_side),
 		cmocka_unit_test(a_closed_ring_is_read_to_its_end),
+		cmocka_unit_test(a_consumer_may_keep_half_of_the_slots),
 		cmocka_unit_test(an_abort_wakes_a_producer_that_waits),
 		cmocka_unit_test(nobody_waits_for_a_consumer_that_has_detached),
 		cmocka_unit_test(no_allocation_is_made_once_the_ring_stands),

@@ -41,6 +41,13 @@ struct rb_sink {
 	/* Nothing arrived for a while (about a quarter of a second): flush. May be NULL. */
 	enum rb_status (*idle)(void *self, struct rb_error *err);
 	enum rb_status (*close)(void *self, const struct rb_outcome *outcome, struct rb_error *err);
+	/*
+	 * Both NULL: a frame is read before `frame` returns. Else may_keep is called before `open`,
+	 * and of the frames that came the last `kept` are left as they are, `most` at most, until
+	 * it says fewer.
+	 */
+	void (*may_keep)(void *self, int most);
+	int (*kept)(void *self);
 };
 
 #ifdef __cplusplus

@@ -266,6 +266,20 @@ static enum rb_status close_recording(void *self, const struct rb_outcome *outco
 	return run->sink.close(run->sink.self, outcome, err);
 }
 
+static void keep_for_recording(void *self, int most)
+{
+	struct run *const run = self;
+
+	run->sink.may_keep(run->sink.self, most);
+}
+
+static int kept_for_recording(void *self)
+{
+	const struct run *const run = self;
+
+	return run->sink.kept(run->sink.self);
+}
+
 static enum rb_status start_recording(struct run *run, struct rb_error *err)
 {
 	struct rb_sink sink = run->sink;
@@ -275,6 +289,8 @@ static enum rb_status start_recording(struct run *run, struct rb_error *err)
 	sink.frame = record;
 	sink.idle = flush_recording;
 	sink.close = close_recording;
+	sink.may_keep = keep_for_recording;
+	sink.kept = kept_for_recording;
 	return rb_pump_start(&run->pump, run->ring, run->films ? &sink : &run->sink, &run->outcome,
 	                     err);
 }

@@ -6,6 +6,8 @@
  */
 #include "flow/frame.h"
 
+#include <string.h>
+
 #include "base/error.h"
 #include "base/memory.h"
 #include "model/joints.h"
@@ -148,6 +150,59 @@ void rb_frame_release(struct rb_frame *frame)
 	rb_memory_free(frame->contacts);
 	rb_memory_free(frame->shots);
 	*frame = (struct rb_frame){0};
+}
+
+enum rb_status rb_frame_init_all(struct rb_frame *frames, int count, const struct rb_model *model,
+                                 unsigned fields, struct rb_error *err)
+{
+	const unsigned wanted = rb_frame_fields(model, fields);
+	const size_t bodies = (size_t)model->body_count;
+	unsigned of_bodies = 0;
+	bool failed = false;
+
+	RB_ASSERT(count > 0);
+	memset(frames, 0, (size_t)count * sizeof *frames);
+#define X(field, name, width) of_bodies |= (field);
+	COLUMNS(X)
+#undef X
+	for (int i = 0; i < count; i++) {
+		const enum rb_status status = rb_frame_init(&frames[i], model, fields & ~of_bodies,
+		                                            err);
+		if (status) {
+			rb_frame_release_all(frames, i);
+			return status;
+		}
+	}
+#define X(field, name, width)                                                                      \
+	if (wanted & (field)) {                                                                    \
+		frames[0].name = rb_memory_take((size_t)count * bodies, (width) * sizeof(double)); \
+		failed |= !frames[0].name;                                                         \
+		for (int i = 1; i < count && frames[0].name; i++)                                  \
+			frames[i].name = frames[0].name + (size_t)i * bodies * (width);            \
+	}
+	COLUMNS(X)
+#undef X
+	if (failed) {
+		rb_frame_release_all(frames, count);
+		return RB_FAIL(err, RB_ERR_MEMORY,
+		               "cannot hold %d frames of %zu bodies: out of memory", count, bodies);
+	}
+	return RB_OK;
+}
+
+void rb_frame_release_all(struct rb_frame *frames, int count)
+{
+	for (int i = count - 1; i >= 0; i--) {
+		/* a reader may have given a frame columns of its own, which are that frame's */
+#define X(field, name, width)                                                                    \
+	if (i > 0 && frames[0].name &&                                                           \
+	    frames[i].name ==                                                                    \
+	            frames[0].name + (size_t)i * (size_t)frames[i].body_count * (size_t)(width)) \
+		frames[i].name = NULL;
+		COLUMNS(X)
+#undef X
+		rb_frame_release(&frames[i]);
+	}
 }
 
 enum rb_status rb_frame_add_shot(struct rb_frame *frame, const struct rb_frame_shot *shot,

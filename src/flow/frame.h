@@ -24,6 +24,14 @@ unsigned rb_frame_fields(const struct rb_model *model, unsigned fields);
 RB_CHECKED enum rb_status rb_frame_init(struct rb_frame *frame, const struct rb_model *model,
                                         unsigned fields, struct rb_error *err);
 void rb_frame_release(struct rb_frame *frame); /* safe on a zeroed frame */
+/*
+ * `count` frames whose columns of bodies follow one another without a gap, so that those of several
+ * frames are written as one block. They are released together.
+ */
+RB_CHECKED enum rb_status rb_frame_init_all(struct rb_frame *frames, int count,
+                                            const struct rb_model *model, unsigned fields,
+                                            struct rb_error *err);
+void rb_frame_release_all(struct rb_frame *frames, int count);
 
 /* Bytes that the columns of such a frame take, without events and contacts. */
 size_t rb_frame_bytes(const struct rb_model *model, unsigned fields);

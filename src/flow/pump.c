@@ -53,6 +53,17 @@ static void say_opened(struct rb_pump *pump)
 	pthread_mutex_unlock(&pump->lock);
 }
 
+/* Gives back what the sink has read and does not keep; how many frames it has still. */
+static int give_back(struct rb_pump *pump, int had)
+{
+	const int kept = pump->sink.kept ? pump->sink.kept(pump->sink.self) : 0;
+
+	RB_ASSERT(kept >= 0 && kept <= had && kept <= rb_ring_keep_most(pump->ring));
+	for (; had > kept; had--)
+		rb_ring_give_back(pump->ring, pump->consumer);
+	return kept;
+}
+
 /*
  * Hands frames and pauses to the sink until the ring is closed or the sink fails. A frame is given
  * back even if the sink failed on it.
@@ -61,6 +72,7 @@ static enum rb_status feed(struct rb_pump *pump)
 {
 	const struct rb_sink *const sink = &pump->sink;
 	const struct rb_frame *frame;
+	int had = 0;
 
 	for (;;) {
 		enum rb_status status = RB_OK;
@@ -68,11 +80,12 @@ static enum rb_status feed(struct rb_pump *pump)
 		switch (rb_ring_wait(pump->ring, pump->consumer, idle_s, &frame)) {
 		case RB_RING_FRAME:
 			status = sink->frame(sink->self, frame, &pump->error);
-			rb_ring_give_back(pump->ring, pump->consumer);
+			had = give_back(pump, had + 1);
 			break;
 		case RB_RING_IDLE:
 			if (sink->idle)
 				status = sink->idle(sink->self, &pump->error);
+			had = give_back(pump, had);
 			break;
 		case RB_RING_CLOSED:
 			return RB_OK;
@@ -89,6 +102,8 @@ static void *run(void *argument)
 	const struct rb_sink *const sink = &pump->sink;
 
 	rb_thread_name(sink->name);
+	if (sink->may_keep)
+		sink->may_keep(sink->self, rb_ring_keep_most(pump->ring));
 	pump->status = sink->open(sink->self, &pump->error);
 	if (pump->status) {
 		rb_ring_detach(pump->ring, pump->consumer);

@@ -21,15 +21,19 @@
 #include "base/memory.h"
 #include "flow/frame.h"
 
-/* 64 MiB: some seconds of the usual scenes, less than the world of the largest ones takes. */
-static const size_t bytes_wanted = (size_t)64 << 20;
+/*
+ * 16 MiB: some seconds of a thousand bodies. Slots are used in turn, so all of a ring is written to
+ * again and again, and a larger one would be out of the processor's cache.
+ */
+static const size_t bytes_wanted = (size_t)16 << 20;
 
 /* Where a consumer is. Protected by the ring's lock. */
 struct cursor {
 	bool lossless, attached;
 	const char *name;            /* NULL: nobody has said */
 	uint64_t next;               /* frames below this number are done with */
-	const struct rb_frame *held; /* being read, NULL: none */
+	uint64_t read;               /* frames below this number were handed out */
+	const struct rb_frame *held; /* one that skips: being read, NULL: none */
 	uint64_t wake_at;            /* asleep until so many frames are published; 0: awake */
 };
 
@@ -83,16 +87,14 @@ enum rb_status rb_ring_create(struct rb_ring **ring, const struct rb_model *mode
 	pthread_condattr_destroy(&attributes);
 
 	const int wanted = slot_count > 0 ? slot_count : rb_ring_slots_for(model, fields);
-	while (r->slot_count < wanted) {
-		const int i = r->slot_count;
-		const enum rb_status status = rb_frame_init(&r->frame[i], model, fields, err);
-		if (status) {
-			rb_ring_destroy(r);
-			return status;
-		}
-		r->slot[i] = &r->frame[i];
-		r->slot_count++;
+	const enum rb_status status = rb_frame_init_all(r->frame, wanted, model, fields, err);
+	if (status) {
+		rb_ring_destroy(r);
+		return status;
 	}
+	r->slot_count = wanted;
+	for (int i = 0; i < wanted; i++)
+		r->slot[i] = &r->frame[i];
 	*ring = r;
 	return RB_OK;
 }
@@ -101,8 +103,9 @@ void rb_ring_destroy(struct rb_ring *ring)
 {
 	if (!ring)
 		return;
-	for (int i = 0; i < ring->slot_count + ring->spare_count; i++)
-		rb_frame_release(&ring->frame[i]);
+	rb_frame_release_all(ring->frame, ring->slot_count);
+	for (int i = 0; i < ring->spare_count; i++)
+		rb_frame_release(&ring->frame[ring->slot_count + i]);
 	pthread_cond_destroy(&ring->changed);
 	pthread_mutex_destroy(&ring->lock);
 	rb_memory_free(ring);
@@ -123,8 +126,10 @@ enum rb_status rb_ring_add_consumer(struct rb_ring *ring, bool lossless, int *co
 	}
 	if (!status) {
 		*consumer = ring->consumer_count++;
-		ring->cursor[*consumer] = (struct cursor){
-			.lossless = lossless, .attached = true, .next = ring->head};
+		ring->cursor[*consumer] = (struct cursor){.lossless = lossless,
+		                                          .attached = true,
+		                                          .next = ring->head,
+		                                          .read = ring->head};
 	}
 	pthread_mutex_unlock(&ring->lock);
 	return status;
@@ -194,6 +199,11 @@ void rb_ring_publish(struct rb_ring *ring)
 		if (ring->cursor[i].wake_at > 0 && ring->head >= ring->cursor[i].wake_at)
 			pthread_cond_broadcast(&ring->changed);
 	pthread_mutex_unlock(&ring->lock);
+}
+
+int rb_ring_keep_most(const struct rb_ring *ring)
+{
+	return ring->slot_count / 2;
 }
 
 int rb_ring_used(struct rb_ring *ring, int *slot_count)
@@ -271,13 +281,14 @@ enum rb_ring_news rb_ring_wait(struct rb_ring *ring, int consumer, double timeou
 
 	*frame = NULL;
 	pthread_mutex_lock(&ring->lock);
-	RB_ASSERT(cursor->attached && !cursor->held);
+	RB_ASSERT(cursor->attached && !cursor->held &&
+	          cursor->read - cursor->next <= (uint64_t)rb_ring_keep_most(ring));
 	/*
 	 * A lossless consumer that has run dry sleeps until a quarter of the ring is full, or the
 	 * time is out: waking it for every frame costs more than the frame.
 	 */
 	const uint64_t batch = cursor->lossless ? ((uint64_t)ring->slot_count + 3) / 4 : 1;
-	const uint64_t enough = cursor->next + (cursor->next == ring->head ? batch : 1);
+	const uint64_t enough = cursor->read + (cursor->read == ring->head ? batch : 1);
 	int waited = 0;
 	cursor->wake_at = enough;
 	while (!ring->aborted && !ring->closed && ring->head < enough && waited != ETIMEDOUT)
@@ -285,12 +296,12 @@ enum rb_ring_news rb_ring_wait(struct rb_ring *ring, int consumer, double timeou
 	cursor->wake_at = 0;
 	if (ring->aborted) {
 		news = RB_RING_CLOSED;
-	} else if (cursor->next < ring->head) {
+	} else if (cursor->read < ring->head) {
 		/* one who skips reads the newest frame */
 		if (!cursor->lossless)
-			cursor->next = ring->head - 1;
-		cursor->held = ring->slot[cursor->next % (uint64_t)ring->slot_count];
-		*frame = cursor->held;
+			cursor->next = cursor->read = ring->head - 1;
+		*frame = ring->slot[cursor->read++ % (uint64_t)ring->slot_count];
+		cursor->held = cursor->lossless ? NULL : *frame;
 		news = RB_RING_FRAME;
 	} else if (!ring->closed) {
 		news = RB_RING_IDLE;
@@ -304,10 +315,9 @@ void rb_ring_give_back(struct rb_ring *ring, int consumer)
 	struct cursor *const cursor = &ring->cursor[consumer];
 
 	pthread_mutex_lock(&ring->lock);
-	RB_ASSERT(cursor->held);
+	RB_ASSERT(cursor->next < cursor->read && cursor->read <= ring->head);
 	cursor->held = NULL;
 	cursor->next++;
-	RB_ASSERT(cursor->next <= ring->head);
 	pthread_cond_broadcast(&ring->changed);
 	pthread_mutex_unlock(&ring->lock);
 }

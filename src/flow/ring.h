@@ -9,7 +9,9 @@
  *
  * A lossless consumer reads every frame and holds the producer back when it must. Another one
  * reads the newest, skips the rest, and never holds the producer back: the slot it is reading is
- * exchanged for a spare one.
+ * exchanged for a spare one. A lossless consumer may have several frames before it gives the oldest
+ * of them back, half of the slots at most; columns of bodies of neighbouring slots are one block
+ * (rb_frame_init_all), unless a spare has come between.
  *
  * Owned by whoever created it, who adds the consumers before the first frame is acquired (a
  * lossless one between frames too: it sees those that follow) and destroys it after all of them
@@ -29,7 +31,7 @@ struct rb_ring;
 
 enum { RB_RING_CONSUMERS_MAX = 32, RB_RING_SLOTS_MIN = 4, RB_RING_SLOTS_MAX = 64 };
 
-/* How many slots a ring of such frames gets: 4 to 64, as many as fit into 64 MiB. */
+/* How many slots a ring of such frames gets: 4 to 64, as many as fit into 16 MiB. */
 int rb_ring_slots_for(const struct rb_model *model, unsigned fields);
 
 /* `slot_count` 0: rb_ring_slots_for. Fails on memory only. */
@@ -51,6 +53,8 @@ RB_CHECKED enum rb_status rb_ring_add_consumer(struct rb_ring *ring, bool lossle
 struct rb_frame *rb_ring_acquire(struct rb_ring *ring);
 /* Hands the acquired slot to the consumers. */
 void rb_ring_publish(struct rb_ring *ring);
+/* How many frames a lossless consumer may have at once. */
+int rb_ring_keep_most(const struct rb_ring *ring);
 /* Frames that were published and that some lossless consumer still needs. Any thread. */
 int rb_ring_used(struct rb_ring *ring, int *slot_count);
 /*
@@ -72,7 +76,7 @@ enum rb_ring_news { RB_RING_FRAME, RB_RING_IDLE, RB_RING_CLOSED };
  */
 enum rb_ring_news rb_ring_wait(struct rb_ring *ring, int consumer, double timeout_s,
                                const struct rb_frame **frame);
-void rb_ring_give_back(struct rb_ring *ring, int consumer);
+void rb_ring_give_back(struct rb_ring *ring, int consumer); /* the oldest that it has */
 /* The consumer reads no more: nobody waits for it from now on. */
 void rb_ring_detach(struct rb_ring *ring, int consumer);
 

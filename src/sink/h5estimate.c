@@ -77,7 +77,7 @@ uint64_t rb_h5_estimate(const struct rb_run_info *info)
 		rb_about_write(&about, info);
 		const uint64_t expected = rb_frames_expected(info);
 		rb_about_write_changing(&growing, info->scene);
-		rb_frames_create(&growing, &frames, info, false);
+		rb_frames_create(&growing, &frames, info);
 		const uint64_t rows = rb_frames_pretend(&growing, &frames, expected);
 		const uint64_t plain = rb_frames_plain(&frames, expected);
 		const uint64_t view = frames.time ? pretend_vtk(&growing, info, &frames, expected)

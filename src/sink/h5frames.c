@@ -20,7 +20,9 @@
  * are shorter than the alignment and are never torn by a kill (recorder.c). An address takes 8
  * bytes, with a filter 16.
  */
-static const double chunk_bytes = 256 * 1024, chunk_bytes_max = 1 << 30, buffer_bytes = 2 << 20;
+static const double chunk_bytes = 256 * 1024, chunk_bytes_long = 1 << 20, chunk_bytes_max = 1 << 30,
+		    buffer_bytes = 2 << 20;
+enum { CHUNK_SHARE = 128 };
 enum { CHUNKS_MAX = 500, ALIGNMENT = 1024, ALIGNMENT_FILTER = 2048 };
 enum {
 	NUMBERS_CHUNK_ROWS = 1024,
@@ -194,13 +196,18 @@ static struct cut plan_cut(const struct rb_run_info *info)
 	                              : (hsize_t)info->model->body_count;
 	/* never longer than the run: a chunk takes its whole space with its first row */
 	const double few = ceil((double)expected * pieces / CHUNKS_MAX);
-	double rows = fmax(ceil(chunk_bytes / (24 * bodies)), few);
+	/* a long run can spare longer chunks for its first frame: their writes cost less a byte */
+	const double spared = fmin(24 * bodies * (double)expected / CHUNK_SHARE, chunk_bytes_long);
+	double rows = fmax(ceil(fmax(chunk_bytes, spared) / (24 * bodies)), few);
 	/* what is packed as a whole must be buffered as a whole */
 	const double most = compressed ? compressed_buffer_bytes / frame_bytes
 	                               : chunk_bytes_max / (32 * (double)(cut.chunk_bodies + 1));
 	if (compressed)
 		rows = fmax(rows, COMPRESSED_FRAMES);
 	cut.chunk_rows = whole(fmin(rows, most), expected);
+	/* as many chunks of the same length leave less of the last one empty */
+	const hsize_t chunks = (expected + cut.chunk_rows - 1) / cut.chunk_rows;
+	cut.chunk_rows = (expected + chunks - 1) / chunks;
 
 	cut.table_rows = (hsize_t)fmin(fmax((double)expected * bodies, TABLE_CHUNK_ROWS_LEAST),
 	                               TABLE_CHUNK_ROWS);
@@ -348,35 +355,14 @@ static void name_kinds(struct rb_h5 *h5)
 	rb_h5_attribute_text(h5, "/rbsim/events/kind", "kinds", text);
 }
 
-/* Takes memory for as many rows of every column as are to wait. */
-static void take_buffers(struct rb_h5 *h5, struct rb_frames *frames)
-{
-	RB_ASSERT(frames->capacity > 0);
-	for (int i = 0; i < frames->column_count; i++) {
-		struct rb_frames_column *const column = &frames->columns[i];
-		/* A frame that is written before its call returns need not be copied. */
-		column->borrows = frames->capacity == 1 && frames->every == 1 &&
-		                  column->of_bodies && column->column.layout.kind == RB_H5_F64;
-		if (column->borrows)
-			continue;
-		const hsize_t rows = column->of_bodies ? frames->capacity
-		                                       : frames->numbers_capacity;
-		column->buffer = rb_memory_take((size_t)rows, column->column.row_bytes);
-		if (!column->buffer && !h5->status)
-			h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY,
-			                     "cannot buffer %d bodies: out of memory",
-			                     frames->model->body_count);
-	}
-}
-
-void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct rb_run_info *info,
-                      bool buffers)
+void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct rb_run_info *info)
 {
 	const struct cut cut = plan_cut(info);
 	const struct rb_model *const model = info->model;
 
 	*frames = (struct rb_frames){.model = model,
 	                             .fields = stored_fields(info),
+	                             .chunk_rows = cut.chunk_rows,
 	                             .capacity = cut.capacity,
 	                             .numbers_capacity = cut.numbers_rows > cut.capacity
 	                                                         ? cut.numbers_rows
@@ -429,8 +415,52 @@ void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct r
 		rb_h5_link(h5, "/observables/momentum/step", "/observables/ledger/momentum/step");
 		rb_h5_link(h5, "/observables/momentum/time", "/observables/ledger/momentum/time");
 	}
-	if (buffers)
-		take_buffers(h5, frames);
+}
+
+/*
+ * Whether columns of bodies are written from the frames that they came in: as they are, and where
+ * so few frames as are kept make a write that is worth its call.
+ */
+static bool can_keep(const struct rb_frames *frames, hsize_t rows)
+{
+	const struct rb_record_def *const record = &frames->model->scene->record;
+	const double bytes = 24 * (double)rows * frames->model->body_count;
+
+	return frames->every == 1 && record->compression == 0 && !record->single_precision &&
+	       rows > 0 &&
+	       bytes >= fmin(chunk_bytes / 2,
+	                     24 * (double)frames->chunk_rows * frames->model->body_count);
+}
+
+void rb_frames_take_buffers(struct rb_h5 *h5, struct rb_frames *frames, int keep_most)
+{
+	const hsize_t most = (hsize_t)keep_most < frames->chunk_rows ? (hsize_t)keep_most
+	                                                             : frames->chunk_rows;
+	bool failed = false;
+
+	if (h5->status)
+		return;
+	RB_ASSERT(frames->capacity > 0 && keep_most >= 0);
+	if (can_keep(frames, most)) {
+		/* equal parts of a chunk */
+		const hsize_t parts = (frames->chunk_rows + most - 1) / most;
+		frames->capacity = (frames->chunk_rows + parts - 1) / parts;
+		frames->kept = rb_memory_take((size_t)frames->capacity, sizeof *frames->kept);
+		failed = !frames->kept;
+	}
+	for (int i = 0; i < frames->column_count; i++) {
+		struct rb_frames_column *const column = &frames->columns[i];
+		const hsize_t rows = column->of_bodies ? frames->capacity
+		                                       : frames->numbers_capacity;
+		if (frames->kept && column->of_bodies)
+			continue;
+		column->buffer = rb_memory_take((size_t)rows, column->column.row_bytes);
+		failed |= !column->buffer;
+	}
+	if (failed)
+		h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY,
+		                     "cannot buffer %d bodies: out of memory",
+		                     frames->model->body_count);
 }
 
 /* The last of `rows` numbers; false when it cannot be had. */
@@ -553,6 +583,7 @@ void rb_frames_release(struct rb_frames *frames)
 	for (int i = 0; i < frames->column_count; i++)
 		rb_memory_free(frames->columns[i].buffer);
 	rb_memory_free(frames->columns);
+	rb_memory_free(frames->kept);
 	rb_memory_free(frames->events.rows);
 	rb_memory_free(frames->events.cells_out);
 	rb_memory_free(frames->contacts.rows);

@@ -75,9 +75,6 @@ struct rb_frames_column {
 	int probe;
 	bool of_bodies;        /* or joints */
 	unsigned char *buffer; /* owned, rows of its capacity; NULL: none is needed */
-	bool borrows;          /* rows are written from the frame itself */
-	const double
-		*borrowed; /* valid until rb_frames_write, which follows at once (rb_frames_full) */
 	char path[RB_FRAMES_PATH_SIZE];
 };
 
@@ -99,6 +96,11 @@ struct rb_frames {
 	const struct rb_model *model; /* borrowed */
 	unsigned fields;              /* RB_FIELD_*: stored per frame */
 	uint64_t every;
+	/*
+	 * [capacity], owned: the frames whose columns of bodies wait, which are written from there;
+	 * NULL: they are copied to buffers
+	 */
+	const struct rb_frame **kept;
 	struct rb_frames_column *columns; /* owned: [RB_FRAMES_COLUMNS_MAX + probes] */
 	int column_count;
 	struct rb_frames_column *time, *event_end, *contact_end,
@@ -107,6 +109,7 @@ struct rb_frames {
 
 	/* rows that the buffers of bodies and joints hold, and those of all else */
 	hsize_t capacity, numbers_capacity;
+	hsize_t chunk_rows;     /* of columns of bodies */
 	hsize_t written;        /* frames in the file */
 	hsize_t there;          /* frames that it had when it was opened again */
 	hsize_t count;          /* committed frames in the buffers */
@@ -127,11 +130,15 @@ uint64_t rb_frames_expected(const struct rb_run_info *info);
 unsigned rb_frames_alignment(const struct rb_run_info *info);
 
 /*
- * Makes the datasets. `buffers` false: for estimates, nothing can be taken. Release it whatever the
+ * Makes the datasets, without buffers: for estimates nothing is taken. Release it whatever the
  * outcome.
  */
-void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct rb_run_info *info,
-                      bool buffers);
+void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct rb_run_info *info);
+/*
+ * Buffers. `keep_most`: frames that come and stay as they are until they are written
+ * (rb_frames_kept); 0: each is read before rb_frames_take returns.
+ */
+void rb_frames_take_buffers(struct rb_h5 *h5, struct rb_frames *frames, int keep_most);
 /*
  * In a file where all of it stands (h5->there): goes on after `rows` of its frames. What stands
  * behind them stays until it is written over. RB_ERR_INPUT where there are fewer, or row `rows` - 1

@@ -25,21 +25,27 @@ static void *row_of(const struct rb_frames *frames, const struct rb_frames_colum
 	return column->buffer + row * column->column.row_bytes;
 }
 
-/* Copies a column of a frame, or notes where it is (`borrows`). */
-static enum rb_status copy_bodies(const struct rb_frames *frames, struct rb_frames_column *column,
-                                  const struct rb_frame *frame, struct rb_error *err)
+/* A column of bodies in a frame; NULL: it is not there. */
+static const double *column_of(const struct rb_frames_column *column, const struct rb_frame *frame)
 {
 	const double *from;
 
 	memcpy(&from, (const unsigned char *)frame + column->source->offset, sizeof from);
+	return from;
+}
+
+/* Copies a column of a frame, unless that is kept. */
+static enum rb_status copy_bodies(const struct rb_frames *frames, struct rb_frames_column *column,
+                                  const struct rb_frame *frame, struct rb_error *err)
+{
+	const double *const from = column_of(column, frame);
+
 	if (!from || frame->body_count != frames->model->body_count ||
 	    frame->joint_count != frames->model->scene->joint_count)
 		return RB_FAIL(err, RB_ERR_BUG, "frame %llu has no column for '%s'",
 		               (unsigned long long)frame->index, column->path);
-	if (column->borrows) {
-		column->borrowed = from;
+	if (frames->kept)
 		return RB_OK;
-	}
 	void *const to = row_of(frames, column);
 	if (column->column.layout.kind == RB_H5_F64) {
 		memcpy(to, from, column->column.row_bytes);
@@ -151,6 +157,8 @@ enum rb_status rb_frames_take(struct rb_frames *frames, const struct rb_frame *f
 	memcpy(row_of(frames, frames->time), &frame->time_s, sizeof frame->time_s);
 	memcpy(row_of(frames, frames->step), &(int64_t){(int64_t)frame->index}, sizeof(int64_t));
 	frames->pending = true;
+	if (frames->kept)
+		frames->kept[frames->bodies_count] = frame;
 	if (frame->index % frames->every == 0 || frame->index + 1 == frames->model->frame_count)
 		rb_frames_commit(frames);
 	return RB_OK;
@@ -172,8 +180,12 @@ void rb_frames_commit(struct rb_frames *frames)
 /* Buffers end where chunks end, whatever was written of them before their time. */
 bool rb_frames_full(const struct rb_frames *frames)
 {
-	return frames->bodies_count > 0 &&
-	       (frames->bodies_written + frames->bodies_count) % frames->capacity == 0;
+	const hsize_t end = frames->bodies_written + frames->bodies_count;
+	const hsize_t whole = frames->capacity > frames->chunk_rows ? frames->capacity
+	                                                            : frames->chunk_rows;
+
+	return frames->bodies_count == frames->capacity ||
+	       (frames->bodies_count > 0 && end % whole == 0);
 }
 
 bool rb_frames_due(const struct rb_frames *frames)
@@ -227,6 +239,22 @@ static void write_table(struct rb_h5 *h5, struct rb_frames_table *table)
 	table->committed = 0;
 }
 
+/* Appends a column of the kept frames: as one block where they follow one another. */
+static void write_kept(struct rb_h5 *h5, const struct rb_frames *frames,
+                       struct rb_frames_column *column)
+{
+	const size_t width = column->column.row_bytes / sizeof(double);
+
+	for (hsize_t first = 0, next; first < frames->bodies_count; first = next) {
+		const double *const from = column_of(column, frames->kept[first]);
+
+		for (next = first + 1; next < frames->bodies_count; next++)
+			if (column_of(column, frames->kept[next]) != from + (next - first) * width)
+				break;
+		rb_h5_column_append(h5, &column->column, next - first, from);
+	}
+}
+
 /*
  * Appends so many waiting rows of all columns of bodies, or of all others in their order, and moves
  * a frame that waits to be the last to the front.
@@ -238,12 +266,19 @@ static void write_columns(struct rb_h5 *h5, struct rb_frames *frames, bool of_bo
 
 		if (column->of_bodies != of_bodies)
 			continue;
-		rb_h5_column_append(h5, &column->column, rows,
-		                    column->borrows ? (const void *)column->borrowed
-		                                    : column->buffer);
+		if (of_bodies && frames->kept) {
+			write_kept(h5, frames, column);
+			continue;
+		}
+		rb_h5_column_append(h5, &column->column, rows, column->buffer);
 		if (frames->pending && !h5->status)
 			memmove(column->buffer, row_of(frames, column), column->column.row_bytes);
 	}
+}
+
+int rb_frames_kept(const struct rb_frames *frames)
+{
+	return frames->kept ? (int)frames->bodies_count : 0;
 }
 
 void rb_frames_write_bodies(struct rb_h5 *h5, struct rb_frames *frames)

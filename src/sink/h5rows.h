@@ -9,11 +9,13 @@
 #include "sink/h5frames.h"
 
 /*
- * Copies a frame; there must be room (rb_frames_full says no). RB_ERR_BUG: a column is missing;
- * RB_ERR_MEMORY.
+ * Copies a frame, or keeps it; there must be room (rb_frames_full says no). RB_ERR_BUG: a column is
+ * missing; RB_ERR_MEMORY.
  */
 RB_CHECKED enum rb_status rb_frames_take(struct rb_frames *frames, const struct rb_frame *frame,
                                          struct rb_error *err);
+/* How many of the last frames must stay as they are. */
+int rb_frames_kept(const struct rb_frames *frames);
 void rb_frames_commit(struct rb_frames *frames); /* the pending frame too */
 
 /* Write columns of bodies before the next one is taken; write everything. */

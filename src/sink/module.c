@@ -66,7 +66,8 @@ static void refuse(struct module *module, const char *path, const char *why)
 /* Loads the module of a file, or notes why not. */
 static void load_from(struct module *module, const char *path)
 {
-	void *const library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+	/* the module's own names are found at once (-z now), those of libraries when used */
+	void *const library = dlopen(path, RTLD_LAZY | RTLD_LOCAL);
 
 	if (!library) {
 		/* the loader's text begins with the path */

@@ -60,6 +60,7 @@ struct rb_recorder {
 	struct rb_output output;
 	struct rb_h5 h5;
 	bool file_open;
+	int keep_most; /* frames that the pump leaves to it */
 	struct rb_frames frames;
 	uint64_t
 		oldest_ns; /* when the oldest frame came that no flush has seen; 0: there is none */
@@ -268,7 +269,8 @@ static void make_growing(struct rb_recorder *recorder, struct rb_scales *scales)
 	}
 	recorder->file_open = true;
 	rb_about_write_changing(h5, recorder->info->scene);
-	rb_frames_create(h5, &recorder->frames, recorder->info, true);
+	rb_frames_create(h5, &recorder->frames, recorder->info);
+	rb_frames_take_buffers(h5, &recorder->frames, recorder->keep_most);
 	if (recorder->frames.time)
 		rb_scales_write(scales, h5, recorder->frames.time->path);
 	rb_frames_detach(&recorder->frames);
@@ -374,7 +376,8 @@ static enum rb_status reopen_file(struct rb_recorder *recorder, struct rb_error 
 			rb_h5_fail(h5, "open", "/");
 		recorder->file_open = h5->file >= 0;
 	}
-	rb_frames_create(h5, &recorder->frames, recorder->info, true);
+	rb_frames_create(h5, &recorder->frames, recorder->info);
+	rb_frames_take_buffers(h5, &recorder->frames, recorder->keep_most);
 	rb_frames_go_on(h5, &recorder->frames, options->row_count, options->frame);
 	if (!options->repair) {
 		rb_h5_retext(h5, "/rbsim/status", "running");
@@ -448,6 +451,23 @@ static enum rb_status take_frame(void *self, const struct rb_frame *frame, struc
 	    (frames->written == 0 && frames->count > 0) || is_asked(recorder))
 		return write_out(recorder, err);
 	return rb_frames_full(frames) ? append(recorder, rb_frames_write_bodies, err) : RB_OK;
+}
+
+/* rb_sink.may_keep. */
+static void may_keep(void *self, int most)
+{
+	struct rb_recorder *const recorder = self;
+
+	RB_ASSERT(!recorder->file_open && most >= 0);
+	recorder->keep_most = most;
+}
+
+/* rb_sink.kept. */
+static int kept(void *self)
+{
+	const struct rb_recorder *const recorder = self;
+
+	return rb_frames_kept(&recorder->frames);
 }
 
 /* rb_sink.idle. */
@@ -692,7 +712,9 @@ enum rb_status rb_recorder_create(struct rb_recorder **recorder, struct rb_sink 
 	                         .open = open_file,
 	                         .frame = take_frame,
 	                         .idle = flush_idle,
-	                         .close = close_file};
+	                         .close = close_file,
+	                         .may_keep = may_keep,
+	                         .kept = kept};
 	*recorder = made;
 	return RB_OK;
 }
