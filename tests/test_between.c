@@ -346,8 +346,7 @@ static void add_bouncers(struct lab *lab)
 	def.angular_velocity = (rb_vec3){40, -90, 10};
 	lab_add(lab, &def);
 	def.position = (rb_vec3){0, 9, 20};
-	def.has_inertia = true;
-	def.inertia = (rb_mat3){{{0.004, 0, 0}, {0, 0.006, 0}, {0, 0, 0.009}}};
+	def.inertia = &(rb_mat3){{{0.004, 0, 0}, {0, 0.006, 0}, {0, 0, 0.009}}};
 	def.angular_velocity = (rb_vec3){1, 150, 2};
 	lab_add(lab, &def);
 	/* two in flight, off the line of their centres */

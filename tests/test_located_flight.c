@@ -54,8 +54,7 @@ static void add_movers(struct lab *lab, bool integrated)
 	force.duration_s = 1.7777;
 	add_force(lab, force);
 	def = lab_sphere_def(0.1, 1, at(10, 0, 5), at(0.5, 0, 0));
-	def.has_inertia = true;
-	def.inertia = (rb_mat3){{{0.002, 0, 0}, {0, 0.003, 0}, {0, 0, 0.004}}};
+	def.inertia = &(rb_mat3){{{0.002, 0, 0}, {0, 0.003, 0}, {0, 0, 0.004}}};
 	def.angular_velocity = at(1, 5, 0.2);
 	lab_add(lab, &def);
 	lab_sphere(lab, 0.1, 1, at(20, 0, 1.1), at(0.3, 0, 0));   /* bounces */
@@ -149,8 +148,7 @@ static void a_tumbling_body_keeps_energy_momentum_and_phase(void **slot)
 	(void)slot;
 	lab_open_located(&lab, begin + 100 * period, 1 / begin);
 	struct rb_body_def def = lab_sphere_def(1, 6, origin, origin);
-	def.has_inertia = true;
-	def.inertia = (rb_mat3){{{2.5, 0, 0}, {0, 5, 0}, {0, 0, 6.5}}};
+	def.inertia = &(rb_mat3){{{2.5, 0, 0}, {0, 5, 0}, {0, 0, 6.5}}};
 	def.angular_velocity = at(0.01, 5, 0.01);
 	const int body = lab_add(&lab, &def);
 	lab_seal(&lab, 1);
@@ -184,8 +182,7 @@ static void a_symmetric_top_wobbles_at_its_rate(void **slot)
 	(void)slot;
 	lab_open_located(&lab, t, 10);
 	struct rb_body_def def = lab_sphere_def(0.1, 1, origin, origin);
-	def.has_inertia = true;
-	def.inertia = (rb_mat3){{{i1, 0, 0}, {0, i1, 0}, {0, 0, i3}}};
+	def.inertia = &(rb_mat3){{{i1, 0, 0}, {0, i1, 0}, {0, 0, i3}}};
 	def.angular_velocity = at(wobble, 0, spin);
 	const int body = lab_add(&lab, &def);
 	lab_seal(&lab, 1);

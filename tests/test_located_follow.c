@@ -109,8 +109,8 @@ static void add_ball(struct lab *lab, double mass, double inertia, double below,
 	struct rb_body_def def = lab_sphere_def(0.1, mass, (rb_vec3){0, 0, -below},
 	                                        (rb_vec3){below * speed, 0, 0});
 
-	def.has_inertia = true;
-	def.inertia = rb_mat3_diagonal(inertia, inertia, inertia);
+	const rb_mat3 moments = rb_mat3_diagonal(inertia, inertia, inertia);
+	def.inertia = &moments;
 	def.angular_velocity = (rb_vec3){0, -speed, 0};
 	lab_add(lab, &def);
 }

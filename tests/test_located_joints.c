@@ -127,8 +127,8 @@ static void a_simple_pendulum_keeps_its_period(void **state)
 
 		open(&lab, 10 * period, 1 / period);
 		lab_sphere(&lab, 1e-3, 1, (rb_vec3){1, 0, 0}, (rb_vec3){0, 0, 0});
-		lab.scene.bodies[0].has_inertia = true; /* as if it were a point */
-		lab.scene.bodies[0].inertia = rb_mat3_diagonal(1e-13, 1e-13, 1e-13);
+		const rb_mat3 moments = rb_mat3_diagonal(1e-13, 1e-13, 1e-13);
+		lab.scene.bodies[0].inertia = &moments;
 		struct rb_joint_def def = jointed_def(kind ? RB_JOINT_HINGE : RB_JOINT_ROD, 0, -1);
 
 		def.at_b = (rb_vec3){0, 0, 0};

@@ -293,11 +293,10 @@ static void impossible_bodies_are_named_with_file_line_and_value(void **slot)
 	b.scene.bodies[0].mass = 1e-320;
 	assert_refused(&b, "'mass' must be positive and finite, and so its inverse");
 	b.scene.bodies[0].mass = 1;
-	b.scene.bodies[0].has_inertia = true;
-	b.scene.bodies[0].inertia = (rb_mat3){{{1, 0, 0}, {0, 1, 0}, {0, 0, 5}}};
+	b.scene.bodies[0].inertia = &(rb_mat3){{{1, 0, 0}, {0, 1, 0}, {0, 0, 5}}};
 	assert_refused(
 		&b, "sum of the other two, which no body has (principal moments 1, 1, 5 kg m^2)");
-	b.scene.bodies[0].has_inertia = false;
+	b.scene.bodies[0].inertia = NULL;
 	b.scene.bodies[0].position.y = 1e305;
 	assert_refused(&b, "'position' must lie within 1e+300 m");
 	b.scene.bodies[0].position.y = 0;
@@ -639,14 +638,13 @@ static void what_can_turn_a_body_brings_rotation(void **slot)
 	assert_int_equal(features(&b), 0);
 	b.scene.bodies[0].angular_velocity.y = 1;
 	assert_int_equal(features(&b), RB_FEATURE_ROTATION);
-	b.scene.bodies[0].has_inertia = true;
-	b.scene.bodies[0].inertia = (rb_mat3){{{2, 0, 0}, {0, 2, 0}, {0, 0, 3}}};
+	b.scene.bodies[0].inertia = &(rb_mat3){{{2, 0, 0}, {0, 2, 0}, {0, 0, 3}}};
 	assert_int_equal(features(&b), RB_FEATURE_ROTATION | RB_FEATURE_GYROSCOPIC);
 	assert_true(isnan(b.model->inverse_inertia_scalar[0]));
 	assert_near(b.model->inverse_inertia[0].m[2][2], 1.0 / 3, 1e-16);
 	b.scene.bodies[0].angular_velocity.y = 0;
 	assert_int_equal(features(&b), 0);
-	b.scene.bodies[0].has_inertia = false;
+	b.scene.bodies[0].inertia = NULL;
 
 	/* through the centre of mass, then beside it */
 	b.scene.bodies[0].center_of_mass.x = 0.25;

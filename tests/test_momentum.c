@@ -27,8 +27,9 @@ static rb_vec3 moments_of(const struct rb_body_def *def)
 {
 	const double *const s = def->shape.size, r = def->shape.radius;
 
-	if (def->has_inertia)
-		return (rb_vec3){def->inertia.m[0][0], def->inertia.m[1][1], def->inertia.m[2][2]};
+	if (def->inertia)
+		return (rb_vec3){def->inertia->m[0][0], def->inertia->m[1][1],
+		                 def->inertia->m[2][2]};
 	if (def->shape.kind == RB_SHAPE_SPHERE)
 		return rb_vec3_scale(0.4 * def->mass * r * r, (rb_vec3){1, 1, 1});
 	return rb_vec3_scale(def->mass / 12,
@@ -86,15 +87,16 @@ static void throw_inwards(struct lab *lab, enum kind kind)
 		else
 			def.shape.radius = solids_random(k, 13, 0.1, 0.45);
 		def.mass = solids_random(k, 14, 0.3, 3);
+		rb_mat3 inertia = {0};
 		if (kind == LOADED) {
 			def.center_of_mass = rb_vec3_scale(def.shape.radius,
 			                                   (rb_vec3){0.3, -0.2, 0.1});
-			def.has_inertia = true;
 			for (int i = 0; i < 3; i++)
-				def.inertia.m[i][i] = 0.4 * def.mass * def.shape.radius *
-				                      def.shape.radius *
-				                      solids_random(k, 19 + (uint64_t)i, 0.7, 1);
+				inertia.m[i][i] = 0.4 * def.mass * def.shape.radius *
+				                  def.shape.radius *
+				                  solids_random(k, 19 + (uint64_t)i, 0.7, 1);
 		}
+		def.inertia = kind == LOADED ? &inertia : NULL;
 		def.position = rb_vec3_add(corner, (rb_vec3){5, -3, 2});
 		def.orientation = solids_turn(k);
 		def.velocity = rb_vec3_scale(-solids_random(k, 15, 1, 3), corner);

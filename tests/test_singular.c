@@ -26,8 +26,8 @@ static void open_bars(struct lab *lab, double angle, double length)
 		struct rb_body_def def = lab_sphere_def(
 			0.01, 1, rb_vec3_add_scaled(foot, 0.5 * size, along), (rb_vec3){0, 0, 0});
 
-		def.has_inertia = true;
-		def.inertia = rb_mat3_diagonal(1e-5, 1.0 / 12, 1.0 / 12);
+		const rb_mat3 moments = rb_mat3_diagonal(1e-5, 1.0 / 12, 1.0 / 12);
+		def.inertia = &moments;
 		def.orientation = rb_quat_from_turn(
 			(rb_vec3){0, k == LEVEL ? 0 : angle - acos(0), 0});
 		def.velocity = rb_vec3_scale(k == LEVEL ? speed : 0.5 * speed,

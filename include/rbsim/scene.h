@@ -217,20 +217,21 @@ static inline bool rb_joint_has_motor(const struct rb_joint_def *joint)
 }
 
 struct rb_body_def {
-	const char *name; /* NULL: none */
-	const char *call; /* the scene's word for it: "sphere", "plane" */
-	int line;         /* of the call in the scene's source, 0: unknown */
+	const char *name;    /* NULL: none */
+	const char *call;    /* the scene's word for it: "sphere", "plane" */
+	const char *texture; /* NULL: none */
+	int line;            /* of the call in the scene's source, 0: unknown */
+	int material;        /* place among the scene's */
 
 	struct rb_shape shape;
-	int material;         /* place among the scene's */
 	double mass, density; /* kg, kg/m^3; NAN: from the material */
 	/*
 	 * m, object coordinates; default: the origin, which is the centroid but of hulls and
 	 * unions: whoever makes one of those puts the centroid of the solid here
 	 */
 	rb_vec3 center_of_mass;
-	bool has_inertia; /* it was given */
-	rb_mat3 inertia;  /* kg m^2, object axes, about the centre of mass; valid if has_inertia */
+	/* kg m^2, object axes, about the centre of mass; NULL: that of the shape */
+	const rb_mat3 *inertia;
 	/* mass, centre and inertia came of so many particles; 0: none were given */
 	size_t particle_count;
 
@@ -238,9 +239,13 @@ struct rb_body_def {
 	rb_quat orientation;      /* a unit quaternion */
 	rb_vec3 velocity;         /* m/s, of the centre of mass */
 	rb_vec3 angular_velocity; /* rad/s, world axes */
-	bool is_static;
 	/* kg: what it attracts others by; NAN: its mass, of static and driven bodies 0 */
 	double gravitational_mass;
+	double color[3];        /* color[0] is NAN: the palette's */
+	uint64_t collides_with; /* bit k: groups[k] */
+	int group;              /* index into groups, -1: none */
+
+	int force_first, force_count; /* in scene.forces */
 	/*
 	 * A driven body is not static, and has none of what pushes would need: mass, inertia,
 	 * forces. Its pose and velocities here are those at time 0; `orientation` holds for good
@@ -250,15 +255,8 @@ struct rb_body_def {
 	bool motion_turns; /* it returns an orientation */
 	bool motion_gives_velocity; /* it returned one at time 0; else they are differenced */
 	bool motion_gives_angular_velocity;
-
-	int force_first, force_count; /* in scene.forces */
-
-	int group;              /* index into groups, -1: none */
-	bool filters;           /* collides_with was given */
-	uint64_t collides_with; /* bit k: groups[k] */
-
-	double color[3]; /* color[0] is NAN: the palette's */
-	const char *texture;
+	bool is_static;
+	bool filters; /* collides_with was given */
 	bool visible;
 };
 

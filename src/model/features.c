@@ -347,7 +347,7 @@ static void see_joints(struct rb_feature_facts *facts)
 /* True if the tensor, for unit mass, is not a multiple of 1. */
 static bool has_unequal_moments(const struct rb_scene *scene, const struct rb_body_def *body)
 {
-	if (body->shape.kind == RB_SHAPE_SPHERE && !body->has_inertia)
+	if (body->shape.kind == RB_SHAPE_SPHERE && !body->inertia)
 		return false;
 	const rb_mat3 inertia = rb_body_inertia(scene, body, 1);
 

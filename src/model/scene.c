@@ -325,7 +325,11 @@ enum rb_status rb_scene_add_body(struct rb_scene *scene, const struct rb_body_de
 	          (body.shape.solid >= 0 && body.shape.solid < scene->solid_count));
 	body.force_first = scene->force_count;
 	body.force_count = 0;
-	if (!own(scene, &body.name) || !own(scene, &body.call) || !own(scene, &body.texture) ||
+	bool failed = false;
+	body.inertia = take_copy(scene, body.inertia, body.inertia ? 1 : 0, sizeof *body.inertia,
+	                         &failed);
+	if (failed || !own(scene, &body.name) || !own(scene, &body.call) ||
+	    !own(scene, &body.texture) ||
 	    !reserve(scene, &scene->bodies, ARRAY_BODIES, scene->body_count, sizeof body))
 		return out_of_memory("bodies", err);
 	if (index)

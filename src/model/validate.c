@@ -95,12 +95,12 @@ double rb_body_attracts_by(const struct rb_scene *scene, const struct rb_body_de
 
 rb_mat3 rb_body_inertia(const struct rb_scene *scene, const struct rb_body_def *body, double mass)
 {
-	if (!body->has_inertia)
+	if (!body->inertia)
 		return rb_shape_inertia(scene->solids, &body->shape, mass);
 	/*
 	 * averages the halves, which may differ by rounding: the tensor must be exactly symmetric
 	 */
-	rb_mat3 inertia = body->inertia;
+	rb_mat3 inertia = *body->inertia;
 	for (int i = 0; i < 3; i++)
 		for (int j = 0; j < i; j++)
 			inertia.m[i][j] = inertia.m[j][i] = 0.5 * inertia.m[i][j] +
@@ -280,19 +280,18 @@ static void check_mass(struct check *check, int id)
 	/* without rotation particles may lie anywhere */
 	if (body->particle_count > 0 && !check->turns)
 		return;
-	if (body->particle_count > 0 &&
-	    rb_particles_in_line(&body->inertia, body->particle_count)) {
+	if (body->particle_count > 0 && rb_particles_in_line(body->inertia, body->particle_count)) {
 		body_mistake(check, id,
 		             "'particles' lie on one line or at one point, so that nothing resists "
 		             "turning about it (wanted "
 		             "some off the line, or 'mass' and 'inertia' instead)");
 		return;
 	}
-	const char *fault = body->has_inertia ? rb_inertia_fault(&body->inertia) : NULL;
+	const char *fault = body->inertia ? rb_inertia_fault(body->inertia) : NULL;
 	if (fault) {
 		double moments[3];
 
-		rb_inertia_principal(&body->inertia, moments);
+		rb_inertia_principal(body->inertia, moments);
 		body_mistake(check, id, "'inertia' %s (principal moments %g, %g, %g kg m^2)", fault,
 		             moments[0], moments[1], moments[2]);
 		return;

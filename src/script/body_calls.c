@@ -140,8 +140,9 @@ static bool read_list(struct rb_call *call, struct rb_particle *particles, size_
 }
 
 /* Takes mass, centre and inertia from `particles`, if there are any. */
-static void read_particles(struct rb_call *call, struct rb_body_def *def)
+static void read_particles(struct rb_call *call, struct rb_body_given *given)
 {
+	struct rb_body_def *const def = &given->def;
 	static const char *const others[] = {"mass", "density", "center_of_mass", "inertia"};
 	lua_State *L = call->L;
 	const int top = lua_gettop(L);
@@ -168,8 +169,8 @@ static void read_particles(struct rb_call *call, struct rb_body_def *def)
 		const struct rb_particles all = rb_particles_measure(particles, count);
 
 		def->mass = all.mass;
-		def->has_inertia = true;
-		def->inertia = all.inertia;
+		given->inertia = all.inertia;
+		def->inertia = &given->inertia;
 		def->particle_count = count;
 		/* at the shape's own centroid where only the rounding of sums says otherwise */
 		if (rb_vec3_max_abs(rb_vec3_sub(all.center, def->center_of_mass)) >
@@ -290,14 +291,15 @@ static void check_body(const struct rb_call *call, const struct rb_body_def *def
 }
 
 /* Completes a body's call after its shape: adds the body and pushes its handle. */
-static int finish_body(struct rb_call *call, struct rb_body_def *def)
+static int finish_body(struct rb_call *call, struct rb_body_given *given)
 {
+	struct rb_body_def *const def = &given->def;
 	struct rb_error err;
 	int id;
 
 	def->line = call->line;
-	def->has_inertia = rb_call_given(call, "inertia");
-	read_particles(call, def);
+	def->inertia = rb_call_given(call, "inertia") ? &given->inertia : NULL;
+	read_particles(call, given);
 	check_body(call, def);
 	read_groups(call, def);
 	rb_name_take(call, "body", def->name);
@@ -379,27 +381,28 @@ static void place_plane(struct rb_call *call, struct rb_body_def *def)
 static int l_plane(lua_State *L)
 {
 	struct rb_call call = rb_call_begin(L, "plane", &rb_rows_plane, 1);
-	struct rb_body_def def = rb_body_def_default();
+	struct rb_body_given given = {.def = rb_body_def_default()};
+	struct rb_body_def *const def = &given.def;
 
-	def.call = "plane";
-	def.shape = (struct rb_shape){.kind = RB_SHAPE_PLANE};
-	def.is_static = true;
-	rb_call_read(&call, &def);
+	def->call = "plane";
+	def->shape = (struct rb_shape){.kind = RB_SHAPE_PLANE};
+	def->is_static = true;
+	rb_call_read(&call, &given);
 	if (rb_call_given(&call, "size"))
-		def.shape.kind = RB_SHAPE_RECTANGLE;
+		def->shape.kind = RB_SHAPE_RECTANGLE;
 	const bool driven = rb_call_tried(&call, "motion");
 	if (driven && !rb_call_tried(&call, "static"))
-		def.is_static = false;
-	if (!driven && !def.is_static) {
+		def->is_static = false;
+	if (!driven && !def->is_static) {
 		rb_call_mistake(&call,
 		                "'static' = false: %s has no mass, so that nothing can push it "
 		                "('motion' says how it moves)",
-		                def.shape.kind == RB_SHAPE_RECTANGLE ? "a plane without thickness"
-		                                                     : "an infinite plane");
-		def.is_static = true;
+		                def->shape.kind == RB_SHAPE_RECTANGLE ? "a plane without thickness"
+		                                                      : "an infinite plane");
+		def->is_static = true;
 	}
-	place_plane(&call, &def);
-	return finish_body(&call, &def);
+	place_plane(&call, def);
+	return finish_body(&call, &given);
 }
 
 /* The call of a body with a volume. */
@@ -408,28 +411,29 @@ static int add_shape(lua_State *L, const char *word, enum rb_shape_kind kind)
 	const struct rb_shape_type *const type = rb_shape_types[kind];
 	const struct rb_row_table table = rb_rows_shape(type);
 	struct rb_call call = rb_call_begin(L, word, &table, 1);
-	struct rb_body_def def = rb_body_def_default();
+	struct rb_body_given given = {.def = rb_body_def_default()};
+	struct rb_body_def *const def = &given.def;
 
 	RB_ASSERT(kind < RB_SHAPE_KIND_COUNT);
-	def.call = word;
-	def.shape = (struct rb_shape){.kind = kind, .solid = -1};
-	def.is_static = kind == RB_SHAPE_TERRAIN;
-	rb_call_read(&call, &def);
+	def->call = word;
+	def->shape = (struct rb_shape){.kind = kind, .solid = -1};
+	def->is_static = kind == RB_SHAPE_TERRAIN;
+	rb_call_read(&call, &given);
 	if (kind == RB_SHAPE_TERRAIN) {
-		if (!def.is_static)
+		if (!def->is_static)
 			rb_call_mistake(&call, "'static' = false: a terrain has no mass, so that "
 			                       "nothing can push it");
 		if (rb_call_tried(&call, "motion"))
 			rb_call_mistake(&call, "'motion': a terrain stays where it is");
-		def.is_static = true;
+		def->is_static = true;
 	}
-	if (!def.texture && !call.script->scene->materials[def.material].texture)
-		def.texture = type->texture;
+	if (!def->texture && !call.script->scene->materials[def->material].texture)
+		def->texture = type->texture;
 	if (kind == RB_SHAPE_UNION)
-		rb_shapes_union(&call, &def);
+		rb_shapes_union(&call, def);
 	else
-		rb_shapes_sized(&call, &def);
-	return finish_body(&call, &def);
+		rb_shapes_sized(&call, def);
+	return finish_body(&call, &given);
 }
 
 /* The call of a type whose keys are in its row; upvalue: the kind. */

@@ -103,7 +103,7 @@ static const struct rb_row body_rows[] = {
          "of the material", "kg/m^3", "excludes mass"},
 	{"center_of_mass", RB_ROW_VECTOR, 0, 0, AT(rb_body_def, center_of_mass), NULL,
          "the shape's centroid", "m", "in object coordinates; the shape stays where it is"},
-	{"inertia", RB_ROW_INERTIA, 0, 0, AT(rb_body_def, inertia), NULL, "from shape and mass",
+	{"inertia", RB_ROW_INERTIA, 0, 0, AT(rb_body_given, inertia), NULL, "from shape and mass",
          "kg m^2", "about the centre of mass, object axes: {Ix, Iy, Iz} or three rows"},
 	{"particles", RB_ROW_LIST, 0, 0, HAND, NULL, "none", "",
          "a list of point masses that determine mass, centre of mass and inertia, see below; "

@@ -20,6 +20,12 @@ extern const struct rb_row_table rb_rows_world, rb_rows_gravitation, rb_rows_mat
 	rb_rows_camera, rb_rows_units, rb_rows_light, rb_rows_record, rb_rows_param, rb_rows_field,
 	rb_rows_measure, rb_rows_joint, rb_rows_motor;
 
+/* What the rows of a body are read into. */
+struct rb_body_given {
+	struct rb_body_def def; /* of which `inertia` is not read */
+	rb_mat3 inertia;
+};
+
 /* Keys of the call that makes bodies of one type: its own and those of all bodies. */
 struct rb_row_table rb_rows_shape(const struct rb_shape_type *type);
 
