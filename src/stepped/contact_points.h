@@ -112,6 +112,15 @@ RB_CHECKED enum rb_status rb_step_points_keep(struct rb_step_points *points,
                                               const struct rb_world *world, double h_s,
                                               const unsigned char *asleep,
                                               const unsigned char *sleeps, struct rb_error *err);
+/*
+ * The same in two parts, of which only the first can fail (NULL: no memory): space for them in the
+ * arena, and it is used.
+ */
+struct rb_named_impulse *rb_step_points_space(struct rb_step_points *points,
+                                              const struct rb_world *world, bool sleeping);
+void rb_step_points_keep_in(struct rb_step_points *points, const struct rb_world *world, double h_s,
+                            const unsigned char *asleep, const unsigned char *sleeps,
+                            struct rb_named_impulse *space);
 
 /*
  * What the next step starts from is what another method has found: each point has the force of its

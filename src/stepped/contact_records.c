@@ -193,6 +193,67 @@ enum rb_status rb_record_contacts(struct rb_world *world, const struct rb_cohort
 	return RB_OK;
 }
 
+enum rb_status rb_record_space(struct rb_world *world, struct rb_cohort *cohort,
+                               struct rb_error *err)
+{
+	const enum rb_status status = rb_step_points_choose(&cohort->points, world,
+	                                                    -(double)INFINITY, err);
+
+	return status == RB_OK
+	               ? rb_contacts_reserve(&world->contacts, contacts_max(world, cohort), err)
+	               : status;
+}
+
+/* Keeps only contacts of bodies that sleep, in their order. */
+static void keep_resting(struct rb_world *world)
+{
+	struct rb_contacts *const contacts = &world->contacts;
+	const unsigned char *sleeps = world->stepped->sleep.sleeps;
+	size_t kept = 0;
+
+	for (size_t k = 0; k < contacts->count; k++) {
+		const struct rb_contact *contact = &contacts->row[k];
+
+		if (sleeps[rb_stepped_is_dynamic(world, contact->a) ? contact->a : contact->b])
+			contacts->row[kept++] = *contact;
+	}
+	contacts->count = kept;
+}
+
+void rb_record_in_place(struct rb_world *world, const struct rb_cohort *cohort, double h)
+{
+	struct rb_contacts *const contacts = &world->contacts;
+	const struct rb_step_points *points = &cohort->points;
+
+	RB_ASSERT(h > 0);
+	if (has_resting(world, cohort))
+		keep_resting(world);
+	else
+		contacts->count = 0;
+	size_t old = contacts->count, end = old + points->chosen_count;
+	RB_ASSERT(end <= contacts->capacity);
+	contacts->count = end;
+	if (old == 0) {
+		struct records records = {world, cohort, contacts->row, h};
+
+		rb_team_share(world->team, points->chosen_count, RECORDS_PER_BLOCK, record_chosen,
+		              &records);
+		return;
+	}
+	/* from behind, where there is room: both lists are in order */
+	for (size_t c = points->chosen_count; c-- > 0;) {
+		const struct rb_contact contact = contact_of(world, cohort,
+		                                             (size_t)points->chosen[c], h);
+
+		while (old > 0 && (contacts->row[old - 1].a > contact.a ||
+		                   (contacts->row[old - 1].a == contact.a &&
+		                    contacts->row[old - 1].b > contact.b)))
+			contacts->row[--end] = contacts->row[--old];
+		contacts->row[--end] = contact;
+	}
+	RB_ASSERT(end == old);
+}
+
 enum rb_status rb_record_passed(const struct rb_cohort *cohort, double h, const unsigned char *skip,
                                 struct rb_contacts *to, struct rb_error *err)
 {

@@ -24,7 +24,15 @@ RB_CHECKED enum rb_status rb_record_contacts(struct rb_world *world, const struc
                                              double h_s, const unsigned char *skip,
                                              struct rb_contacts *to, struct rb_error *err);
 /*
- * Chooses these points, and takes room for their contacts, and `more`, in the arena: those of the
+ * The same where the cohort of all makes a whole step: the contacts become those of the world, in
+ * order, without another list beside them. First the points are chosen and space is taken, which
+ * can fail; the second cannot.
+ */
+RB_CHECKED enum rb_status rb_record_space(struct rb_world *world, struct rb_cohort *cohort,
+                                          struct rb_error *err);
+void rb_record_in_place(struct rb_world *world, const struct rb_cohort *cohort, double h_s);
+/*
+ * Chooses these points, and takes space for their contacts, and `more`, in the arena: those of the
  * step before are read meanwhile. Never to be released.
  */
 RB_CHECKED enum rb_status rb_record_scratch(struct rb_world *world, struct rb_cohort *cohort,

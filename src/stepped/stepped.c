@@ -209,21 +209,23 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model)
 static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	struct rb_contacts made;
+	const unsigned char *const sleeps = s->sleep.count > 0 ? s->sleep.sleeps : NULL;
+	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
 
 	RB_ASSERT(h > 0);
-	enum rb_status status = rb_record_scratch(world, &s->all, 0, &made, err);
-	if (status == RB_OK)
-		status = rb_record_contacts(world, &s->all, h, NULL, &made, err);
-	if (status == RB_OK)
-		status = rb_contacts_reserve(&world->contacts, made.count, err);
-	if (status == RB_OK)
-		status = rb_step_points_keep(&s->all.points, world, h, s->solver.asleep,
-		                             s->sleep.count > 0 ? s->sleep.sleeps : NULL, err);
+	enum rb_status status = rb_record_space(world, &s->all, err);
+	struct rb_named_impulse *const space = status == RB_OK
+	                                               ? rb_step_points_space(&s->all.points, world,
+	                                                                      sleeps != NULL)
+	                                               : NULL;
+	if (status == RB_OK && !space)
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts",
+		                 s->all.points.chosen_count);
 	if (status != RB_OK)
 		return status;
-	world->contacts.count = 0;
-	status = rb_contacts_join(&world->contacts, &made, err);
+	rb_record_in_place(world, &s->all, h); /* it reads impulses of the step before */
+	rb_step_points_keep_in(&s->all.points, world, h, s->solver.asleep, sleeps, space);
+	rb_arena_back(&world->arena[0], here);
 	if (world->model->driven)
 		rb_contacts_sort(&world->contacts);
 	if (status == RB_OK && s->all.passed.count > 0) {

@@ -231,28 +231,45 @@ static size_t keep_with_sleepers(const struct keeping *keeping, const unsigned c
 
 enum { IMPULSES_PER_BLOCK = 512 };
 
+struct rb_named_impulse *rb_step_points_space(struct rb_step_points *points,
+                                              const struct rb_world *world, bool sleeping)
+{
+	const size_t max = points->chosen_count + (sleeping ? points->last_count : 0);
+
+	return rb_step_points_reserve(points, max)
+	               ? rb_arena_take(&world->arena[0], max, sizeof *points->last)
+	               : NULL;
+}
+
+void rb_step_points_keep_in(struct rb_step_points *points, const struct rb_world *world, double h,
+                            const unsigned char *asleep, const unsigned char *sleeps,
+                            struct rb_named_impulse *space)
+{
+	struct keeping keeping = {points, space, asleep, h};
+	size_t count = points->chosen_count;
+
+	RB_ASSERT(space && h > 0);
+	if (sleeps)
+		count = keep_with_sleepers(&keeping, sleeps);
+	else
+		rb_team_share(world->team, count, IMPULSES_PER_BLOCK, keep_chosen, &keeping);
+	if (count > 0)
+		memcpy(points->last, space, count * sizeof *space);
+	points->last_count = count;
+}
+
 enum rb_status rb_step_points_keep(struct rb_step_points *points, const struct rb_world *world,
                                    double h, const unsigned char *asleep,
                                    const unsigned char *sleeps, struct rb_error *err)
 {
 	struct rb_arena *const arena = &world->arena[0];
 	const rb_arena_mark here = rb_arena_here(arena);
-	const size_t max = points->chosen_count + (sleeps ? points->last_count : 0);
-	size_t count = points->chosen_count;
-	struct rb_named_impulse *const to = rb_arena_take(arena, max, sizeof *to);
-	struct keeping keeping = {points, to, asleep, h};
+	struct rb_named_impulse *const space = rb_step_points_space(points, world, sleeps != NULL);
 
-	if (!to)
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", max);
-	if (sleeps)
-		count = keep_with_sleepers(&keeping, sleeps);
-	else
-		rb_team_share(world->team, count, IMPULSES_PER_BLOCK, keep_chosen, &keeping);
-	const bool good = rb_step_points_reserve(points, count);
-	if (good && count > 0)
-		memcpy(points->last, to, count * sizeof *to);
-	if (good)
-		points->last_count = count;
+	if (!space)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts",
+		               points->chosen_count);
+	rb_step_points_keep_in(points, world, h, asleep, sleeps, space);
 	rb_arena_back(arena, here);
-	return good ? RB_OK : RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
+	return RB_OK;
 }
