@@ -176,10 +176,11 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 }
 
 /*
- * Contacts of a body in a heap, each shared by two: as many as it has freedoms, at which heaps stop
- * giving way. Boxes made to last overlap those of its neighbours, of which equal spheres have 12.
+ * Contacts of a body in a heap, each shared by two: as many as take its freedoms, at which heaps
+ * stop giving way; with friction each takes three of a sphere's six. Boxes made to last overlap
+ * those of its neighbours, of which equal spheres have 12.
  */
-enum { SPHERE_POINTS = 3, BODY_POINTS = 6, HEAP_PAIRS = 12 };
+enum { SPHERE_POINTS = 3, ROUGH_SPHERE_POINTS = 2, BODY_POINTS = 6, HEAP_PAIRS = 12 };
 
 size_t rb_stepped_heap_bytes(const struct rb_model *model)
 {
@@ -199,8 +200,10 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model)
 	                                ? rb_local_rollback_body_bytes(model, HEAP_PAIRS)
 	                                : 0;
 
-	return (size_t)(central ? SPHERE_POINTS : BODY_POINTS) * (point + closing + scratch) +
-	       HEAP_PAIRS * (pair + clue) + rollback;
+	const bool rough = (model->features & RB_FEATURE_FRICTION) != 0;
+	const int points = !central ? BODY_POINTS : rough ? ROUGH_SPHERE_POINTS : SPHERE_POINTS;
+
+	return (size_t)points * (point + closing + scratch) + HEAP_PAIRS * (pair + clue) + rollback;
 }
 
 /* ---- the step ---- */
