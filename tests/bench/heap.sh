@@ -104,6 +104,20 @@ done
 pile box 32 10 1 1e-2 60
 pile box 32 10 2 1e-2 60
 [ -z "${HEAP_DIR-}" ] || draw
+# HEAP_BASE=program: an earlier version on the same machine; what 1e-6 r costs over its 1e-2 r
+if [ -n "${HEAP_BASE-}" ]; then
+	now=$RBSIM
+	pile sphere 10 10 1 1e-6 600
+	fine=$cost
+	echo "$BENCH: '$HEAP_BASE'" >&2
+	RBSIM=$HEAP_BASE
+	pile sphere 10 10 1 1e-2 600
+	coarse=$cost
+	pile sphere 10 10 1 1e-6 600
+	RBSIM=$now
+	result "pile of 1000, sphere" "time at 1e-6 r over the base's" "$(calc "$fine / $cost")" "" 1
+	result "pile of 1000, sphere" "time at 1e-6 r over the base's at 1e-2 r" "$(calc "$fine / $coarse")" "" 4.35
+fi
 # 100,000, of which the falling and the first impacts are in this many steps
 pile sphere 100 10 1 1e-2 200
 pile sphere 100 10 2 1e-2 200
