@@ -27,13 +27,6 @@ cat >others.hopper <<'END'
 3050 0.01 Jolt
 END
 
-# seconds of processor time of what has run until now
-spent()
-{
-	times >times-now # not of a pipe's shell
-	awk 'NR == 2 { split($1, t, /[ms]/); print 60 * t[1] + t[2] }' times-now
-}
-
 # point NAME TOLERANCE RADIUS ARGUMENT...: a row `ns overlap tolerance` of curve.NAME
 point()
 {
