@@ -504,6 +504,42 @@ static void an_attempt_that_fails_at_once_leaves_no_trace(void **state)
 	lab_close(&lab);
 }
 
+/* m: how far a ball beside a tower has fallen in a frame that begins with such an attempt. */
+static double fallen_beside(int per_frame, bool with_callback, int *called)
+{
+	const struct rb_world_options options = {.threads = 1};
+	const struct rb_world_hooks hooks = {.user = called, .step = nothing};
+	struct lab lab;
+
+	open_auto(&lab, 0.5, (rb_vec3){0, 0, -earth});
+	lab.scene.world.time_step_s = 1 / (frame_rate * per_frame);
+	lab_sphere(&lab, 0.1, 1, (rb_vec3){9, 0, 5}, none);
+	lab_plane(&lab, none, (rb_vec3){0, 0, 1});
+	for (int k = 0; k < 6; k++)
+		lab_box(&lab, (rb_vec3){0.4, 0.4, 0.2}, 1, (rb_vec3){0, 0, 0.1 + 0.2 * k},
+		        rb_quat_identity);
+	lab_seal_with(&lab, &options, with_callback ? &hooks : NULL);
+	lab.world->located->world_max = 0;
+	assert_int_equal(rb_world_step_frame(lab.world, &lab.error), RB_OK);
+	assert_false(rb_engine_locates(lab.world->located));
+	const double z = lab.world->state.position[2];
+	lab_close(&lab);
+	return 5 - z;
+}
+
+/* Whether the frame has one step or many, and whether each has a callback. */
+static void an_attempt_that_fails_at_once_leaves_out_no_step(void **state)
+{
+	const double all = 0.5 * earth / (frame_rate * frame_rate);
+	int called = 0;
+
+	(void)state;
+	assert_true(fabs(fallen_beside(1, false, &called) - all) < 1e-12);
+	assert_true(fabs(fallen_beside(4, false, &called) - all) < 1e-12);
+	assert_true(fabs(fallen_beside(4, true, &called) - all) < 1e-12);
+	assert_int_equal(called, 4);
+}
+
 /* A tower of 40 whose steps have paid for as many bodies, and for its forces only if it rests. */
 static void no_attempt_is_made_that_forces_alone_make_too_dear(void **state)
 {
@@ -568,6 +604,7 @@ int main(void)
 		cmocka_unit_test(
 			located_bodies_are_evaluated_once_where_nobody_asks_between_frames),
 		cmocka_unit_test(an_attempt_that_fails_at_once_leaves_no_trace),
+		cmocka_unit_test(an_attempt_that_fails_at_once_leaves_out_no_step),
 		cmocka_unit_test(no_attempt_is_made_that_forces_alone_make_too_dear),
 		cmocka_unit_test(what_has_rested_is_looked_at_again_once_it_moves),
 	};

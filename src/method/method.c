@@ -517,7 +517,9 @@ static enum rb_status located(struct rb_world *world, const struct grid *grid, d
 	/* an attempt that has failed at once has changed nothing that steps know */
 	if (!tries || !world->stepped || rb_engine_located(world->located) > 0)
 		status = change_to_steps(world, err);
-	const double now = world->state.time_s, next = grid_moment(grid, grid_from(grid, now));
+	/* where nothing has been located, too: the callback of that step has been called */
+	const double now = world->state.time_s;
+	const double next = grid_moment(grid, grid_from(grid, fmax(now, nextafter(start, stop))));
 	if (status == RB_OK && now < next)
 		return by_step(world, now, next, err);
 	world->has_shown = false;
