@@ -565,6 +565,32 @@ static void no_attempt_is_made_that_forces_alone_make_too_dear(void **state)
 	lab_close(&lab);
 }
 
+/* ---- frames that are taken back ---- */
+
+/* Nobody pushes where there are no callbacks, nor after a frame has been taken back. */
+static void locating_begins_again_after_a_frame_was_taken_back(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	open_auto(&lab, 0.5, (rb_vec3){0, 0, -earth});
+	lab_plane(&lab, none, (rb_vec3){0, 0, 1});
+	for (int k = 0; k < 2; k++)
+		lab_box(&lab, (rb_vec3){1, 1, 1}, 1, (rb_vec3){3 * k, 0, 0.5}, rb_quat_identity);
+	lab_seal(&lab, 1);
+	struct rb_world *const world = lab.world;
+	assert_int_equal(rb_world_step_frame(world, &lab.error), RB_OK);
+	assert_true(rb_engine_locates(world->located));
+	world->located->arc[1].position.x = 0.9; /* the frame would show an overlap */
+	world->located->generation[1]++;
+	assert_int_equal(rb_world_step_frame(world, &lab.error), RB_OK);
+	assert_int_equal(world->frame_counts.rollbacks, 1);
+	assert_true(world->dense_left > 0);
+	world->dense_left = 0;
+	assert_int_equal(rb_world_step_frame(world, &lab.error), RB_OK);
+	lab_close(&lab);
+}
+
 /* ---- what rests ---- */
 
 /* Two boxes at rest; then one is lifted and put down into the other. */
@@ -606,6 +632,7 @@ int main(void)
 		cmocka_unit_test(an_attempt_that_fails_at_once_leaves_no_trace),
 		cmocka_unit_test(an_attempt_that_fails_at_once_leaves_out_no_step),
 		cmocka_unit_test(no_attempt_is_made_that_forces_alone_make_too_dear),
+		cmocka_unit_test(locating_begins_again_after_a_frame_was_taken_back),
 		cmocka_unit_test(what_has_rested_is_looked_at_again_once_it_moves),
 	};
 

@@ -476,7 +476,9 @@ static bool is_pushed(const struct rb_world *world)
 	const size_t n = 3 * (size_t)world->model->body_count;
 	bool any = false;
 
-	for (size_t k = 0; world->pushed && k < n; k++)
+	if (!world->pushed || !world->state.push)
+		return false;
+	for (size_t k = 0; k < n; k++)
 		any = any || world->state.push[k] != 0 || world->state.twist[k] != 0;
 	return any;
 }
