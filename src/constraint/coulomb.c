@@ -483,6 +483,7 @@ static void back_to_mark(struct rb_cone *cone, const struct mark *mark)
 static bool raise_friction(struct rb_cone *cone, double tolerance, double scale, double *left)
 {
 	const rb_arena_mark here = rb_arena_here(cone->arena);
+	const bool tried = cone->joints.tried;
 	double *const whole = rb_arena_take(cone->arena, (size_t)cone->row_count, sizeof *whole);
 	struct mark start, good;
 	double max = 0, step = friction_step;
@@ -517,7 +518,8 @@ static bool raise_friction(struct rb_cone *cone, double tolerance, double scale,
 	(void)bound_friction(cone, whole, HUGE_VAL);
 	if (less)
 		back_to_mark(cone, &start);
-	rb_arena_back(cone->arena, here);
+	if (tried == cone->joints.tried) /* else their factors stand behind it, and are kept */
+		rb_arena_back(cone->arena, here);
 	return !less;
 }
 
