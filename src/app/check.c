@@ -40,9 +40,9 @@ static uint64_t smaller(uint64_t a, uint64_t b)
 
 /*
  * Bytes that the recorder takes on top of the code of HDF5: the library's own tables, measured, and
- * rows that wait to be written, which are 2 MiB, or none where they wait in the ring; with
- * compression chunks of some frames, once more in the library's cache. Never more than the run has
- * (sink/h5frames; compared with real runs by tests/cli/check-estimates.sh).
+ * rows that wait to be written, which are 2 MiB or a frame, or none where they wait in the ring;
+ * with compression chunks of some frames, once more in the library's cache. Never more than the run
+ * has (sink/h5frames; compared with real runs by tests/cli/check-estimates.sh).
  */
 static uint64_t recorder_bytes(const struct rb_model *model, const struct rb_record_def *record)
 {
@@ -50,7 +50,11 @@ static uint64_t recorder_bytes(const struct rb_model *model, const struct rb_rec
 	const uint64_t tables = 400000, mebibyte = 1 << 20;
 	const uint64_t frame = rb_frame_bytes(model, record->fields);
 	const uint64_t whole_run = model->frame_count * frame;
-	uint64_t waiting = frame > mebibyte / 16 ? 0 : 2 * mebibyte, cache = 0;
+	const bool as_they_are = record->every <= 1 && !record->single_precision;
+	uint64_t waiting = frame > 2 * mebibyte ? frame : 2 * mebibyte, cache = 0;
+
+	if (as_they_are && record->compression == 0 && frame > mebibyte / 16)
+		waiting = 0;
 
 	if (record->compression > 0) {
 		const uint64_t chunks = smaller(COMPRESSED_FRAMES * frame, 64 * mebibyte);
