@@ -43,18 +43,19 @@ static int group_of(const struct rb_world *world, int i)
  * while closing moves a few bodies: only what would take it back is looked at, as often as may be,
  * as shorter steps cost more. Small groups are sooner done with these than with another look.
  */
-static double max_of(const struct rb_world *world, const struct rb_deep *deep, int g, int looks)
+static double max_of(const struct rb_world *world, const struct rb_deep *deep, int g,
+                     int inspections)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
 
 	if (solver->island[g].row_count >= RB_STRATEGY_HEAP_ROWS)
 		return rb_projection_lost(world, deep, solver->h_s);
-	return looks == 0 ? rb_projection_max(world, deep, solver->h_s) : (double)INFINITY;
+	return inspections == 0 ? rb_projection_max(world, deep, solver->h_s) : (double)INFINITY;
 }
 
 /* Marks islands with an overlap that the projection may not close; false: there are none. */
-static bool mark_groups(const struct rb_world *world, const struct rb_depths *found, int looks,
-                        unsigned char *of_group)
+static bool mark_groups(const struct rb_world *world, const struct rb_depths *found,
+                        int inspections, unsigned char *of_group)
 {
 	bool any = false;
 
@@ -65,7 +66,7 @@ static bool mark_groups(const struct rb_world *world, const struct rb_depths *fo
 		for (int e = 0; e < 2; e++) {
 			const int g = group_of(world, ends[e]);
 
-			if (g < 0 || !(deep->depth > max_of(world, deep, g, looks)))
+			if (g < 0 || !(deep->depth > max_of(world, deep, g, inspections)))
 				continue;
 			of_group[g] = 1;
 			any = true;
@@ -285,7 +286,7 @@ static enum rb_status find_points(struct rb_world *world, struct rb_candidates *
 /* ---- the whole ---- */
 
 /* Overlaps of the cohort where they can be measured; marks groups in which one is deep. */
-static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort, int looks,
+static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort, int inspections,
                                 unsigned char *of_group, bool *deep, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
@@ -302,14 +303,14 @@ static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort
 
 	if (status != RB_OK)
 		return status;
-	*deep = mark_groups(world, &found, looks, of_group);
+	*deep = mark_groups(world, &found, inspections, of_group);
 	cohort->depths = found;
 	cohort->is_measured = !*deep;
 	return RB_OK;
 }
 
-enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, int looks, bool *again,
-                        struct rb_error *err)
+enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, int inspections,
+                        bool *again, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	struct view view;
@@ -321,8 +322,8 @@ enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, int lo
 	if (!of_group)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of a step");
 	memset(of_group, 0, s->solver.island_count + 1);
-	if (looks >= 0)
-		status = find_deep(world, cohort, looks, of_group, &deep, err);
+	if (inspections >= 0)
+		status = find_deep(world, cohort, inspections, of_group, &deep, err);
 	if (status != RB_OK)
 		return status;
 	const bool joints = rb_joints_mark(world, of_group);
