@@ -17,7 +17,8 @@
 
 #include <float.h>
 
-enum { TOUCHING_ULP = 8, STEPS_MAX = 48 };
+/* LOAD_ULP: of what accelerations are made of, what rounding leaves of those that are alike. */
+enum { TOUCHING_ULP = 8, STEPS_MAX = 48, LOAD_ULP = 64 };
 
 bool rb_pair_can_touch(const struct rb_located *l, int a, int b)
 {
@@ -395,18 +396,34 @@ static double linear_touch(rb_vec3 d, rb_vec3 w, double sum, double noise)
 	return s * square < noise * sum && -b <= noise * sum ? HUGE_VAL : s;
 }
 
+/* m/s^2: what rounding makes of the difference of these accelerations. */
+static double rounding_of(const struct rb_located *l, rb_vec3 a, rb_vec3 b)
+{
+	return LOAD_ULP * DBL_EPSILON * (l->weight + rb_vec3_length(a) + rb_vec3_length(b));
+}
+
+/*
+ * Seconds until what touches, at rest to rounding, is brought together. Bodies that move alike and
+ * do not press have accelerations that differ by rounding: these touch once they approach by more
+ * than noise, or they would do so for ever at one moment.
+ */
+static double rest_touch(double rate, double acceleration, double noise, double rounding)
+{
+	if (!(acceleration < 0))
+		return HUGE_VAL;
+	return acceleration < -rounding ? 0 : (rate + 2 * noise) / -acceleration;
+}
+
 /* Seconds until gap + rate s + acceleration s^2 / 2 = 0 while falling; INFINITY: never. */
 static double quadratic_touch(double gap, double rate, double acceleration, double band,
-                              double noise)
+                              double noise, double rounding)
 {
 	const bool touching = gap <= band;
 
 	if (touching && rate < -noise)
 		return 0;
-	if (touching &&
-	    rate <= noise) { /* at rest to rounding: only acceleration can bring them together */
-		return acceleration < 0 ? 0 : HUGE_VAL;
-	}
+	if (touching && rate <= noise) /* only acceleration can bring them together */
+		return rest_touch(rate, acceleration, noise, rounding);
 	if (touching) /* the gap within the band is no height to fall from */
 		return acceleration < 0 ? -2 * rate / acceleration : HUGE_VAL;
 	const double discriminant = rate * rate - 2 * acceleration * gap;
@@ -423,7 +440,7 @@ static double quadratic_touch(double gap, double rate, double acceleration, doub
  * zeros, so that only higher terms count.
  */
 static double parabolic_touch(const rb_vec3 motion[3], double sum, double band, double noise,
-                              double max)
+                              double rounding, double max)
 {
 	const rb_vec3 d = motion[0], w = motion[1], a = motion[2];
 	const double length = rb_vec3_length(d), rate = rb_vec3_dot(d, w) / length;
@@ -442,7 +459,7 @@ static double parabolic_touch(const rb_vec3 motion[3], double sum, double band, 
 	if (touching && c[1] == 0 && fabs(c[2]) <= 64 * DBL_EPSILON * bend)
 		c[2] = 0;
 	if (touching && c[1] == 0 && c[2] < 0)
-		return 0;
+		return rest_touch(rate, c[2] / length, noise, rounding);
 	return rb_quartic_falls(c, max);
 }
 
@@ -641,17 +658,17 @@ static double slowed_touch(double decay, rb_vec3 d, rb_vec3 w, double sum, doubl
  * `motion`. Drag alone brings nothing back.
  */
 static double slowed_fall(double decay, const double motion[3], double band, double noise,
-                          double max)
+                          double rounding, double max)
 {
 	const double gap = motion[0], rate = motion[1], external = motion[2];
 	const bool touching = gap <= band;
 
 	if (!(decay > 0))
-		return quadratic_touch(gap, rate, external, band, noise);
+		return quadratic_touch(gap, rate, external, band, noise, rounding);
 	if (touching && rate < -noise)
 		return 0;
 	if (touching && (rate <= noise || !(external < 0)))
-		return external < 0 ? 0 : HUGE_VAL;
+		return rest_touch(rate, external, noise, rounding);
 	return rb_decay_falls(decay, touching ? 0 : gap, rate, external, max);
 }
 
@@ -705,9 +722,10 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 		const rb_vec3 motion[3] = {between_origins(l, &m), rb_vec3_sub(vb, va),
 		                           rb_vec3_sub(acceleration_b, l->arc[a].acceleration)};
 
-		s = parabolic_touch(motion, model->shape[a].radius + model->shape[b].radius,
-		                    rb_contact_point_band(l, &m, from),
-		                    rb_contact_point_noise(l, &m), until - from);
+		s = parabolic_touch(
+			motion, model->shape[a].radius + model->shape[b].radius,
+			rb_contact_point_band(l, &m, from), rb_contact_point_noise(l, &m),
+			rounding_of(l, l->arc[a].acceleration, acceleration_b), until - from);
 	} else if (model->shape[b].kind == RB_SHAPE_SPHERE) {
 		s = slowed_touch(
 			decay,
@@ -732,7 +750,8 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 		const double motion[3] = {gap, rate, rb_vec3_dot(l->arc[a].acceleration, n)};
 
 		s = slowed_fall(decay, motion, band,
-		                gap <= band ? rb_contact_point_noise(l, &m) : 0, until - from);
+		                gap <= band ? rb_contact_point_noise(l, &m) : 0,
+		                rounding_of(l, l->arc[a].acceleration, none), until - from);
 	} else {
 		return advance(l, a, b, from, until, found);
 	}

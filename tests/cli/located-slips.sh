@@ -128,3 +128,14 @@ LUA
 for case in 0.3:16.56 10:2.154 100:0.2374 1000:0.02399; do
 	exits 0 run aims.lua --method located --no-record -p mu="${case%:*}" -p answer="${case#*:}"
 done
+# two balls on a floor meet, and slide alike from then on: there is no force between them, and their accelerations differ by
+# rounding, by which they touched again at the moment of the impact without end
+cat >alike.lua <<'LUA'
+world { duration = 0.02, gravity = {0, 0, -9.81} }
+local m = material { friction = 0.5, restitution = 0 }
+plane { name = "floor", material = m }
+local a = sphere { name = "a", radius = 0.009, position = {-0.0095, 0, 0.009}, velocity = {0.3, 0, 0}, material = m }
+local b = sphere { name = "b", radius = 0.009, position = {0.0095, 0, 0.009}, velocity = {-0.2, 0, 0}, material = m }
+expect("they stay beside each other", function() return math.abs(b.position.x - a.position.x - 0.018) < 1e-15 end)
+LUA
+timeout 60 "$RBSIM" run alike.lua --method located --no-record --quiet >out 2>err </dev/null || fail "alike.lua: exit status $?"
