@@ -15,8 +15,11 @@
 #include "located/joint_problem.h"
 #include "located/mechanics.h"
 
-/* Length of a slip that has ended, ulp of the size; rounding of accelerations aside, ulp. */
-enum { SLIP_ULP = 1, STRAIGHT_ULP = 64 };
+/*
+ * Length of a slip that has ended, ulp of the size; rounding of accelerations aside, ulp; forces
+ * that are residue of others, ulp of what these do.
+ */
+enum { SLIP_ULP = 1, STRAIGHT_ULP = 64, RESIDUE_ULP = 16 };
 /* Cosine above which two normals are one, to rounding. */
 static const double same_way = 1 - 1e-12;
 
@@ -181,6 +184,33 @@ static void find_loads(struct rb_resolution *s)
 	}
 }
 
+/* Is it rounding of what else acts on the body? */
+static bool is_residue(const struct rb_resolution *s, int body, double force)
+{
+	if (body >= s->l->n || s->l->place[body] < 0)
+		return true;
+	const int place = s->l->place[body];
+
+	return s->l->model->inverse_mass[body] * force <=
+	       RESIDUE_ULP * DBL_EPSILON * (s->load[place] + rb_vec3_length(s->linear[place]));
+}
+
+/*
+ * What the solver leaves of a contact that only touches, as of a ball that falls along a wall, has
+ * no direction: held by it, slips would begin backwards and end at once, for ever.
+ */
+static void drop_residue(struct rb_resolution *s)
+{
+	for (int k = 0; k < s->contact_point_count; k++) {
+		struct rb_solver_contact *const c = &s->joint.contact[k];
+		const double force = rb_vec3_length(c->impulse);
+
+		if (force > 0 && is_residue(s, s->contact_point[k].a, force) &&
+		    is_residue(s, s->contact_point[k].b, force))
+			c->impulse = (rb_vec3){0, 0, 0};
+	}
+}
+
 bool rb_slips_are_too_many(const struct rb_resolution *s)
 {
 	const int count = s->contact_point_count;
@@ -263,6 +293,7 @@ static bool solve(struct rb_resolution *s)
 		return false;
 	}
 	find_loads(s);
+	drop_residue(s);
 	return true;
 }
 
