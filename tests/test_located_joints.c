@@ -4,6 +4,7 @@
 
 #include <float.h>
 
+#include "base/memory.h"
 #include "method/numbers.h"
 #include "model/joints.h"
 
@@ -746,6 +747,31 @@ static void a_balanced_wheel_goes_on_spinning(void **state)
 	lab_close(&lab);
 }
 
+/* Rows of joints that share few bodies: no matrix of all of them is reserved, 72 MB here. */
+static void a_long_chain_takes_little_memory(void **state)
+{
+	enum { LINKS = 1000 };
+	struct lab lab;
+
+	(void)state;
+	open(&lab, 0.02, 100);
+	for (int k = 0; k < LINKS; k++) {
+		struct rb_joint_def def = jointed_def(RB_JOINT_BALL, k, k - 1);
+
+		lab_sphere(&lab, 0.1, 1, (rb_vec3){k, 0, 0}, (rb_vec3){0, 0, 0});
+		def.at = (rb_vec3){k - 0.5, 0, 0};
+		if (k > 0)
+			jointed_add(&lab, def);
+	}
+	lab_seal(&lab, 1);
+	to_end(&lab);
+	assert_true(rb_memory_counts().bytes_peak < 48000000);
+	const rb_vec3 last = {LINKS - 1, 0, -0.5 * gravity * pow(lab.world->state.time_s, 2)};
+
+	assert_vector(place(&lab, LINKS - 1), last, 1e-12);
+	lab_close(&lab);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -766,6 +792,7 @@ int main(void)
 		cmocka_unit_test(every_kind_keeps_energy_and_momentum),
 		cmocka_unit_test(a_taut_chain_fails_by_name),
 		cmocka_unit_test(a_balanced_wheel_goes_on_spinning),
+		cmocka_unit_test(a_long_chain_takes_little_memory),
 		cmocka_unit_test(a_double_pendulum_is_where_it_should_be),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

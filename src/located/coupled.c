@@ -42,14 +42,14 @@ bool rb_coupled_reserve(struct rb_coupled *system, int max)
 	       e->of && e->pivot;
 }
 
-bool rb_coupled_reserve_dense(struct rb_arena *arena, struct rb_dense *dense, int max)
+bool rb_coupled_reserve_right(struct rb_arena *arena, struct rb_dense *dense, int max)
 {
 	const size_t n = (size_t)max;
 
-	dense->matrix = rb_arena_take(arena, rb_envelope_size_max(max) + 1, sizeof *dense->matrix);
+	dense->matrix = NULL;
 	dense->right = rb_arena_take(arena, 3 * n + 1, sizeof *dense->right);
 	dense->last = rb_arena_take(arena, 5 * n + 1, sizeof *dense->last);
-	if (!dense->matrix || !dense->right || !dense->last)
+	if (!dense->right || !dense->last)
 		return false;
 	dense->size = dense->right + n;
 	dense->found = dense->size + n;
@@ -58,6 +58,14 @@ bool rb_coupled_reserve_dense(struct rb_arena *arena, struct rb_dense *dense, in
 	dense->from = dense->pivot + n;
 	dense->order = dense->from + n;
 	return true;
+}
+
+bool rb_coupled_reserve_dense(struct rb_arena *arena, struct rb_dense *dense, int max)
+{
+	if (!rb_coupled_reserve_right(arena, dense, max))
+		return false;
+	dense->matrix = rb_arena_take(arena, rb_envelope_size_max(max) + 1, sizeof *dense->matrix);
+	return dense->matrix != NULL;
 }
 
 void rb_coupled_turn(const struct rb_coupled *system)
@@ -299,7 +307,9 @@ static bool take_slot(struct rb_coupled *system, size_t size, double t, bool has
 	return true;
 }
 
-/* Room for factors of that size: the oldest slot, or what the dense system has. */
+/*
+ * Room for factors of that size: the oldest slot, or what the dense system has; NULL: no memory.
+ */
 static void choose_values(struct rb_coupled *system, size_t size, double t)
 {
 	struct rb_coupled_kept *const kept = system->kept;
@@ -311,15 +321,19 @@ static void choose_values(struct rb_coupled *system, size_t size, double t)
 		kept->found = false;
 	if (take_slot(system, size + 2 * (size_t)system->count, t, false))
 		use_slot(system, kept->slot);
+	else if (!system->own.matrix)
+		system->factor.value = rb_arena_take(system->l->arena, size + 1, sizeof(double));
 }
 
-/* The same of the dense system. */
+/* The same of the dense system: its matrix. */
 static void choose_pivots(struct rb_coupled *system, struct rb_dense *dense, double t)
 {
 	enum { PIVOTS_MAX = 1024 }; /* unknowns: eight matrices are 64 MB */
 	struct rb_coupled_kept *const kept = system->kept;
 	const size_t n = (size_t)system->count;
 
+	if (!system->own.matrix)
+		system->own.matrix = rb_arena_take(system->l->arena, n * n + 1, sizeof(double));
 	dense->matrix = system->own.matrix;
 	dense->last = system->own.last;
 	dense->down = system->own.down;
@@ -373,7 +387,7 @@ static void fill_strip(const struct rb_coupled *system, int k, const struct stri
 	fill_side(system, row->b, &row->side[1], strip);
 }
 
-/* Factors; false: rows may depend on each other. */
+/* Factors; false: rows may depend on each other, or factor.value is NULL. */
 static bool factor(struct rb_coupled *system, struct rb_dense *dense, double t)
 {
 	struct rb_envelope *const f = &system->factor;
@@ -387,6 +401,8 @@ static bool factor(struct rb_coupled *system, struct rb_dense *dense, double t)
 		dense->products += block->count * width * (width + 3) / 2;
 	}
 	choose_values(system, size, t);
+	if (!f->value)
+		return false;
 	memset(f->value, 0, size * sizeof *f->value);
 	for (int k = 0; k < f->n; k++) {
 		struct strip strip = {.first = f->block[f->of[k]].first, .last = k};
@@ -409,7 +425,7 @@ static int reach_on(const struct rb_coupled *system, int place, int last)
 	return end > last ? end : last;
 }
 
-void rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense, double t)
+bool rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense, double t)
 {
 	const int n = system->count;
 	struct rb_coupled_kept *const kept = system->kept;
@@ -422,11 +438,13 @@ void rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense, double t
 	const bool tries = system->is_symmetric && system->factor.block_count > 1 &&
 	                   !(kept && kept->depends);
 	system->is_factored = tries && factor(system, dense, t);
-	if (system->is_factored)
-		return;
+	if (system->is_factored || (tries && !system->factor.value))
+		return system->is_factored;
 	if (kept && tries)
 		kept->depends = true;
 	choose_pivots(system, dense, t);
+	if (!dense->matrix)
+		return false;
 	int *const last = dense->last;
 
 	for (int k = 0; k < n; k++) {
@@ -440,6 +458,7 @@ void rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense, double t
 		memset(strip.to, 0, (size_t)(last[k] + 1 - strip.first) * sizeof *strip.to);
 		fill_strip(system, k, &strip);
 	}
+	return true;
 }
 
 void rb_coupled_solve(const struct rb_coupled *system, struct rb_dense *dense)

@@ -85,7 +85,12 @@ struct rb_coupled {
 
 /* Rooms for so many rows; false: no memory. */
 bool rb_coupled_reserve(struct rb_coupled *system, int max);
-/* Arrays of a dense system of so many unknowns; false: no memory. */
+/*
+ * Arrays of a dense system of so many unknowns; false: no memory. Without its matrix (NULL):
+ * rb_coupled_fill takes as much of one as it needs, which of many rows that share few bodies is
+ * little.
+ */
+bool rb_coupled_reserve_right(struct rb_arena *arena, struct rb_dense *dense, int max);
 bool rb_coupled_reserve_dense(struct rb_arena *arena, struct rb_dense *dense, int max);
 
 /* At poses that have changed, before rows respond. */
@@ -121,9 +126,10 @@ bool rb_coupled_accept(struct rb_coupled *system, const struct rb_dense *dense, 
 /*
  * The matrix of all rows at `t`, and where it is zero; they are sorted. Symmetric systems are
  * factored at once, where all rows are independent by more than half of all digits. The dense
- * system is as large; its right side is that of both.
+ * system is as large; its right side is that of both. False: no memory for a matrix that is still
+ * to be taken.
  */
-void rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense, double t);
+bool rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense, double t);
 
 /* Once filled: rb_dense_solve, and rb_dense_again for another right side. */
 void rb_coupled_solve(const struct rb_coupled *system, struct rb_dense *dense);

@@ -445,7 +445,7 @@ static bool assemble(const struct rb_joint_rows *rows, struct rb_coupled *system
 	                              .is_symmetric = true};
 	*dense = (struct rb_dense){.n = rows->count};
 	if (!rb_coupled_reserve(system, rows->count) ||
-	    !rb_coupled_reserve_dense(rows->l->arena, dense, rows->count))
+	    !rb_coupled_reserve_right(rows->l->arena, dense, rows->count))
 		return false;
 	rb_coupled_turn(system);
 	for (int k = 0; k < rows->count; k++) {
@@ -454,8 +454,7 @@ static bool assemble(const struct rb_joint_rows *rows, struct rb_coupled *system
 	}
 	system->count = rows->count;
 	rb_coupled_sort(system);
-	rb_coupled_fill(system, dense, 0);
-	return true;
+	return rb_coupled_fill(system, dense, 0);
 }
 
 static bool fail_memory(const struct rb_joint_rows *rows)
