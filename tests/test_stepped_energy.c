@@ -168,12 +168,96 @@ static void what_slides_freely_keeps_its_energy(void **state)
 	lab_close(&lab);
 }
 
+/* ---- ropes without give ---- */
+
+static void hang(struct lab *lab, enum rb_joint_kind kind, int a, int b)
+{
+	struct rb_joint_def def = rb_joint_def_default();
+
+	def.kind = kind;
+	def.a = a;
+	def.b = b;
+	if (kind == RB_JOINT_SLIDER)
+		def.axis = (rb_vec3){0, 1, 0};
+	assert_int_equal(rb_scene_add_joint(&lab->scene, &def, NULL, &lab->error), RB_OK);
+}
+
+/*
+ * Two on parallel slides, a rope of the least distance across them: it pulls at right angles to
+ * what moves, and lets nothing move but both together. `ball`, kg: what hits the first one.
+ */
+static void slide(struct lab *lab, double step, double mass, double ball)
+{
+	const rb_vec3 size = {0.2, 0.2, 0.2};
+	const double v = ball > 0 ? 0 : -1.2;
+	int of[2];
+
+	lab_open(lab, 1, 100);
+	lab->scene.world.method = RB_METHOD_STEPPED;
+	lab->scene.world.time_step_s = step;
+	lab->scene.world.gravity = (rb_vec3){0, 0, 0};
+	lab_surface(lab, 0, 0);
+	struct rb_body_def def = lab_box_def(size, 1, (rb_vec3){0, 0, 0});
+	of[0] = lab_add(lab, &def);
+	def = lab_box_def(size, mass, (rb_vec3){1, 0, 0});
+	def.velocity.y = v;
+	of[1] = lab_add(lab, &def);
+	hang(lab, RB_JOINT_SLIDER, of[0], -1);
+	hang(lab, RB_JOINT_SLIDER, of[1], -1);
+	hang(lab, RB_JOINT_ROPE, of[0], of[1]);
+	if (ball > 0)
+		(void)lab_sphere(lab, 0.1, ball, (rb_vec3){0, -1, 0}, (rb_vec3){0, 3, 0});
+	lab_seal(lab, 1);
+}
+
+static double along_slides(struct lab *lab)
+{
+	double sum = 0;
+
+	for (int i = 0; i < lab->model->body_count; i++)
+		sum += rb_world_velocity(lab->world, i).y / lab->model->inverse_mass[i];
+	return sum;
+}
+
+static double mass_of(const struct lab *lab)
+{
+	double sum = 0;
+
+	for (int i = 0; i < lab->model->body_count; i++)
+		sum += 1 / lab->model->inverse_mass[i];
+	return sum;
+}
+
+static void a_rope_across_slides_stops_what_it_holds(void **state)
+{
+	static const double steps[] = {0.1, 0.01, 0.001}, masses[] = {0.05, 0.7, 1, 20};
+	static const double balls[] = {0, 0.2, 1, 5};
+
+	(void)state;
+	for (int k = 0; k < 3 * 4 * 4; k++) {
+		struct lab lab;
+
+		slide(&lab, steps[k % 3], masses[k / 3 % 4], balls[k / 12]);
+		const double start = total(&lab), p = along_slides(&lab);
+		const double end = 0.5 * p * p / mass_of(&lab);
+
+		while (rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world)) {
+			lab_step(&lab);
+			assert_true(total(&lab) <= (1 + 1e-9) * start);
+		}
+		/* which it sees once it is longer by the tolerance, where it has begun to turn */
+		assert_near(total(&lab), end, 0.04 * start);
+		lab_close(&lab);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(nothing_that_is_thrown_gains_energy),
 		cmocka_unit_test(a_box_that_rattles_between_walls_keeps_to_its_energy),
 		cmocka_unit_test(what_slides_freely_keeps_its_energy),
+		cmocka_unit_test(a_rope_across_slides_stops_what_it_holds),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

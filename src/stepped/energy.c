@@ -65,22 +65,32 @@ static double driven_work(const struct rb_solver *solver, const struct rb_island
 	return island->carried ? rb_row_system_work(&rows) : 0;
 }
 
+/* Whether the row asks for its target, whatever that takes. */
+static bool is_held(const struct rb_constraint *row)
+{
+	return row->set == RB_CONSTRAINT_FREE ||
+	       (row->softness == 0 && isinf(row->low) && isinf(row->high));
+}
+
 /*
  * What joints give, J, at the velocities that are solved for: where ways are bent, the constraint
- * turns with them, and its work comes back. Motors, springs and friction are no contact either.
- * What a limit or a rope takes it takes as a contact does, by closing what was open.
+ * turns with them, and its work comes back; of what holds, at those that are asked for, since what
+ * large forces leave of a tolerance is no work. Motors, springs and friction are no contact either.
+ * Limits and ropes are as contacts are: they take, and are not drawn back by what nobody has given.
  */
 static double joint_work(const struct rb_solver *solver, const struct rb_island *island)
 {
+	const struct rb_solver_bodies *bodies = &solver->dense.bodies;
 	double sum = 0;
 
 	for (int k = island->contact_count; k < island->row_count; k++) {
 		const struct rb_constraint *row = &solver->dense.row[island->first_row + k];
 
-		const double work = rb_vec3_dot(rb_constraint_impulse(row),
-		                                rb_constraint_velocity(&solver->dense.bodies, row));
-
-		sum += rb_constraint_side(row) != 0 ? fmax(0, work) : work;
+		if (rb_constraint_side(row) != 0)
+			continue;
+		const rb_vec3 at = is_held(row) ? rb_constraint_joined(row, row->target)
+		                                : rb_constraint_velocity(bodies, row);
+		sum += rb_vec3_dot(rb_constraint_impulse(row), at);
 	}
 	return sum;
 }
@@ -248,8 +258,7 @@ static inline struct bound bound_of_rows(const struct sums *sums, int first, int
 	for (int k = first; k < end; k++) {
 		const struct rb_constraint *row = &sums->dense->row[k];
 
-		if (row->set == RB_CONSTRAINT_CONE)
-			bound.max = fmax(bound.max, row->impulse.n);
+		bound.max = fmax(bound.max, rb_constraint_side(row) * row->impulse.n);
 		if (isfinite(row->target.n))
 			bound.momentum += fabs(row->target.n) / row->inverse_mass_n;
 	}
@@ -324,13 +333,25 @@ bool rb_energy_has_impulse(const struct rb_row_system *dense)
 	return false;
 }
 
+/* What the row asks for beyond not closing on: to be pushed apart, or drawn back. */
+static inline bool separates(const struct rb_constraint *row)
+{
+	return rb_constraint_side(row) * row->target.n > 0;
+}
+
 bool rb_energy_has_separation(const struct rb_row_system *dense)
 {
 	for (int k = 0; k < dense->row_count; k++)
-		if (dense->row[k].set == RB_CONSTRAINT_CONE && dense->row[k].impulse.n > 0 &&
-		    dense->row[k].target.n > 0)
+		if (separates(&dense->row[k]) && dense->row[k].impulse.n != 0)
 			return true;
 	return false;
+}
+
+void rb_energy_clear_separation(const struct rb_row_system *dense)
+{
+	for (int k = 0; k < dense->row_count; k++)
+		if (separates(&dense->row[k]))
+			dense->row[k].target.n = 0;
 }
 
 bool rb_energy_keep(const struct rb_solver *solver, const struct rb_island *island,
@@ -377,13 +398,6 @@ void rb_energy_mix(const struct rb_solver *solver, const struct rb_island *islan
 	for (int k = 0; k < island->member_count; k++)
 		go(&dense.bodies.body[solver->member[island->first_member + k]], share,
 		   &kept->body[k]);
-}
-
-/* Whether the row asks for its target, whatever that takes. */
-static bool is_held(const struct rb_constraint *row)
-{
-	return row->set == RB_CONSTRAINT_FREE ||
-	       (row->softness == 0 && isinf(row->low) && isinf(row->high));
 }
 
 static double off_target(const struct rb_constraint *row, rb_vec3 now)

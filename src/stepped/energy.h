@@ -42,8 +42,10 @@ double rb_energy_share(const struct rb_energy *energy);
 
 /* Whether a row that pushes one way has an impulse. */
 bool rb_energy_has_impulse(const struct rb_row_system *dense);
-/* Whether contacts that overlap, or would, are pushed apart. */
+/* Whether contacts that overlap, or would, are pushed apart, or limits and ropes drawn back. */
 bool rb_energy_has_separation(const struct rb_row_system *dense);
+/* They are not any more. */
+void rb_energy_clear_separation(const struct rb_row_system *dense);
 
 /*
  * Whether impulses are of a size that the group's momentum, and what it is asked for, can explain;

@@ -161,8 +161,10 @@ static void keep_open(const struct filling *f, struct rb_constraint *row, int pa
 static struct rb_constraint linkage_row(const struct filling *f, int k)
 {
 	const double bend = f->query->before ? f->of->bend[k] : 0;
-	const double rate = -(f->link[k].error + bend) / f->query->h_s;
-	double scale;
+	double rate = -(f->link[k].error + bend) / f->query->h_s, scale;
+
+	if (f->query->before && f->of->eases)
+		rate = fmax(rate, 0);
 	struct rb_constraint row = line_row(f, &f->link[k], f->query->at_end ? 0 : rate, &scale);
 
 	row.low = -(double)INFINITY;

@@ -17,7 +17,10 @@
  * this is SHAKE (Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23 (1977) 327), which neither
  * damps nor drives what swings. A bend is foreseen to be that of the step before (where impulses
  * come in halves, on a straight line through the last two, as they were measured), and found by
- * looking at the step again (stepped/again).
+ * looking at the step again (stepped/again). Of a rope at right angles to all that moves the error
+ * is a square, (d + x)^2 / (2 L) with d what it is off across: steps of these looks reach its root,
+ * which is double, from one side alone, and grow without end on the other one. A rope that a look
+ * has found farther off than the look before is not drawn back in that try.
  *
  * Groups that need no rows at all: stepped/swing.
  *
@@ -117,10 +120,11 @@ struct rb_step_joint {
 	/* m, rad: errors at the end, if they grew as fast as the solution says at the beginning */
 	double straight[RB_LINKAGE_ROWS_MAX];
 	bool is_measured; /* `miss` is that of the last solution */
-	bool halves;      /* of the try: its group has taken impulses in halves */
-	bool swings;      /* of the try: its group has no rows (swing) */
-	double drift;     /* m: the largest of these; INFINITY: not measured in this try */
-	double rate; /* m/s, rad/s: of the free coordinate as the step began; of a rope's length */
+	bool eases;   /* of the try: a rope that is not drawn back, since that led farther off */
+	bool halves;  /* of the try: its group has taken impulses in halves */
+	bool swings;  /* of the try: its group has no rows (swing) */
+	double drift; /* m: the largest of these; INFINITY: not measured in this try */
+	double rate;  /* m/s, rad/s: of the free coordinate as the step began; of a rope's length */
 	double impulse[RB_JOINT_PARTS]; /* N s, N m s: of the try */
 	rb_vec3 reaction, twist;        /* N s, N m s, on b, about its point: of the try */
 	struct rb_joint_work work;      /* of the try */

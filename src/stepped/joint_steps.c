@@ -154,7 +154,7 @@ enum rb_status rb_joints_try(struct rb_world *world, const struct rb_cohort *coh
 		}
 
 		of->drift = (double)INFINITY;
-		of->is_measured = of->halves = of->swings = false;
+		of->is_measured = of->eases = of->halves = of->swings = false;
 		for (int r = 0; r < RB_LINKAGE_ROWS_MAX; r++) {
 			const double since = 0.5 * (h + of->last.curve_s);
 
@@ -165,6 +165,11 @@ enum rb_status rb_joints_try(struct rb_world *world, const struct rb_cohort *coh
 }
 
 /* ---- drift ---- */
+
+static bool is_one_sided(const struct rb_world *world, int joint)
+{
+	return world->model->joints->joint[joint].link.type->one_sided;
+}
 
 /* Of the joints that the solver has last been asked about. */
 bool rb_joints_mark(struct rb_world *world, unsigned char *of_group)
@@ -184,6 +189,8 @@ bool rb_joints_mark(struct rb_world *world, unsigned char *of_group)
 			continue;
 		of->drift = rb_step_joint_rows_miss(world, number, of);
 		of->is_measured = true;
+		of->eases = of->eases ||
+		            (is_one_sided(world, number) && before > max && of->drift > before);
 		if (of->drift <= max || (of->drift <= world->model->stepped_tolerance_m &&
 		                         !(of->drift <= gain_share * before)))
 			continue;

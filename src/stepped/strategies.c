@@ -418,21 +418,51 @@ static bool is_stiff(const struct rb_solver *solver, const struct rb_island *isl
 	return max > stiff_ratio * least;
 }
 
-/* ---- energy ---- */
+/* ---- joints ---- */
 
-static void clear_separation(const struct rb_row_system *dense)
+/* Of rows without bounds: forces of joints against each other are not handed on. */
+static void forget_held(const struct rb_solver *solver, const struct rb_island *island,
+                        const struct rb_row_system *dense)
 {
-	for (int k = 0; k < dense->row_count; k++) {
-		struct rb_constraint *row = &dense->row[k];
-
-		if (row->set == RB_CONSTRAINT_CONE)
-			row->target.n = fmin(row->target.n, 0);
-	}
+	for (int k = 0; k < dense->row_count; k++)
+		if (dense->row[k].set == RB_CONSTRAINT_FREE ||
+		    (isinf(dense->row[k].low) && isinf(dense->row[k].high)))
+			rb_constraint_clear(&dense->row[k]);
+	apply_again(solver, island, dense);
 }
 
+/* Rows of joints, to what their contacts' impulses leave them; INFINITY: it was not tried. */
+static double solve_joints(const struct rb_solver *solver, struct rb_island *island,
+                           const struct rb_row_system *rows, struct rb_arena *arena)
+{
+	struct rb_row_system joints = *rows;
+
+	joints.row += island->contact_count;
+	joints.row_count -= island->contact_count;
+	const struct rb_dual dual = {
+		.dense = &joints,
+		/* as close as rounding lets it: that costs no more */
+		.tolerance = close_share * solver->tolerance,
+		.max = fmin(joints_share * (double)rows->row_count, factors_max),
+		.interrupt = solver->interrupt,
+		.arena = arena};
+
+	/* a second half goes on from the first one, which has forgotten them */
+	if (solver->before || !island->halves)
+		forget_held(solver, island, rows);
+	const struct rb_dual_result result = rb_dual_solve(&dual);
+	island->factors += result.steps;
+	if (result.tried)
+		apply_again(solver, island, rows);
+	return result.residual;
+}
+
+/* ---- energy ---- */
+
 /*
- * Without pushing apart, closely; then back to it, if it was a solution, as far as that gains
- * nothing. What is between two solutions is in the cones, and closes no gap that neither closes.
+ * Without pushing apart or drawing back, closely; then back to it, if it was a solution, as far as
+ * that gains nothing. What is between two solutions is in the cones, and closes no gap that neither
+ * closes.
  */
 static struct rb_energy push_less(const struct rb_solver *solver, struct rb_island *island,
                                   const struct rb_row_system *dense, struct rb_team *team,
@@ -445,13 +475,16 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 	const bool solved = island->residual <= solver->tolerance;
 
 	if (good)
-		clear_separation(dense);
+		rb_energy_clear_separation(dense);
 	if (!good || !rb_sweeper_take(&sweeper, arena)) {
 		island->residual = (double)INFINITY; /* no memory: taken back */
 		return none;
 	}
-	if (!sweep_more(solver, &sweeper, island, aim_of(solver, island, &sweeper), SWEEPS_CLOSE) &&
-	    !(island->residual <= solver->tolerance))
+	if (island->contact_count == 0)
+		island->residual = solve_joints(solver, island, dense, arena);
+	else if (!sweep_more(solver, &sweeper, island, aim_of(solver, island, &sweeper),
+	                     SWEEPS_CLOSE) &&
+	         !(island->residual <= solver->tolerance))
 		(void)try_factors(solver, island, dense, STALLED, arena);
 	const struct rb_energy least = rb_energy_of(solver, island, team, arena);
 	const bool gains = rb_energy_gain(&least) > least.noise;
@@ -514,23 +547,27 @@ static bool even_out(const struct rb_solver *solver, struct rb_sweeper *sweeper,
 }
 
 /*
- * Where friction wedges what is to be pushed apart no impulses may do it: those of sweeps grow
- * without end. Nothing is pushed apart then; what is wedged all the same is looked at in shorter
- * steps.
+ * Where friction wedges what is to be pushed apart, and where a rope pulls at right angles to all
+ * that moves, no impulses may do it: they grow without end. Nothing is pushed apart then; what is
+ * wedged all the same is looked at in shorter steps.
  */
 static bool start_over(const struct rb_solver *solver, struct rb_island *island,
                        const struct rb_row_system *dense, struct rb_team *team,
                        struct rb_arena *arena)
 {
 	struct rb_sweeper sweeper = sweeper_of(solver, island, dense, team);
+	const double aim = solver->tolerance / sweep_share;
 
 	for (int k = 0; k < dense->row_count; k++)
 		rb_constraint_clear(&dense->row[k]);
-	clear_separation(dense);
+	rb_energy_clear_separation(dense);
 	apply_again(solver, island, dense);
-	const bool good = rb_sweeper_take(&sweeper, arena) &&
-	                  sweep_more(solver, &sweeper, island, solver->tolerance / sweep_share,
-	                             max_of(&sweeper));
+	if (island->contact_count == 0)
+		island->residual = solve_joints(solver, island, dense, arena);
+	const bool good = island->contact_count == 0 ? island->residual <= aim
+	                                             : rb_sweeper_take(&sweeper, arena) &&
+	                                                       sweep_more(solver, &sweeper, island,
+	                                                                  aim, max_of(&sweeper));
 	if (rb_energy_bounds(solver, island, dense, true, team, arena))
 		return good;
 	island->residual = (double)INFINITY;
@@ -552,43 +589,6 @@ struct trial {
 static bool is_of_joints(const struct trial *trial)
 {
 	return trial->island->contact_count == 0;
-}
-
-/* Of rows without bounds: forces of joints against each other are not handed on. */
-static void forget_held(const struct rb_solver *solver, const struct rb_island *island,
-                        const struct rb_row_system *dense)
-{
-	for (int k = 0; k < dense->row_count; k++)
-		if (dense->row[k].set == RB_CONSTRAINT_FREE ||
-		    (isinf(dense->row[k].low) && isinf(dense->row[k].high)))
-			rb_constraint_clear(&dense->row[k]);
-	apply_again(solver, island, dense);
-}
-
-/* Rows of joints, to what their contacts' impulses leave them; INFINITY: it was not tried. */
-static double solve_joints(const struct rb_solver *solver, struct rb_island *island,
-                           const struct rb_row_system *rows, struct rb_arena *arena)
-{
-	struct rb_row_system joints = *rows;
-
-	joints.row += island->contact_count;
-	joints.row_count -= island->contact_count;
-	const struct rb_dual dual = {
-		.dense = &joints,
-		/* as close as rounding lets it: that costs no more */
-		.tolerance = close_share * solver->tolerance,
-		.max = fmin(joints_share * (double)rows->row_count, factors_max),
-		.interrupt = solver->interrupt,
-		.arena = arena};
-
-	/* a second half goes on from the first one, which has forgotten them */
-	if (solver->before || !island->halves)
-		forget_held(solver, island, rows);
-	const struct rb_dual_result result = rb_dual_solve(&dual);
-	island->factors += result.steps;
-	if (result.tried)
-		apply_again(solver, island, rows);
-	return result.residual;
 }
 
 static bool factors_of_joints(const struct trial *trial)
