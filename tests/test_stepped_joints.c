@@ -444,6 +444,28 @@ static void a_ball_on_a_rope_falls_and_is_held(void **state)
 	}
 }
 
+/* Thrown outwards with 1 m/s along and 2 m/s across: once 0.5 J are gone they are gone once. */
+static void a_rope_that_is_taut_at_the_start_takes_energy_once(void **state)
+{
+	struct rb_joint_def def = rb_joint_def_default();
+	struct lab lab;
+
+	(void)state;
+	open_stepped(&lab, 0.5, 100, 0.001);
+	lab.scene.world.gravity = nothing;
+	def.kind = RB_JOINT_ROPE;
+	def.a = lab_sphere(&lab, 0.1, 1, (rb_vec3){0, 0, -1}, (rb_vec3){2, 0, -1});
+	def.at_b = nothing;
+	def.length_m = 1;
+	add_joint(&lab, &def);
+	lab_seal(&lab, 1);
+	lab_run(&lab);
+	assert_near(energy(&lab), 2, 0.01);
+	assert_near(ledger_of(&lab).energy[RB_ENERGY_IMPACTS], 0.5, 0.01);
+	assert_near(ledger_of(&lab).energy[RB_ENERGY_CAUSES], 0, 0.01);
+	lab_close(&lab);
+}
+
 /*
  * On a circle of 1 m from the lowest point with v0^2 = 3.5 g: slack at the height z = v^2 / g above
  * the middle, z = 1/2.
@@ -751,6 +773,7 @@ int main(void)
 		cmocka_unit_test(a_door_bounces_off_its_stop),
 		cmocka_unit_test(a_torsion_spring_swings_and_a_stiff_one_stands),
 		cmocka_unit_test(a_ball_on_a_rope_falls_and_is_held),
+		cmocka_unit_test(a_rope_that_is_taut_at_the_start_takes_energy_once),
 		cmocka_unit_test(a_rope_goes_slack_where_it_pulls_no_more),
 		cmocka_unit_test(a_car_drives_uphill_as_its_motors_let_it),
 		cmocka_unit_test(a_group_that_is_not_looked_at_again_keeps_its_forces),

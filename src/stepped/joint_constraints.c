@@ -524,7 +524,8 @@ static void note_held(const struct filling *f, int k, const struct rb_constraint
 
 	f->of->work.held += first || was_set ? at_end : done;
 	f->of->work.pushed += rb_vec3_length(p);
-	if (was_set)
+	/* of ropes all of it is */
+	if (was_set && !f->joint->link.type->one_sided)
 		f->of->work.impacts -= done - at_end;
 }
 
