@@ -52,6 +52,43 @@ static int lean_on(const struct rb_resolution *s, const bool *own)
 	return by;
 }
 
+/*
+ * Adds what springs, and motors and friction at their bounds, exert on bodies of a part from fixed
+ * ends: they are among its external accelerations.
+ */
+static void add_springs(const struct rb_resolution *s, const bool *own,
+                        struct rb_account_rates *rates)
+{
+	const struct rb_located *l = s->l;
+	struct rb_joint_spring_row spring;
+
+	for (int k = 0; k < s->joints.joint_count; k++) {
+		const struct rb_joint *joint = &l->model->joints->joint[s->joints.joint[k]];
+		const struct rb_joint_row *row = &spring.row;
+
+		if (!rb_joint_rows_spring(&s->joints, k, s->t, &spring) ||
+		    (row->a >= 0 && row->b >= 0))
+			continue;
+		const bool on_b = row->a < 0;
+		const int place = on_b ? row->b : row->a, fixed = on_b ? joint->a : joint->b;
+		const int by = fixed >= 0 && rb_located_driven(l, fixed) ? 1 : 0;
+
+		if (!own[place])
+			continue;
+		const rb_vec3 force = rb_vec3_scale(on_b ? spring.multiplier : -spring.multiplier,
+		                                    row->wrench.linear);
+		const rb_vec3 torque =
+			rb_vec3_scale(spring.multiplier,
+		                      on_b ? row->wrench.angular_b : row->wrench.angular_a);
+
+		rates->force[by] = rb_vec3_add(rates->force[by], force);
+		rates->torque[by][0] =
+			rb_vec3_add(rates->torque[by][0],
+		                    rb_vec3_add(torque, rb_vec3_cross(s->pose[place].position,
+		                                                      force)));
+	}
+}
+
 void rb_joint_rest_rate(const struct rb_resolution *s, const bool *own,
                         struct rb_account_rates *rates)
 {
@@ -82,4 +119,5 @@ void rb_joint_rest_rate(const struct rb_resolution *s, const bool *own,
 	}
 	rates->force[by] = rb_vec3_add(rates->force[by], force);
 	rates->torque[by][0] = rb_vec3_add(rates->torque[by][0], torque);
+	add_springs(s, own, rates);
 }

@@ -80,7 +80,20 @@ box { size = {0.8, 1, 0.53}, position = {-0.5, -0.48, 0.75}, orientation = {axis
 	static = true, material = m }
 sphere { radius = 0.4, position = {0.48, -1.08, 0.9}, material = material { friction = 0.88, density = 1000 } }
 END
-for scene in slide drop damped drag belt pushed light groove; do
+# Doors that springs and a motor hold against their stops: hinges and stops share what the ground gives.
+cat >doors.lua <<'END'
+world { duration = 2, gravity = {0, 0, -9.81} }
+local function door(y, more)
+	local post = box { static = true, size = {0.1, 0.1, 2}, position = {0, y, 0}, collides_with = {} }
+	local leaf = box { size = {1, 0.1, 2}, mass = 20, position = {0.5, y, 0}, collides_with = {} }
+	local hinge = { kind = "hinge", a = post, b = leaf, at = {0, y, 0}, axis = {0, 0, 1}, limits = {-0.5, 1} }
+	for key, value in pairs(more) do hinge[key] = value end
+	joint(hinge)
+end
+door(1, { stiffness = 20, rest = -1 })
+door(3, { motor = { speed = 2, torque = 20 } })
+END
+for scene in slide drop damped drag belt pushed light groove doors; do
 	ledger $scene.lua --method located
 done
 python3 - <<'END' || fail 'the ledger is not that of the closed forms'
@@ -102,7 +115,7 @@ near(belt['sliding'], 0.5 * 5 * 9)
 near(belt['driven'], 5 * 9)
 pushed = run('pushed')
 assert abs(pushed['ledger']['applied']) > 1e-3 and abs(pushed['ledger']['callbacks']) > 1e-3
-for name in 'slide', 'drop', 'damped', 'drag', 'belt', 'pushed':
+for name in 'slide', 'drop', 'damped', 'drag', 'belt', 'pushed', 'doors':
     ledger = run(name)['ledger']
     for key in 'unexplained_share', 'momentum_share', 'angular_momentum_share':
         assert ledger[key] <= 1e-12, (name, key, ledger[key])
