@@ -77,15 +77,13 @@ static void add_springs(const struct rb_resolution *s, const bool *own,
 			continue;
 		const rb_vec3 force = rb_vec3_scale(on_b ? spring.multiplier : -spring.multiplier,
 		                                    row->wrench.linear);
-		const rb_vec3 torque =
-			rb_vec3_scale(spring.multiplier,
-		                      on_b ? row->wrench.angular_b : row->wrench.angular_a);
+		const rb_vec3 torque = rb_vec3_scale(
+			spring.multiplier, on_b ? row->wrench.angular_b : row->wrench.angular_a);
 
 		rates->force[by] = rb_vec3_add(rates->force[by], force);
-		rates->torque[by][0] =
-			rb_vec3_add(rates->torque[by][0],
-		                    rb_vec3_add(torque, rb_vec3_cross(s->pose[place].position,
-		                                                      force)));
+		rates->torque[by][0] = rb_vec3_add(
+			rates->torque[by][0],
+			rb_vec3_add(torque, rb_vec3_cross(s->pose[place].position, force)));
 	}
 }
 
