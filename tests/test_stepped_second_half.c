@@ -283,6 +283,48 @@ static void a_spring_swings_as_its_closed_form(void **state)
 	            0.1 * (1 - exp(-zeta * w) * (cos(wd) + zeta * w / wd * sin(wd))), 1e-6);
 }
 
+/*
+ * The way or angle after half a second of a small body on a spring, whose joint is `off` from its
+ * centre; rest: 0.1.
+ */
+static double swings(enum rb_joint_kind kind, double off, double stiffness, double left[3])
+{
+	struct lab lab;
+
+	open_stepped(&lab, 0.5, 10, 1.0 / 240);
+	lab.scene.world.gravity = nothing;
+	struct rb_joint_def def = hinge(
+		lab_box(&lab, (rb_vec3){0.1, 0.1, 0.1}, 2, (rb_vec3){off, 0, 0}, straight), -1,
+		nothing, z_axis);
+
+	def.kind = kind;
+	def.stiffness = stiffness;
+	def.rest = 0.1;
+	add(&lab, &def);
+	seal(&lab, NULL);
+	run(&lab, left);
+	const double way = lab.world->stepped->solver.joint[0].last.way;
+	lab_close(&lab);
+	return way;
+}
+
+/* Whether a step resolves a spring is told by how its bodies yield along what the joint leaves. */
+static void a_spring_swings_wherever_its_joint_is(void **state)
+{
+	double left[3];
+
+	(void)state;
+	const double here = swings(RB_JOINT_SLIDER, 0, 2000, left);
+	assert_near(left[0], 0, 1e-6);
+	assert_near(swings(RB_JOINT_SLIDER, 0.7, 2000, left), here, 1e-9);
+	assert_near(left[0], 0, 1e-6);
+	assert_near(swings(RB_JOINT_CYLINDRICAL, 0.7, 2000, left), here, 1e-9);
+	assert_near(left[0], 0, 1e-6);
+	/* a bob on a long arm: 2 kg m^2 and nearly nothing of its own */
+	(void)swings(RB_JOINT_HINGE, 1, 2000, left);
+	assert_near(left[0], 0, 1e-3);
+}
+
 static void a_rope_gives_back_what_it_is_to_wherever_the_step_ends(void **state)
 {
 	const double h = 1.0 / 960;
@@ -601,6 +643,7 @@ int main(void)
 		cmocka_unit_test(joints_without_contacts_are_of_second_order),
 		cmocka_unit_test(few_steps_of_what_moves_smoothly_are_looked_at_again),
 		cmocka_unit_test(a_spring_swings_as_its_closed_form),
+		cmocka_unit_test(a_spring_swings_wherever_its_joint_is),
 		cmocka_unit_test(a_rope_gives_back_what_it_is_to_wherever_the_step_ends),
 		cmocka_unit_test(impacts_of_mechanisms_do_not_depend_on_where_a_step_ends),
 		cmocka_unit_test(a_linkage_with_redundant_hinges_in_space_falls_as_its_energy_says),

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/joint_constraints.h"
 
+#include <float.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -189,6 +190,50 @@ static void soften(const struct filling *f, struct rb_constraint *row, double ah
 	row->target.n = -scale * softness * ahead * k * (f->way - f->joint->rest);
 }
 
+static rb_vec3 turn_by(const struct filling *f, int i, rb_vec3 torque)
+{
+	return is_dynamic(f->query->world->model, i) ? rb_solver_turn(f->query->bodies, i, torque)
+	                                             : none;
+}
+
+/*
+ * What the joint's other rows leave of how its free coordinate yields if its bodies are free: what
+ * slides does not turn, what turns goes about the axis. A bound of how it yields in a mechanism.
+ */
+static double left_by_linkage(const struct filling *f)
+{
+	const struct rb_joint *joint = f->joint;
+	const int count = rb_linkage_row_count(&joint->link);
+	double g[RB_LINKAGE_ROWS_MAX + 1][RB_LINKAGE_ROWS_MAX + 1];
+	double own[RB_LINKAGE_ROWS_MAX + 1];
+	double inverse_mass = 0;
+
+	for (int e = 0; e < 2; e++) {
+		const int i = e == 0 ? joint->a : joint->b;
+
+		if (is_dynamic(f->query->world->model, i))
+			inverse_mass += f->query->bodies->body[i].inverse_mass;
+	}
+	for (int i = 0; i <= count; i++) {
+		const struct rb_linkage_row *row = i < count ? &f->link[i] : &f->free.row;
+		const rb_vec3 a = turn_by(f, joint->a, row->angular_a),
+			      b = turn_by(f, joint->b, row->angular_b);
+
+		for (int j = 0; j <= i; j++) {
+			const struct rb_linkage_row *to = j < count ? &f->link[j] : &f->free.row;
+
+			g[i][j] = inverse_mass * rb_vec3_dot(row->linear, to->linear) +
+			          rb_vec3_dot(a, to->angular_a) + rb_vec3_dot(b, to->angular_b);
+		}
+		own[i] = g[i][i];
+	}
+	for (int k = 0; k < count; k++)
+		for (int i = k + 1; i <= count && g[k][k] > DBL_EPSILON * own[k]; i++)
+			for (int j = k + 1; j <= i; j++)
+				g[i][j] -= g[i][k] * g[j][k] / g[k][k];
+	return g[count][count] / own[count];
+}
+
 /*
  * At the end of the step, or at its middle where impulses are halved and the step resolves it; a
  * second half repeats that.
@@ -209,7 +254,8 @@ static void make_spring(const struct filling *f, struct rb_constraint *row)
 	soften(f, row, query->h_s);
 	/* written so that NaN is late */
 	f->of->spring_is_late = !(query->lasts_s < query->h_s &&
-	                          row->inverse_mass_n <= row->softness);
+	                          (row->inverse_mass_n <= row->softness ||
+	                           row->inverse_mass_n * left_by_linkage(f) <= row->softness));
 	if (!f->of->spring_is_late)
 		soften(f, row, query->lasts_s);
 }
