@@ -29,9 +29,13 @@ static void measure_sizes(const struct rb_world *world, struct rb_ledger_values 
 		values->momentum_scale[0] += p;
 		values->momentum_scale[1] += p * rb_vec3_length(
 							 rb_world_row3(world->state.position, i));
-		if (world->state.spin)
-			values->momentum_scale[1] += rb_vec3_length(
-				rb_world_spin_momentum(world, i));
+		if (!world->state.spin)
+			continue;
+		const double turning = rb_vec3_length(rb_world_spin_momentum(world, i));
+
+		/* what turns in bearings goes nowhere: momenta of its parts cancel */
+		values->momentum_scale[0] += turning / rb_model_reach(model, i);
+		values->momentum_scale[1] += turning;
 	}
 }
 

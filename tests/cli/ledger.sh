@@ -93,7 +93,18 @@ end
 door(1, { stiffness = 20, rest = -1 })
 door(3, { motor = { speed = 2, torque = 20 } })
 END
-for scene in slide drop damped drag belt pushed light groove doors; do
+# Shafts with a universal joint: they turn and go nowhere, and their bearings take nothing in the mean.
+cat >shafts.lua <<'END'
+world { duration = 1 }
+local along = vec3(math.cos(0.5), math.sin(0.5), 0)
+local post = sphere { static = true, radius = 0.01, position = {0, 0, -1}, collides_with = {} }
+local one = sphere { radius = 0.1, position = {-0.3, 0, 0}, angular_velocity = {10, 0, 0}, collides_with = {} }
+local two = sphere { radius = 0.1, position = 0.3 * along, angular_velocity = 10 * math.cos(0.5) * along, collides_with = {} }
+joint { kind = "hinge", a = post, b = one, at = {-0.3, 0, 0}, axis = {1, 0, 0}, motor = { speed = 10, torque = 1000 } }
+joint { kind = "hinge", a = post, b = two, at = 0.3 * along, axis = along }
+joint { kind = "universal", a = one, b = two, at = {0, 0, 0}, axis = {0, 0, 1}, axis_b = {-math.sin(0.5), math.cos(0.5), 0} }
+END
+for scene in slide drop damped drag belt pushed light groove doors shafts; do
 	ledger $scene.lua --method located
 done
 python3 - <<'END' || fail 'the ledger is not that of the closed forms'
@@ -115,7 +126,7 @@ near(belt['sliding'], 0.5 * 5 * 9)
 near(belt['driven'], 5 * 9)
 pushed = run('pushed')
 assert abs(pushed['ledger']['applied']) > 1e-3 and abs(pushed['ledger']['callbacks']) > 1e-3
-for name in 'slide', 'drop', 'damped', 'drag', 'belt', 'pushed', 'doors':
+for name in 'slide', 'drop', 'damped', 'drag', 'belt', 'pushed', 'doors', 'shafts':
     ledger = run(name)['ledger']
     for key in 'unexplained_share', 'momentum_share', 'angular_momentum_share':
         assert ledger[key] <= 1e-12, (name, key, ledger[key])
