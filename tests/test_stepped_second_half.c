@@ -465,6 +465,37 @@ static double bennett(double h, double *angle)
 	       (begin.potential_energy - end.potential_energy);
 }
 
+/*
+ * Three elastic balls on one rail. The first meets the second, which creeps towards the third by
+ * less than is a rebound: that is not an impact of its own, which would take both as one.
+ */
+static void what_creeps_hands_on_an_impact(void **state)
+{
+	const double gap[3] = {0, 5e-4, 1e-9}, speed[3] = {1, 1e-6, 0};
+	double x = 0, left[3];
+	struct lab lab;
+
+	(void)state;
+	open_stepped(&lab, 0.1, 10, 1e-3);
+	lab.scene.world.gravity = nothing;
+	for (int k = 0; k < 3; k++) {
+		x += gap[k] + 0.2;
+		struct rb_joint_def def = hinge(
+			lab_sphere(&lab, 0.1, 1, (rb_vec3){x, 0, 0}, (rb_vec3){speed[k], 0, 0}), -1,
+			(rb_vec3){x, 0, 0}, (rb_vec3){1, 0, 0});
+
+		def.kind = RB_JOINT_SLIDER;
+		add(&lab, &def);
+	}
+	lab_surface(&lab, 0, 1);
+	seal(&lab, NULL);
+	run(&lab, left);
+	assert_near(rb_world_velocity(lab.world, 0).x, 0, 1e-4);
+	assert_near(rb_world_velocity(lab.world, 1).x, 0, 1e-4);
+	assert_near(rb_world_velocity(lab.world, 2).x, 1, 1e-4);
+	lab_close(&lab);
+}
+
 static void a_linkage_with_redundant_hinges_in_space_falls_as_its_energy_says(void **state)
 {
 	double angle[3];
@@ -644,6 +675,7 @@ int main(void)
 		cmocka_unit_test(few_steps_of_what_moves_smoothly_are_looked_at_again),
 		cmocka_unit_test(a_spring_swings_as_its_closed_form),
 		cmocka_unit_test(a_spring_swings_wherever_its_joint_is),
+		cmocka_unit_test(what_creeps_hands_on_an_impact),
 		cmocka_unit_test(a_rope_gives_back_what_it_is_to_wherever_the_step_ends),
 		cmocka_unit_test(impacts_of_mechanisms_do_not_depend_on_where_a_step_ends),
 		cmocka_unit_test(a_linkage_with_redundant_hinges_in_space_falls_as_its_energy_says),

@@ -211,17 +211,6 @@ static struct rb_solver_body *take_bodies(const struct group *g)
 	return body;
 }
 
-/*
- * m/s: slower approaches are none: of what lasts, what the solution before may have left, else what
- * the law resolves.
- */
-static double noise_of(const struct group *g, const struct rb_step_point *point)
-{
-	const bool lasts = point->from > 0 && g->points->last[point->from - 1].force > 0;
-
-	return lasts ? g->solver->tolerance : 0;
-}
-
 static long products_max(const struct group *g)
 {
 	return work_max / (g->contact_count + g->held_count);
@@ -255,7 +244,8 @@ static bool apply_law(const struct group *g, struct rb_simultaneous *law)
 		                                             .arm_b = row->arm_b,
 		                                             .friction = row->friction,
 		                                             .restitution = point->restitution,
-		                                             .noise = noise_of(g, point)};
+		                                             /* slower rebounds are none */
+		                                             .noise = g->solver->tolerance};
 		approach = fmax(approach, point->approach);
 	}
 	for (int k = 0; k < g->held_count; k++)
