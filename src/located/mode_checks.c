@@ -33,7 +33,7 @@ bool rb_check_holds_otherwise(struct rb_modes *w, double t)
 	const size_t count = (size_t)c->member_count;
 	const rb_arena_mark here = rb_arena_here(w->l->arena);
 	rb_vec3 *const moves = rb_arena_take(w->l->arena, count, sizeof *moves);
-	struct rb_solver_body *found;
+	struct rb_solver_body *found = NULL;
 	double max = 0, off = 0;
 
 	if (!moves)

@@ -644,8 +644,6 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **fo
 	const rb_arena_mark here = rb_arena_here(l->arena);
 	struct rb_simultaneous joint = {.arena = l->arena, .contact_count = c->held_count};
 
-	if (found)
-		*found = NULL;
 	joint.body = rb_arena_take(
 		l->arena, (size_t)(c->member_count + 2 * c->held_count + 2 * w->joints.count),
 		sizeof *joint.body);
@@ -670,6 +668,7 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **fo
 		joint.contact[k].b = joint_body(w, &joint, c->held[k].b, t);
 		joint.contact[k].impulse = c->held[k].force;
 	}
+	joint.looks = found != NULL;
 	joint.joint_count = rb_joint_rows_pose_problem(&w->joints, true, joint.joint_row,
 	                                               joint.body, &joint.body_count);
 	if (found) /* others than those that are known */

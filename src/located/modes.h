@@ -125,7 +125,7 @@ bool rb_modes_turns_aside(const struct rb_modes *w, int contact);
 
 /*
  * Where modes do not determine the forces: any that are lawful. `found`, if not NULL: how bodies
- * then move.
+ * then move, by forces near the held ones; these may be none by the law.
  */
 bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **found);
 
