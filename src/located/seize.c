@@ -99,8 +99,11 @@ static bool seize_at(struct rb_resolution *s, const struct rb_contact_point *m)
 	return true;
 }
 
-/* Stops all pressing contacts of a part; false: impulses within friction do not. */
-static bool seize_part(struct rb_resolution *s, int part)
+/*
+ * Stops all pressing contacts of a part, or (`slows`) as many as the first one takes; false:
+ * impulses within friction do not.
+ */
+static bool seize_part(struct rb_resolution *s, int part, bool slows)
 {
 	struct rb_located *l = s->l;
 	const int max = s->contact_point_count;
@@ -134,7 +137,7 @@ static bool seize_part(struct rb_resolution *s, int part)
 			rb_vec3_add_scaled(c->normal, -c->friction, c->slip));
 		painleve.count++;
 	}
-	if (!rb_painleve_stop(&painleve))
+	if (!(slows ? rb_painleve_slow(&painleve) : rb_painleve_stop(&painleve)))
 		return false;
 	for (int k = 0; k < l->set_count; k++) {
 		s->pose[k].velocity = rb_vec3_add(s->pose[k].velocity, painleve.linear[k]);
@@ -227,8 +230,8 @@ bool rb_seize(struct rb_resolution *s)
 		 */
 		any = (!alone ||
 		       (rb_slips_pair(s, k, &first) > first + 1 && c->restitution == 0)) &&
-		      seize_part(s, part_of(s, k));
-		any = any || (alone && seize_at(s, &middle));
+		      seize_part(s, part_of(s, k), false);
+		any = any || (alone && seize_at(s, &middle)) || seize_part(s, part_of(s, k), true);
 	}
 	if (any)
 		stop_small_lifts(s);

@@ -15,6 +15,7 @@
  * are to be resolved anew, as after an impact. One pair alone follows the law of
  * constraint/eccentric, with its restitution, several points of it as one in their middle; of
  * several pairs all points are stopped, where that is within their cones, and give nothing back.
+ * Where neither is possible impulses along the forces end the first of the slips.
  * What is so slow that any force would stop it within rounding of places is stopped at once.
  */
 bool rb_seize(struct rb_resolution *s);

@@ -48,6 +48,7 @@ thrown capsule terrain 0.1 0.5 0 1 -1 47806
 # two points of a hull that jam on two triangles: no impulse stops both, and neither jams alone
 thrown hull terrain 10 0 0 1 -1 739
 thrown hull terrain 1e3 0 1.0 1e3 1 48668
+thrown box terrain 1e3 0 1.0 1 1 94858
 
 # what begins to slip with a large friction: by the direction of its rounding the normal force would pull, or grow, in pieces of one ulp
 thrown hull terrain 1e3 0 0 1 -1 374
