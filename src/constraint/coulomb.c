@@ -542,7 +542,7 @@ double rb_cone_resolve(struct rb_cone *cone, double scale)
 		cone->held = false;
 		left = relax(cone, false, tolerance, 5);
 	}
-	if (convex || cone->looks || left <= failed_share * scale)
+	if (convex || cone->probes || left <= failed_share * scale)
 		return left;
 	double raised;
 	const long max = cone->max;

@@ -646,7 +646,7 @@ double rb_simultaneous_forces(struct rb_simultaneous *joint)
 	                       .body_count = joint->body_count,
 	                       .row_count = (int)rows,
 	                       .arena = joint->arena,
-	                       .looks = joint->looks,
+	                       .probes = joint->probes,
 	                       .max = joint->products_max,
 	                       .interrupt = joint->interrupt};
 	rb_along_across *const guess = rb_arena_take(joint->arena, rows, sizeof *guess);

@@ -668,7 +668,7 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **fo
 		joint.contact[k].b = joint_body(w, &joint, c->held[k].b, t);
 		joint.contact[k].impulse = c->held[k].force;
 	}
-	joint.looks = found != NULL;
+	joint.probes = found != NULL;
 	joint.joint_count = rb_joint_rows_pose_problem(&w->joints, true, joint.joint_row,
 	                                               joint.body, &joint.body_count);
 	if (found) /* others than those that are known */
