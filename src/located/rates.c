@@ -15,9 +15,6 @@
 #include "located/set.h"
 #include "located/work.h"
 
-/* Noises of a slip, per unit of friction, from which on its velocity says where it goes. */
-enum { AIMED = 16 };
-
 /*
  * Share of the external accelerations below which accelerations are residue of the solver: of a
  * cluster at rest, and of one that slides.
@@ -188,7 +185,7 @@ bool rb_rates_are_stopped(struct rb_modes *w)
 static double aimed(const struct rb_modes *w, int k)
 {
 	return 4 * rb_contact_point_noise(w->l, &w->contact_point[k]) *
-	       fmax(1, AIMED * w->c->held[k].friction);
+	       fmax(1, w->c->held[k].friction);
 }
 
 /* Poses, forces of contacts and accelerations at `t`. */
