@@ -76,7 +76,7 @@ static bool is_held(const struct rb_constraint *row)
  * What joints give, J, at the velocities that are solved for: where ways are bent, the constraint
  * turns with them, and its work comes back; of what holds, at those that are asked for, since what
  * large forces leave of a tolerance is no work. Motors, springs and friction are no contact either.
- * Limits and ropes are as contacts are: they take, and are not drawn back by what nobody has given.
+ * What a limit or a rope takes it takes as a contact does, by closing what was open.
  */
 static double joint_work(const struct rb_solver *solver, const struct rb_island *island)
 {
@@ -85,12 +85,11 @@ static double joint_work(const struct rb_solver *solver, const struct rb_island 
 
 	for (int k = island->contact_count; k < island->row_count; k++) {
 		const struct rb_constraint *row = &solver->dense.row[island->first_row + k];
-
-		if (rb_constraint_side(row) != 0)
-			continue;
 		const rb_vec3 at = is_held(row) ? rb_constraint_joined(row, row->target)
 		                                : rb_constraint_velocity(bodies, row);
-		sum += rb_vec3_dot(rb_constraint_impulse(row), at);
+		const double work = rb_vec3_dot(rb_constraint_impulse(row), at);
+
+		sum += rb_constraint_side(row) != 0 ? fmax(0, work) : work;
 	}
 	return sum;
 }
