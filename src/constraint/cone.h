@@ -85,7 +85,7 @@ struct rb_cone {
 	struct rb_joint_factor joints;
 	rb_along_across *undone, *weighed; /* [row_count], [window][row_count]: once it is ready */
 	bool held; /* friction is bounded by `limit`, not by the cone: then the problem is convex */
-	bool probes;    /* where steps from the guess find no solution, none is wanted */
+	bool probes;   /* where steps from the guess find no solution, none is wanted */
 	bool gave_way; /* friction was less than the law says, because the law found no solution */
 	double tolerance; /* in the unit of u: what may be left; 0: rounding */
 	long iterations;  /* products with the matrix, so far */

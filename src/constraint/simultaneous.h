@@ -83,7 +83,7 @@ struct rb_simultaneous {
 	/* out: of vectors with the problem's matrix, each once through all contacts */
 	long products;
 	double tolerance;  /* m/s: impacts: what is not to be resolved; 0: only rounding is not */
-	bool probes;        /* forces: of use is only a solution near the guess, by the whole law */
+	bool probes;       /* forces: of use is only a solution near the guess, by the whole law */
 	long products_max; /* of them, beyond which what is found is of no use; 0: no limit */
 	/* borrowed, NULL: none; once it is set, what is found is of no use */
 	struct rb_interrupt *interrupt;
