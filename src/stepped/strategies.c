@@ -637,12 +637,13 @@ static bool is_large(const struct trial *trial)
 	       trial->island->row_count >= RB_STRATEGY_LARGE_ROWS;
 }
 
-/* Shorter steps are solved sooner, and need nothing held. */
-static bool is_short(const struct trial *trial)
+/* Shorter steps need nothing held; of spheres alone they cost several times as much, though. */
+static bool may_hold(const struct trial *trial)
 {
 	const struct rb_solver *solver = trial->solver;
 
-	return !solver->before || !solver->divides || hold_parts * solver->h_s <= solver->whole_s;
+	return trial->sweeper->central || !solver->before || !solver->divides ||
+	       hold_parts * solver->h_s <= solver->whole_s;
 }
 
 static bool is_narrow(const struct trial *trial)
@@ -713,7 +714,7 @@ static const struct strategy {
 	{NULL, sweeps_to_the_tolerance},
 	{NULL, factors_after_stalling},
 	{is_large, normals_and_friction_in_turns},
-	{is_short, held_friction},
+	{may_hold, held_friction},
 	{is_narrow, sweeps_to_the_limit},
 };
 enum { STRATEGIES = sizeof strategies / sizeof *strategies, CLOSE_STRATEGIES = 2 };
