@@ -183,6 +183,26 @@ static void packs_solve_a_heap_that_is_thrown_about(void **slot)
 	unmake(heap);
 }
 
+static struct rb_sweep_result run_with(double slack, double tolerance, int max)
+{
+	struct heap *heap = make(0.1);
+	struct rb_sweeper sweeper = take(heap, NULL);
+
+	sweeper.many.slack = slack;
+	const struct rb_sweep_result result = rb_sweeper_run(&sweeper, tolerance, max);
+	unmake(heap);
+	return result;
+}
+
+static void sweeps_that_creep_end_once_they_are_near(void **slot)
+{
+	(void)slot;
+	assert_int_equal(run_with(0, 1e-5, 60).sweeps, 60);
+	assert_int_equal(run_with(16, 1e-9, 60).sweeps, 60); /* not far from it */
+	const struct rb_sweep_result near = run_with(1000, 1e-5, 60);
+	assert_true(near.sweeps < 60 && near.residual > 1e-5 && near.residual <= 1e-2);
+}
+
 static void packs_solve_bodies_of_any_shape(void **slot)
 {
 	struct heap *heap = make(0.1);
@@ -473,6 +493,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(packs_solve_a_heap_that_is_thrown_about),
+		cmocka_unit_test(sweeps_that_creep_end_once_they_are_near),
 		cmocka_unit_test(packs_solve_bodies_of_any_shape),
 		cmocka_unit_test(packs_of_any_shape_end_where_single_rows_do),
 		cmocka_unit_test(packs_of_one_moment_are_as_those_of_its_tensor),

@@ -672,9 +672,10 @@ static bool sweeps_to_the_aim(const struct trial *trial)
 static bool sweeps_to_the_tolerance(const struct trial *trial)
 {
 	const double tolerance = trial->solver->tolerance / sweep_share;
-
-	return end_sweeps(trial->solver, trial->sweeper, trial->island, tolerance,
-	                  rb_sweeper_go_on(trial->sweeper, tolerance, max_of(trial->sweeper)));
+	const double slack = trial->sweeper->central ? hold_slack : 0; /* the rest is held */
+	return end_sweeps(
+		trial->solver, trial->sweeper, trial->island, tolerance,
+		rb_sweeper_go_on(trial->sweeper, tolerance, max_of(trial->sweeper), slack));
 }
 
 static bool factors_after_stalling(const struct trial *trial)

@@ -241,11 +241,16 @@ struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double toleran
 	return rb_sweep_solve(&sweeper->one);
 }
 
-struct rb_sweep_result rb_sweeper_go_on(struct rb_sweeper *sweeper, double tolerance, int max)
+struct rb_sweep_result rb_sweeper_go_on(struct rb_sweeper *sweeper, double tolerance, int max,
+                                        double slack)
 {
-	if (sweeper->wide)
-		return rb_wide_solve(&sweeper->many, tolerance, max, RB_WIDE_GOES_ON);
-	return rb_sweeper_run(sweeper, tolerance, max);
+	if (!sweeper->wide)
+		return rb_sweeper_run(sweeper, tolerance, max);
+	sweeper->many.slack = slack;
+	const struct rb_sweep_result result = rb_wide_solve(&sweeper->many, tolerance, max,
+	                                                    RB_WIDE_GOES_ON);
+	sweeper->many.slack = 0;
+	return result;
 }
 
 bool rb_sweeper_went_far(const struct rb_sweeper *sweeper)

@@ -35,8 +35,12 @@ struct rb_sweeper {
 bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena);
 
 struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double tolerance, int max);
-/* From where that has ended, nothing having changed: wide ones keep the way that they go. */
-struct rb_sweep_result rb_sweeper_go_on(struct rb_sweeper *sweeper, double tolerance, int max);
+/*
+ * From where that has ended, nothing having changed: wide ones keep the way that they go, and with
+ * a slack (see rb_wide) end where they only creep.
+ */
+struct rb_sweep_result rb_sweeper_go_on(struct rb_sweeper *sweeper, double tolerance, int max,
+                                        double slack);
 /*
  * Velocities have rounding beyond that of the impulses: to be made of these anew. Never of wide
  * ones.

@@ -25,6 +25,9 @@ static const double lead_first = 0.98;
 enum { SWEEPS_WATCHED = 24, SAME_MAX = 4 };
 static const double fall_share = 0.9, lead_growth = 1.5, same_share = 0.01;
 
+/* Sweeps by which it is known how fast the largest change falls, and what there is to be left. */
+enum { SWEEPS_COMPARED = 8 };
+
 /*
  * Four numbers, one of each row: vectors of GCC and Clang, in halves where registers are no wider,
  * to the same bits. They are passed by address, since how they are passed by value depends on the
@@ -734,6 +737,29 @@ bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
 	return true;
 }
 
+/* Least changes of the last SWEEPS_COMPARED sweeps, and of as many before them, m/s. */
+struct fall {
+	double least, before;
+};
+
+/* Within the slack, and not below the tolerance in half of the sweeps left if it falls so. */
+static bool creeps(const struct rb_wide *wide, struct fall *fall,
+                   const struct rb_sweep_result *result, double tolerance, int max)
+{
+	fall->least = fmin(fall->least, result->residual);
+	if (result->sweeps % SWEEPS_COMPARED != 0)
+		return false;
+	const double share = fall->least / fall->before; /* 0 to begin with */
+	const bool is_near = fall->before < (double)INFINITY &&
+	                     result->residual <= wide->slack * tolerance;
+	double then = fall->least;
+
+	for (int k = 0; is_near && k < (max - result->sweeps) / (2 * SWEEPS_COMPARED); k++)
+		then *= share;
+	*fall = (struct fall){(double)INFINITY, fall->least};
+	return is_near && then > tolerance;
+}
+
 struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double tolerance, int max,
                                      enum rb_wide_start start)
 {
@@ -741,6 +767,7 @@ struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double toleranc
 	const bool gathered = start == RB_WIDE_GOES_ON;
 	int same = 0;
 	double lead = lead_first, least = (double)INFINITY, before = (double)INFINITY;
+	struct fall fall = {(double)INFINITY, (double)INFINITY};
 
 	if (!gathered)
 		run_all(wide, start == RB_WIDE_HOLDS ? LOAD_HELD : LOAD, 0);
@@ -749,7 +776,8 @@ struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double toleranc
 		result.sweeps++;
 		if (result.residual <= tolerance ||
 		    rb_interrupt_after(wide->interrupt,
-		                       RB_SWEEP_WORK * (uint64_t)wide->dense->row_count))
+		                       RB_SWEEP_WORK * (uint64_t)wide->dense->row_count) ||
+		    creeps(wide, &fall, &result, tolerance, max))
 			break;
 		least = fmin(least, result.residual);
 		if (result.sweeps % SWEEPS_WATCHED == 0) {

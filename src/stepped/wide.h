@@ -37,8 +37,13 @@ struct rb_wide {
 	int *first_block; /* the same of blocks */
 	int *phase;       /* [phase_count + 1]: first colour of each phase */
 	int phase_count;
-	int *blocks;                    /* [2 phase_count]: of each phase, for two passes */
-	double *partial;                /* [blocks] */
+	int *blocks;     /* [2 phase_count]: of each phase, for two passes */
+	double *partial; /* [blocks] */
+	/*
+	 * More than 0: sweeps that would not reach the tolerance soon are left once they are
+	 * within so many tolerances, from where others (`holds`) go on.
+	 */
+	double slack;
 	struct rb_interrupt *interrupt; /* borrowed; NULL: none */
 };
 
