@@ -204,17 +204,15 @@ enum rb_status rb_record_space(struct rb_world *world, struct rb_cohort *cohort,
 	               : status;
 }
 
-/* Keeps only contacts of bodies that sleep, in their order. */
-static void keep_resting(struct rb_world *world)
+void rb_record_keep(const struct rb_world *world, struct rb_contacts *contacts,
+                    const unsigned char *of_body)
 {
-	struct rb_contacts *const contacts = &world->contacts;
-	const unsigned char *sleeps = world->stepped->sleep.sleeps;
 	size_t kept = 0;
 
 	for (size_t k = 0; k < contacts->count; k++) {
 		const struct rb_contact *contact = &contacts->row[k];
 
-		if (sleeps[rb_stepped_is_dynamic(world, contact->a) ? contact->a : contact->b])
+		if (of_body[rb_stepped_is_dynamic(world, contact->a) ? contact->a : contact->b])
 			contacts->row[kept++] = *contact;
 	}
 	contacts->count = kept;
@@ -227,7 +225,7 @@ void rb_record_in_place(struct rb_world *world, const struct rb_cohort *cohort, 
 
 	RB_ASSERT(h > 0);
 	if (has_resting(world, cohort))
-		keep_resting(world);
+		rb_record_keep(world, &world->contacts, world->stepped->sleep.sleeps);
 	else
 		contacts->count = 0;
 	size_t old = contacts->count, end = old + points->chosen_count;

@@ -23,6 +23,9 @@ RB_CHECKED enum rb_status rb_record_impacts(struct rb_world *world, struct rb_co
 RB_CHECKED enum rb_status rb_record_contacts(struct rb_world *world, const struct rb_cohort *cohort,
                                              double h_s, const unsigned char *skip,
                                              struct rb_contacts *to, struct rb_error *err);
+/* Keeps only contacts of bodies that are marked, in their order. */
+void rb_record_keep(const struct rb_world *world, struct rb_contacts *contacts,
+                    const unsigned char *of_body);
 /*
  * The same where the cohort of all makes a whole step: the contacts become those of the world, in
  * order, without another list beside them. First the points are chosen and space is taken, which

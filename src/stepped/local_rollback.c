@@ -120,28 +120,14 @@ size_t rb_local_rollback_body_bytes(const struct rb_model *model, size_t pairs)
 
 /* ---- what has been found, and is to be found again ---- */
 
-static void forget_contacts(const struct rb_world *world, struct rb_contacts *contacts)
-{
-	const unsigned char *finished = world->stepped->local->swept.finished;
-	size_t kept = 0;
-
-	for (size_t k = 0; k < contacts->count; k++) {
-		const struct rb_contact *contact = &contacts->row[k];
-
-		if (finished[rb_stepped_is_dynamic(world, contact->a) ? contact->a : contact->b])
-			contacts->row[kept++] = *contact;
-	}
-	contacts->count = kept;
-}
-
 /* Removes results of groups that have changed since they were finished. */
 static void forget_unsettled(struct rb_world *world)
 {
 	struct rb_local_rollback *local = world->stepped->local;
 	size_t impulses = 0, events = 0, books = 0;
 
-	forget_contacts(world, &local->kept);
-	forget_contacts(world, &local->shown);
+	rb_record_keep(world, &local->kept, local->swept.finished);
+	rb_record_keep(world, &local->shown, local->swept.finished);
 	for (size_t k = 0; k < local->impulse_count; k++)
 		if (local->swept.finished[local->impulse[k].a])
 			local->impulse[impulses++] = local->impulse[k];
