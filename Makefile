@@ -129,7 +129,7 @@ untested := $(if $(filter 0,$(WITH_FILM)),tests/test_film% $(addprefix tests/cli
 ifeq ($(MODE),tsan)
 untested += $(filter-out $(shell grep -lE 'team|thread|pump|_ring|server|overtime' tests/test_*.c),$(wildcard tests/test_*.c)) \
 	$(wildcard tests/test_located_*.c) $(addprefix tests/test_,between.c convex.c save.c stepped_second_half.c) \
-	$(addprefix tests/cli/,damage.sh oracle.sh random.sh mutate.sh physics-%.sh)
+	$(addprefix tests/cli/,damage.sh ledger.sh located-slips.sh oracle.sh random%.sh mutate.sh physics-%.sh scene-joints.sh scene-values.sh)
 endif
 # Numbers alone, by code that other tests of these builds run too: for release.
 ifeq ($(MODE),asan)

@@ -4,6 +4,11 @@
 # comment; the moments are reached by nothing but all that has gone before.
 . tests/cli/functions
 
+ends()
+{
+	timeout "$patience" "$RBSIM" run "$1" --method located --no-record --quiet >out 2>err </dev/null || fail "$1: exit status $?"
+}
+
 # one of two points of a pair begins to slip where the other slips at 1e-8 m/s and turns: its direction turns at a rate
 # without bound at its beginning, which no step is short enough for
 cat >begins.lua <<'LUA'
@@ -40,7 +45,7 @@ body { name = "dumbbell", material = m, position = {0, 0, 0.5}, shapes = {
 cylinder { name = "disc", material = m, radius = 0.06900488488254046, length = 0.050798687991140595,
 	position = {0, 0, 1.786203882718401}, orientation = {0.9659258262890683, 0, 0.25881904510252074, 0} }
 LUA
-timeout 60 "$RBSIM" run turns.lua --method located --no-record --quiet >out 2>err </dev/null || fail "turns.lua: exit status $?"
+ends turns.lua
 
 # two cylinders that roll on each other, with a friction of 1e3 and almost no force between them: past the cone slipping would
 # go backwards (friction jams it), sticking is unlawful by less than the solver sees, and without a force they part. They stuck
@@ -62,7 +67,7 @@ local parted = false
 on_transition(function(c) parted = c.kind == "lift" end)
 expect("they part", function() return parted end)
 LUA
-timeout 60 "$RBSIM" run parts.lua --method located --no-record --quiet >out 2>err </dev/null || fail "parts.lua: exit status $?"
+ends parts.lua
 
 # of two points of a pair that jam, forces grow to 1e8 N: as one they have a force, and one of them alone has none
 cat >jams.lua <<'LUA'
@@ -138,12 +143,12 @@ local a = sphere { name = "a", radius = 0.009, position = {-0.0095, 0, 0.009}, v
 local b = sphere { name = "b", radius = 0.009, position = {0.0095, 0, 0.009}, velocity = {-0.2, 0, 0}, material = m }
 expect("they stay beside each other", function() return math.abs(b.position.x - a.position.x - 0.018) < 1e-15 end)
 LUA
-timeout 60 "$RBSIM" run alike.lua --method located --no-record --quiet >out 2>err </dev/null || fail "alike.lua: exit status $?"
+ends alike.lua
 
 # of a small ball that falls along a wall, which it touches, the solver leaves 1e-16 of its weight as a force: a slip against its
 # friction would begin backwards, and ended at once, without end
 cat >along.lua <<'LUA'
-world { duration = 0.04, gravity = {0, 0, -9.81} }
+world { duration = 0.037, gravity = {0, 0, -9.81} }
 local m = material { friction = 0.5, restitution = 0.9 }
 plane { name = "floor", material = m }
 plane { name = "left", normal = {1, 0, 0}, point = {-0.00029313997798571535, 0, 0}, material = m }
@@ -156,4 +161,4 @@ for _, ball in ipairs {
 	sphere { radius = 0.0001, position = {ball[1], 0, ball[2]}, velocity = {ball[3], 0, ball[4]}, material = m }
 end
 LUA
-timeout 60 "$RBSIM" run along.lua --method located --no-record --quiet >out 2>err </dev/null || fail "along.lua: exit status $?"
+ends along.lua

@@ -15,7 +15,7 @@ late()
 {
 	status=$1
 	shift
-	timeout 120 "$RBSIM" "$@" >out 2>err </dev/null
+	timeout "$patience" "$RBSIM" "$@" >out 2>err </dev/null
 	got=$?
 	[ $got -eq "$status" ] || fail "rbsim $*: exit status $got, wanted $status"
 	says err "$LATE"
