@@ -128,11 +128,56 @@ static void what_meets_without_friction_is_told_of_all_of_its_impulse(void **sta
 	assert_whole(0);
 }
 
+/*
+ * A ball flies up against a capsule that lies on the floor: what the impact has stopped, gravity would
+ * part. That is no second impact at the same moment, and those that follow in the step are resolved
+ * in their time.
+ */
+static void what_forces_part_again_has_met_once(void **state)
+{
+	const double gravity = 10, up = 3, across = 4, met_s = 0.023, then_s = 0.028, gap = 0.056;
+	const double height = 0.3 - up * met_s + 0.5 * gravity * met_s * met_s;
+	struct lab lab;
+	struct lab_log log;
+	const struct rb_world_options options = {.threads = 1, .keep_events = true};
+	const struct rb_world_hooks hooks = lab_log_open(&log);
+	const struct rb_event *last = NULL;
+
+	(void)state;
+	lab_open(&lab, 0.03, 1 / 0.03);
+	lab.scene.world.method = RB_METHOD_STEPPED;
+	lab.scene.world.time_step_s = 0.01;
+	lab.scene.world.gravity = (rb_vec3){0, 0, -gravity};
+	lab_surface(&lab, 0.5, 0);
+	lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	struct rb_body_def lies = lab_sphere_def(0.5, 1, (rb_vec3){0, 0, 0.5}, (rb_vec3){0, 0, 0});
+	lies.call = "capsule";
+	lies.shape.kind = RB_SHAPE_CAPSULE;
+	lies.shape.size[2] = 0.4;
+	lies.orientation = rb_quat_turned(rb_quat_identity, (rb_vec3){acos(0), 0, 0});
+	lab_add(&lab, &lies);
+	/* it meets that 0.2 m below its middle */
+	lab_sphere(&lab, 0.1, 0.1, (rb_vec3){-sqrt(0.36 - 0.04) - across * met_s, 0, height},
+	           (rb_vec3){across, 0, up});
+	const int a = lab_sphere(&lab, 0.1, 1, (rb_vec3){5, 0, 2}, (rb_vec3){1, 0, 0});
+	const int b = lab_sphere(&lab, 0.1, 1, (rb_vec3){5.2 + gap, 0, 2}, (rb_vec3){-1, 0, 0});
+	lab_seal_with(&lab, &options, &hooks);
+	lab_run(&lab);
+	for (int k = 0; k < log.count; k++)
+		if (log.row[k].a == a && log.row[k].b == b)
+			last = &log.row[k];
+	assert_non_null(last);
+	assert_true(fabs(last->time_s - then_s) <= 1e-12);
+	lab_log_close(&log);
+	lab_close(&lab);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_meets_with_friction_goes_on_with_its_new_spin),
 		cmocka_unit_test(what_meets_without_friction_is_told_of_all_of_its_impulse),
+		cmocka_unit_test(what_forces_part_again_has_met_once),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

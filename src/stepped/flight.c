@@ -255,6 +255,15 @@ double rb_flight_approach(const struct rb_flight *flight, const struct rb_step_p
 	return -rb_vec3_dot(relative(flight, point).velocity, normal);
 }
 
+bool rb_flight_is_done(const struct rb_flight *flight, const struct rb_step_point *point, double t,
+                       double noise)
+{
+	const struct rb_flight_motion motion = relative(flight, point);
+
+	return -rb_vec3_dot(motion.velocity, point->normal) <= noise ||
+	       -rb_vec3_dot(rb_flight_velocity(&motion, t), point->normal) <= noise;
+}
+
 /* Residual of the previous solution at the contacts of either body, m/s. */
 static double left_of(const struct rb_flight *flight, const struct rb_step_point *point)
 {

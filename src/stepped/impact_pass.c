@@ -641,7 +641,7 @@ static enum rb_status predict_again(struct impacts *all, size_t point, struct rb
 	const struct rb_step_point *of = &all->points->row[point];
 
 	all->seen[point] = 1;
-	if (all->touched[point] && rb_flight_approach(&all->flight, of, of->normal) <= all->noise) {
+	if (all->touched[point] && rb_flight_is_done(&all->flight, of, all->t_s, all->noise)) {
 		all->due_s[point] = (double)INFINITY;
 		return RB_OK;
 	}
