@@ -34,8 +34,6 @@ static const double joints_share = 4e4;
 
 static const double sweep_share = RB_STRATEGY_SWEEP_SHARE, direct_share = 1e-2,
 		    close_share = RB_STRATEGY_CLOSE_SHARE;
-/* Of the tolerance, gaps and overlaps that count as closed: of what stands, beside touches. */
-static const double let_share = 1.0 / 32, touch_share = 0.5;
 static const double stiff_ratio = 30, hold_slack = 16;
 /* Of a whole step, the part of which friction may be held. */
 static const double hold_parts = 8;
@@ -293,107 +291,6 @@ static double aim_of(const struct rb_solver *solver, const struct rb_island *isl
 static bool was_at_rest(const struct rb_solver *solver, const struct rb_island *island)
 {
 	return solver->before && !island->carried && hardly_moves(solver, island, true);
-}
-
-/* What holds both ways, or has friction, and has drifted by no more. */
-static bool is_closed(const struct rb_constraint *row, double max)
-{
-	return row->softness == 0 && rb_vec3_length(rb_constraint_joined(row, row->target)) <= max;
-}
-
-/*
- * The end of the rows of the pair that begins with row k; sets whether some contact of it bore
- * something in the step before.
- */
-static int end_of_pair(const struct rb_row_system *dense, int k, bool *bears)
-{
-	const struct rb_constraint *first = &dense->row[k];
-
-	*bears = false;
-	for (; k < dense->row_count; k++) {
-		const struct rb_constraint *row = &dense->row[k];
-
-		if (row->a != first->a || row->b != first->b)
-			break;
-		*bears = *bears || (row->set == RB_CONSTRAINT_CONE && row->impulse.n > 0);
-	}
-	return k;
-}
-
-/*
- * Gaps far below the tolerance count as closed where bodies stand: then standing still is among
- * what is possible, however they are wedged. So do all overlaps: what stands has nothing to push
- * apart with. And all gaps within half of the tolerance beside a contact that bears: faces of a
- * stack that lie on each other to within the tolerance only would rock on the corners that touch,
- * slowly and for ever, and the tilts of all bodies add up at the top.
- */
-static void skip_alone(const struct rb_solver *solver, const struct rb_row_system *dense)
-{
-	const double whole = solver->tolerance / sweep_share;
-	double max = 0;
-
-	for (int k = 0, end = 0; k < dense->row_count; k++) {
-		struct rb_constraint *row = &dense->row[k];
-		const int side = rb_constraint_side(row);
-		bool bears;
-
-		if (k == end) {
-			end = end_of_pair(dense, k, &bears);
-			max = (bears ? touch_share : let_share) * whole;
-		}
-
-		if (side != 0 ? side * row->target.n >= -max : is_closed(row, max))
-			row->target = (rb_along_across){0, {0, 0, 0}};
-	}
-}
-
-/* ---- coming to rest ---- */
-
-static void stop(const struct rb_solver *solver, const struct rb_island *island)
-{
-	for (int k = 0; k < island->member_count; k++) {
-		struct rb_solver_body *body =
-			&solver->dense.bodies.body[solver->member[island->first_member + k]];
-
-		body->linear = body->angular = (rb_vec3){0, 0, 0};
-	}
-}
-
-/*
- * Solved closely, before the step and after it no faster than what solving closely leaves: it
- * stands still. At that speed a body would take two million steps for the tolerance.
- */
-static void find_rest(const struct rb_solver *solver, const struct rb_island *island)
-{
-	const double rest_speed = rb_strategies_rest_speed(solver), close = rest_speed / 16;
-	const double each = 1 / rb_islands_lasts(solver, island);
-	bool rests = solver->before && island->residual <= close && !island->carried;
-
-	for (int k = 0; rests && k < island->member_count; k++) {
-		const int i = solver->member[island->first_member + k];
-		const struct rb_solver_body *body = &solver->dense.bodies.body[i];
-		const double reach = solver->reach[i];
-		const size_t at = 3 * (size_t)i;
-
-		rests = rb_vec3_max_abs(body->linear) <= rest_speed &&
-		        rb_vec3_max_abs(body->angular) * reach <= rest_speed &&
-		        rb_vec3_max_abs(rb_vec3_from(solver->before->velocity + at)) <=
-		                rest_speed &&
-		        (!solver->before->spin ||
-		         rb_vec3_max_abs(rb_vec3_from(solver->before->spin + at)) * reach <=
-		                 rest_speed);
-	}
-	for (int k = 0; k < island->member_count; k++) {
-		const int i = solver->member[island->first_member + k];
-
-		solver->rests[i] = rests;
-		rb_vec3_to(solver->rest_external + 6 * (size_t)i,
-		           rb_vec3_scale(each, solver->free[i].linear));
-		rb_vec3_to(solver->rest_external + 6 * (size_t)i + 3,
-		           rb_vec3_scale(each, solver->free[i].angular));
-	}
-	if (rests)
-		stop(solver, island);
 }
 
 /* ---- choosing ---- */
@@ -758,7 +655,7 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 	island->sweeps = island->factors = 0;
 	island->residual = island->slip = 0;
 	if (island->rests) {
-		stop(solver, island);
+		rb_stillness_stop(solver, island);
 		return;
 	}
 	const rb_arena_mark here = rb_arena_here(arena);
@@ -775,7 +672,7 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 	                            .stiff = is_stiff(solver, island),
 	                            .at_rest = was_at_rest(solver, island)};
 	if (trial.at_rest)
-		skip_alone(solver, &rows);
+		rb_stillness_skip_gaps(solver, &rows);
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&rows, solver->body_count + 1));
 	if (island->contact_count > 0 && island->row_count > island->contact_count)
 		(void)solve_joints(solver, island, &rows, arena);
@@ -796,5 +693,5 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 		keep_energy(solver, island, &rows, team, arena);
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&rows, solver->body_count + 1));
 	RB_ASSERT(!(island->residual < 0) && island->energy_budget >= 0);
-	find_rest(solver, island);
+	rb_stillness_find(solver, island);
 }

@@ -22,18 +22,13 @@
 #ifndef RB_STEPPED_STRATEGIES_H
 #define RB_STEPPED_STRATEGIES_H
 
-#include "stepped/islands.h"
+#include "stepped/stillness.h"
 
 /*
  * Rows from which on a group is solved by all workers; from which on it is taken for a heap: it
  * would be a stack of a hundred boxes and more.
  */
 enum { RB_STRATEGY_LARGE_ROWS = 2048, RB_STRATEGY_HEAP_ROWS = 512 };
-
-/* Of the tolerance, what sweeps may leave of a gap's closing in one step. */
-#define RB_STRATEGY_SWEEP_SHARE 0.25
-/* The same of groups that are solved closely. */
-#define RB_STRATEGY_CLOSE_SHARE 1e-7
 
 /*
  * Impulses of the group's rows and velocities of its bodies, from warm impulses; `residual`,
@@ -42,12 +37,6 @@ enum { RB_STRATEGY_LARGE_ROWS = 2048, RB_STRATEGY_HEAP_ROWS = 512 };
  */
 void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *island,
                          struct rb_team *team, struct rb_arena *arena);
-
-/* m/s: a group that is no faster, before the step and after it, is at rest. */
-static inline double rb_strategies_rest_speed(const struct rb_solver *solver)
-{
-	return 16 * RB_STRATEGY_CLOSE_SHARE * solver->tolerance;
-}
 
 /*
  * Largest change of velocity that forces make of these bodies in the step, squared, m^2/s^2; the

@@ -161,7 +161,7 @@ static void take_forces(struct rb_swing_step *s, const struct rb_solver *solver)
 /* Whether nothing moves, nor will, faster than what rests: rows bring it to rest. */
 static bool is_at_rest(struct rb_swing_step *s, const struct rb_solver *solver)
 {
-	const double rest_speed = rb_strategies_rest_speed(solver);
+	const double rest_speed = rb_stillness_speed(solver);
 
 	return rb_course_speed(s) <= rest_speed &&
 	       solver->h_s * rb_course_acceleration(s) <= rest_speed;
