@@ -72,8 +72,8 @@ static void slots_follow_the_bytes_of_a_frame(void **state)
 	(void)state;
 	assert_int_equal(rb_ring_slots_for(&small, RB_FIELD_DEFAULT), RB_RING_SLOTS_MAX);
 	assert_int_equal(rb_ring_slots_for(&large, RB_FIELD_DEFAULT), RB_RING_SLOTS_MIN);
-	assert_true((size_t)slots * rb_frame_bytes(&medium, RB_FIELD_DEFAULT) <= 16u << 20);
-	assert_true((size_t)(slots + 1) * rb_frame_bytes(&medium, RB_FIELD_DEFAULT) > 16u << 20);
+	assert_true((size_t)slots * rb_frame_bytes(&medium, RB_FIELD_DEFAULT) <= 4u << 20);
+	assert_true((size_t)(slots + 1) * rb_frame_bytes(&medium, RB_FIELD_DEFAULT) > 4u << 20);
 }
 
 /* A consumer on a thread of its own that notes what it sees. */

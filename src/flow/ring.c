@@ -22,10 +22,11 @@
 #include "flow/frame.h"
 
 /*
- * 16 MiB: some seconds of a thousand bodies. Slots are used in turn, so all of a ring is written to
- * again and again, and a larger one would be out of the processor's cache.
+ * Slots are used in turn, so all of a ring is written to again and again: a larger one would be out
+ * of the processor's cache. Half of it still makes writes that are worth their calls
+ * (sink/h5frames).
  */
-static const size_t bytes_wanted = (size_t)16 << 20;
+static const size_t bytes_wanted = (size_t)4 << 20;
 
 /* Where a consumer is. Protected by the ring's lock. */
 struct cursor {

@@ -29,9 +29,9 @@
 
 struct rb_ring;
 
-enum { RB_RING_CONSUMERS_MAX = 32, RB_RING_SLOTS_MIN = 4, RB_RING_SLOTS_MAX = 64 };
+enum { RB_RING_CONSUMERS_MAX = 32, RB_RING_SLOTS_MIN = 4, RB_RING_SLOTS_MAX = 32 };
 
-/* How many slots a ring of such frames gets: 4 to 64, as many as fit into 16 MiB. */
+/* How many slots a ring of such frames gets: 4 to 32, as many as fit into 4 MiB. */
 int rb_ring_slots_for(const struct rb_model *model, unsigned fields);
 
 /* `slot_count` 0: rb_ring_slots_for. Fails on memory only. */

@@ -11,7 +11,8 @@ recording()
 	: >pairs
 	for _ in $(seq "$3"); do
 		measure 1 "$RBSIM" run "$SCENES/gas.lua" --param balls="$1" --duration "$2" --threads 1 --quiet --no-record >without
-		measure 1 "$RBSIM" run "$SCENES/gas.lua" --param balls="$1" --duration "$2" --threads 1 --quiet -o gas.h5 --force >with
+		rm -f gas.h5 # the run that replaces a file pays for its removal
+		measure 1 "$RBSIM" run "$SCENES/gas.lua" --param balls="$1" --duration "$2" --threads 1 --quiet -o gas.h5 >with
 		echo "$(cat with) $(cat without)" | awk '{ print $1, $2, $5, $6, $1 / $5, $2 / $6 }' >>pairs
 	done
 	frames=$(calc "60 * $2 + 1") case="gas of $1, $2 s"
