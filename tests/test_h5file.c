@@ -320,6 +320,23 @@ static void nothing_says_when_it_was_made(void **state)
 	close_file(&file);
 }
 
+/* H5close ends all that the library has: a host of librbsim may call it between two runs. */
+static void the_library_may_be_closed_between_files(void **state)
+{
+	struct file file;
+
+	(void)state;
+	for (int round = 0; round < 3; round++) {
+		open_file(&file);
+		rb_h5_put_f64(&file.h5, "/of/a/group", 1);
+		rb_h5_attribute_text(&file.h5, "/of/a/group", "units", "m");
+		if (file.h5.status)
+			fail_msg("%s", file.h5.error.text);
+		close_file(&file);
+		assert_true(H5close() >= 0);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -331,6 +348,7 @@ int main(void)
 		cmocka_unit_test(members_keep_their_order_where_that_is_asked_for),
 		cmocka_unit_test(names_become_parts_of_paths_and_come_back),
 		cmocka_unit_test(nothing_says_when_it_was_made),
+		cmocka_unit_test(the_library_may_be_closed_between_files),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

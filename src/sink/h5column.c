@@ -70,14 +70,12 @@ static void set_creation(const struct rb_h5_layout *layout, hid_t creation)
  */
 static hid_t access_properties(const struct rb_h5_layout *layout)
 {
-	const hid_t access = H5Pcreate(H5P_DATASET_ACCESS);
 	const size_t count = pieces(layout);
 
-	if (layout->compression > 0)
-		H5Pset_chunk_cache(access, 101 * count + 1, (count + 1) * chunk_bytes(layout) + 1,
-		                   1.0);
-	else
-		H5Pset_chunk_cache(access, 0, 0, 1.0);
+	if (layout->compression == 0)
+		return rb_h5_uncached_properties();
+	const hid_t access = H5Pcreate(H5P_DATASET_ACCESS);
+	H5Pset_chunk_cache(access, 101 * count + 1, (count + 1) * chunk_bytes(layout) + 1, 1.0);
 	return access;
 }
 

@@ -127,6 +127,8 @@ void rb_h5_unescape(char *name);
 /* How datasets of ours are made: no times of making, so that equal runs give equal bytes. */
 hid_t rb_h5_dataset_properties(void);
 /* Where they are linked: groups on the way are made. */
-hid_t rb_h5_link_properties(void);
+hid_t rb_h5_link_properties(void); /* not to be changed, as the next */
+/* How datasets are opened whose chunks are not cached. */
+hid_t rb_h5_uncached_properties(void);
 
 #endif
