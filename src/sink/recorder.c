@@ -478,21 +478,18 @@ static enum rb_status flush_idle(void *self, struct rb_error *err)
 	return recorder->oldest_ns != 0 || is_asked(recorder) ? write_out(recorder, err) : RB_OK;
 }
 
+static bool is_interrupted(enum rb_status status)
+{
+	return status == RB_ERR_AGAIN || status == RB_ERR_INTERRUPT || status == RB_ERR_TERMINATE;
+}
+
 /* What the recording says of how the run ended. */
 static const char *status_text(enum rb_status status)
 {
-	switch (status) {
-	case RB_OK:
 	/* the run went to its end; what the scene expected is not the recording's matter */
-	case RB_ERR_EXPECT:
+	if (status == RB_OK || status == RB_ERR_EXPECT)
 		return "complete";
-	case RB_ERR_AGAIN:
-	case RB_ERR_INTERRUPT:
-	case RB_ERR_TERMINATE:
-		return "interrupted";
-	default:
-		return "failed";
-	}
+	return is_interrupted(status) ? "interrupted" : "failed";
 }
 
 /* Writes the texts that change; they have their place in the file since it was made. */
@@ -543,10 +540,10 @@ static void trim(struct rb_h5 *h5, const struct rb_frames *frames, hsize_t rows)
 
 /*
  * Adds /VTKHDF. It goes behind the old end; the only old bytes that change are the root's header,
- * in one small write. Where the run is to go on it is without surfaces, since all that is added now
- * is thrown away then (drop_vtk).
+ * in one small write. It is without surfaces where the run is to go on, since all that is added now
+ * is thrown away then (drop_vtk), and where it was interrupted: they may take minutes.
  */
-static void add_vtk(struct rb_recorder *recorder, bool goes_on)
+static void add_vtk(struct rb_recorder *recorder, bool interrupted)
 {
 	struct rb_h5 *const h5 = &recorder->h5;
 	const struct rb_frames *const frames = &recorder->frames;
@@ -559,7 +556,7 @@ static void add_vtk(struct rb_recorder *recorder, bool goes_on)
 	    !(frames->fields & RB_FIELD_POSITION))
 		return;
 	struct rb_vtk vtk = rb_vtk_of(recorder->info, frames, rows);
-	if (!goes_on)
+	if (!interrupted || recorder->options.repair)
 		vtk.fields |= recorder->info->scene->record.fields & RB_FIELD_SURFACES;
 	h5->status = rb_vtk_begin(&vtk, &h5->error);
 	const off_t end = lseek(recorder->output.fd, 0, SEEK_END);
@@ -661,7 +658,7 @@ static enum rb_status close_file(void *self, const struct rb_outcome *outcome, s
 			if (!recorder->failed)
 				(void)note_failure(recorder, h5->status, &h5->error);
 		} else if (recorder->output.published && ours) {
-			add_vtk(recorder, outcome->status == RB_ERR_AGAIN);
+			add_vtk(recorder, is_interrupted(outcome->status));
 			if (!recorder->failed && !recorder->options.repair &&
 			    (outcome->status == RB_OK || outcome->status == RB_ERR_EXPECT))
 				compact(recorder);
