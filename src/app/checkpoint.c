@@ -66,6 +66,7 @@ struct rb_checkpoints {
 	pthread_mutex_t lock;
 	pthread_cond_t changed;
 	bool busy, stop;
+	bool hurried;          /* the recording is to begin its way to the disk */
 	enum rb_status status; /* of the last one */
 	struct rb_error error;
 	struct rb_checkpoints_tally tally;
@@ -236,6 +237,34 @@ static void make_ready(struct rb_checkpoints *checkpoints)
 	pthread_cond_broadcast(&checkpoints->changed);
 }
 
+/* Whether there is something better to do than to hurry. */
+static bool is_wanted(struct rb_checkpoints *checkpoints)
+{
+	pthread_mutex_lock(&checkpoints->lock);
+	const bool wanted = checkpoints->busy || checkpoints->stop;
+	pthread_mutex_unlock(&checkpoints->lock);
+	return wanted;
+}
+
+/*
+ * Has the system write what it holds of the recording, piece by piece, and does not wait until it
+ * has: who needs it on disk syncs it, and whoever ends the thread waits for a piece at most.
+ */
+static void send_out(struct rb_checkpoints *checkpoints)
+{
+	const off_t piece = (off_t)16 << 20;
+	const int fd = rb_place_reach(&checkpoints->place, checkpoints->place.name, O_RDONLY);
+	struct stat found;
+
+	if (fd < 0)
+		return;
+	if (fstat(fd, &found) == 0)
+		for (off_t at = 0; at < found.st_size && !is_wanted(checkpoints); at += piece)
+			if (sync_file_range(fd, at, piece, SYNC_FILE_RANGE_WRITE) != 0)
+				break;
+	close(fd);
+}
+
 /* The thread. */
 static void *work(void *argument)
 {
@@ -247,11 +276,18 @@ static void *work(void *argument)
 	for (;;) {
 		struct rb_error err = {0};
 
-		while (!checkpoints->busy && !checkpoints->stop)
+		while (!checkpoints->busy && !checkpoints->stop && !checkpoints->hurried)
 			pthread_cond_wait(&checkpoints->changed, &checkpoints->lock);
-		if (!checkpoints->busy)
+		const bool hurried = checkpoints->hurried && !checkpoints->busy;
+		checkpoints->hurried = false;
+		if (!checkpoints->busy && checkpoints->stop)
 			break;
 		pthread_mutex_unlock(&checkpoints->lock);
+		if (hurried) {
+			send_out(checkpoints);
+			pthread_mutex_lock(&checkpoints->lock);
+			continue;
+		}
 		const enum rb_status status = write_one(checkpoints, &err);
 		pthread_mutex_lock(&checkpoints->lock);
 		checkpoints->status = status;
@@ -313,6 +349,14 @@ enum rb_status rb_checkpoints_start(struct rb_checkpoints **made,
 	}
 	*made = checkpoints;
 	return RB_OK;
+}
+
+void rb_checkpoints_hurry(struct rb_checkpoints *checkpoints)
+{
+	pthread_mutex_lock(&checkpoints->lock);
+	checkpoints->hurried = true;
+	pthread_cond_broadcast(&checkpoints->changed);
+	pthread_mutex_unlock(&checkpoints->lock);
 }
 
 bool rb_checkpoints_busy(struct rb_checkpoints *checkpoints)

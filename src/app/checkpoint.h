@@ -67,6 +67,11 @@ struct rb_checkpoints_options {
 RB_CHECKED enum rb_status rb_checkpoints_start(struct rb_checkpoints **made,
                                                const struct rb_checkpoints_options *options,
                                                struct rb_error *err);
+/*
+ * The last one will be asked for soon, and nobody wants to wait for it long: what the recording
+ * holds already is sent to the disk. Any thread.
+ */
+void rb_checkpoints_hurry(struct rb_checkpoints *checkpoints);
 /* One is still being written: the next one would have to wait. */
 bool rb_checkpoints_busy(struct rb_checkpoints *checkpoints);
 /*

@@ -21,9 +21,9 @@
 static const double default_every_s = 60;
 /*
  * What a signal leaves to the frame under way: batch systems kill half a minute after they have
- * said so.
+ * said so, others sooner, and the files must be closed, too.
  */
-static const double patience_s = 15;
+static const double patience_s = 12;
 
 struct rb_saving {
 	struct rb_saving_options options;
@@ -104,8 +104,10 @@ bool rb_saving_waits(struct rb_saving *saving)
 
 	if (!saving || saving->broken)
 		return false;
-	if (saving->asked_ns == 0)
+	if (saving->asked_ns == 0) {
 		saving->asked_ns = now;
+		rb_checkpoints_hurry(saving->checkpoints);
+	}
 	return now - saving->asked_ns < (uint64_t)(1e9 * patience_s);
 }
 

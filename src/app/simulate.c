@@ -301,6 +301,8 @@ static enum rb_status join_consumers(struct run *run, struct rb_error *err)
 	if (run->progress && rb_films_count(run->films) > 0)
 		rb_progress_waits(run->progress, "the films");
 	run->result->film_status = rb_films_join(run->films, &run->result->film_error);
+	if (run->progress && run->pump)
+		rb_progress_waits(run->progress, "the recording");
 	pthread_mutex_lock(&run->films_lock);
 	run->films_whole = true;
 	pthread_cond_signal(&run->films_joined);
@@ -628,7 +630,10 @@ static enum rb_status leave(struct run *run, int signal, struct rb_error *err)
 	uint64_t kept = 0;
 	if (!run->saving)
 		return tell_signal(run->result, signal, "", err);
-	if (rb_saving_last(run->saving, run->world, &kept, &own) == RB_OK) {
+	rb_progress_waits(run->progress, "the checkpoint");
+	const enum rb_status status = rb_saving_last(run->saving, run->world, &kept, &own);
+	rb_progress_waits(run->progress, NULL);
+	if (status == RB_OK) {
 		run->result->signal = signal;
 		return RB_FAIL(err, RB_ERR_AGAIN,
 		               "interrupted by %s at %g s: --resume goes on from frame %llu",
