@@ -137,6 +137,33 @@ static void room_to_spare_and_what_is_freed_take_no_memory(void **state)
 	}
 }
 
+static void what_is_yielded_takes_no_memory_and_the_rest_stays(void **state)
+{
+	const size_t size = (size_t)64 << 20, kept = ((size_t)4 << 20) + 100;
+	const long before = resident_kb();
+	unsigned char *const block = rb_memory_take(size, 1);
+	unsigned char *const small = rb_memory_take(100, 1);
+
+	(void)state;
+	assert_non_null(block);
+	assert_non_null(small);
+	rb_memory_yield(small, 0);
+	memset(block, 7, size);
+	rb_memory_yield(block, kept);
+	for (size_t k = 0; k < kept; k++)
+		if (block[k] != 7)
+			fail_msg("byte %zu is lost", k);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+	if (before > 0)
+		assert_true(resident_kb() - before < 2 * (long)(kept >> 10));
+#else
+	(void)before;
+#endif
+	memset(block, 8, size);
+	rb_memory_free(block); /* which looks at its fence */
+	rb_memory_free(small);
+}
+
 static void reserving_doubles_and_leaves_all_as_it_was_when_memory_is_out(void **state)
 {
 	double *block = NULL;
@@ -267,6 +294,7 @@ int main(void)
 		cmocka_unit_test(growing_keeps_the_old_part_and_zeroes_the_new),
 		cmocka_unit_test(a_large_block_grows_as_a_small_one_does),
 		cmocka_unit_test(room_to_spare_and_what_is_freed_take_no_memory),
+		cmocka_unit_test(what_is_yielded_takes_no_memory_and_the_rest_stays),
 		cmocka_unit_test(reserving_doubles_and_leaves_all_as_it_was_when_memory_is_out),
 		cmocka_unit_test(the_kth_allocation_fails_and_all_after_it),
 		cmocka_unit_test(a_copied_text_is_a_block_of_its_own),

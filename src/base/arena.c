@@ -17,6 +17,12 @@
 enum { ALIGNMENT = 64, SMALLEST_BLOCK = 16384 };
 
 /*
+ * From so many bytes on, where base/memory maps blocks, there is room for twice what was needed:
+ * only what is written to takes memory.
+ */
+enum { ROOMY = 1 << 17 };
+
+/*
  * A block taken when the first was full; the newest stands first and is the only one that is
  * filled.
  */
@@ -55,6 +61,9 @@ static struct rb_arena_overflow *add_overflow(struct rb_arena *arena, size_t byt
 		rb_memory_free(block);
 		return NULL;
 	}
+	/* what earlier parts of the step have left in the first block is not there beside it */
+	if (!arena->overflow && arena->block)
+		rb_memory_yield(arena->block, arena->used);
 	*overflow = (struct rb_arena_overflow){
 		.older = arena->overflow, .block = block, .size = size};
 	arena->overflow = overflow;
@@ -136,8 +145,9 @@ void rb_arena_reset(struct rb_arena *arena)
 	 * Somewhat more than was needed: the next steps resemble the last ones, but are not equal
 	 * to them.
 	 */
-	const size_t wanted = (arena->high_water + arena->high_water / 4 + ALIGNMENT - 1) /
-	                      ALIGNMENT * ALIGNMENT;
+	const size_t more = arena->high_water < ROOMY ? arena->high_water / 4
+	                                              : arena->high_water;
+	const size_t wanted = (arena->high_water + more + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 	unsigned char *block = rb_memory_take(wanted, 1);
 	if (!block)
 		return; /* the smaller block still serves, with overflows */

@@ -18,6 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include "base/error.h"
 
@@ -222,6 +223,22 @@ void rb_memory_free(void *block)
 		munmap(head.origin, mapping_of(head.size));
 	else
 		free(head.origin);
+}
+
+void rb_memory_yield(void *block, size_t first)
+{
+	const struct head head = *head_of(block);
+
+	RB_ASSERT(first <= head.size);
+	if (head.size < mapped_bytes)
+		return;
+	/* whole pages, and not the last one, which has the fence */
+	const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE);
+	const uintptr_t from = ((uintptr_t)block + first + page - 1) / page * page;
+	const uintptr_t to = ((uintptr_t)block + head.size) / page * page;
+
+	if (to > from)
+		(void)madvise((void *)from, to - from, MADV_DONTNEED);
 }
 
 char *rb_memory_copy_text(const char *text)

@@ -32,6 +32,12 @@ _Bool rb_memory_reserve(void *block_address, size_t *capacity, size_t needed, si
 
 void rb_memory_free(void *block);
 
+/*
+ * Of `block`, what lies from byte `first` on is not needed as it is: the system may take its pages,
+ * which come again when they are written to. What it holds is then not known.
+ */
+void rb_memory_yield(void *block, size_t first);
+
 char *rb_memory_copy_text(const char *text);
 
 struct rb_memory_counts {

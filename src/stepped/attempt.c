@@ -160,7 +160,7 @@ static void find_unpushed(struct clear *clear, int i)
 
 	solver->clear[i] = RB_CLEAR_NO;
 	if (g < 0 || solver->pushed[i] || solver->island[g].kept || solver->rests[i] ||
-	    (solver->kick && solver->kick[i].is_set))
+	    rb_kicks_have(solver->kicks, i))
 		return;
 	solver->clear[i] = RB_CLEAR_MAYBE;
 	__atomic_store_n(&clear->any, true, __ATOMIC_RELAXED);
@@ -425,7 +425,7 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 		status = rb_impacts_resolve(world, cohort, start, h, err);
 	s->solver.active = cohort->body;
 	s->solver.active_count = cohort->body_count;
-	s->solver.kick = s->kicked_count > 0 ? s->kick : NULL;
+	s->solver.kicks = s->kicks.count > 0 ? &s->kicks : NULL;
 	if (status == RB_OK)
 		status = rb_springs_join(world, cohort, h, err);
 	if (status == RB_OK)

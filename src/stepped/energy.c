@@ -50,9 +50,11 @@ static struct rb_solver_body motion_before(const struct rb_solver *solver, int i
 
 	if (before->spin)
 		motion.angular = rb_vec3_from(before->spin + 3 * (size_t)i);
-	if (solver->kick) {
-		motion.linear = rb_vec3_add(motion.linear, solver->kick[i].linear);
-		motion.angular = rb_vec3_add(motion.angular, solver->kick[i].angular);
+	if (solver->kicks) {
+		const struct rb_kick *const kick = rb_kick_of(solver->kicks, i);
+
+		motion.linear = rb_vec3_add(motion.linear, kick->linear);
+		motion.angular = rb_vec3_add(motion.angular, kick->angular);
 	}
 	return motion;
 }

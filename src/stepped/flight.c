@@ -49,7 +49,7 @@ struct rb_flight_motion rb_flight_of(const struct rb_flight *flight, int i, rb_v
 
 	if (i >= world->model->body_count)
 		return motion;
-	const struct rb_kick *kick = &world->stepped->kick[i];
+	const struct rb_kick *kick = rb_kick_of(&world->stepped->kicks, i);
 	const rb_vec3 before = rb_world_row3(mark->velocity, i);
 	rb_vec3 more = rb_vec3_sub(rb_world_row3(now->velocity, i), before);
 
@@ -95,7 +95,7 @@ static void turn_for(const struct rb_flight *flight, int i, double t,
 struct rb_flight_turning rb_flight_turning(const struct rb_flight *flight, int i, double t)
 {
 	const struct rb_state *mark = &flight->world->mark;
-	const struct rb_kick *kick = &flight->world->stepped->kick[i];
+	const struct rb_kick *kick = rb_kick_of(&flight->world->stepped->kicks, i);
 	struct rb_flight_turning turning = {
 		.orientation = kick->turns ? kick->orientation
 	                                   : rb_quat_from(mark->orientation + 4 * (size_t)i),
@@ -128,12 +128,14 @@ void rb_flight_kick(const struct rb_flight *flight, int i, double t,
                     const struct rb_flight_turning *at, const struct rb_solver_body *more)
 {
 	const struct rb_world *world = flight->world;
-	struct rb_stepped *const s = world->stepped;
-	struct rb_kick *const kick = &s->kick[i];
+	struct rb_kicks *const kicks = &world->stepped->kicks;
 
-	if (!kick->is_set)
-		s->kicked[s->kicked_count++] = i;
-	kick->is_set = true;
+	if (kicks->place[i] == 0) {
+		kicks->place[i] = ++kicks->count;
+		kicks->row[kicks->count] = (struct rb_kick){.body = i};
+	}
+	struct rb_kick *const kick = &kicks->row[kicks->place[i]];
+
 	kick->linear = rb_vec3_add(kick->linear, more->linear);
 	kick->shift = rb_vec3_add_scaled(kick->shift, -t, more->linear);
 	if (!world->state.spin || rb_vec3_max_abs(more->angular) == 0)
@@ -152,7 +154,8 @@ void rb_flight_kick(const struct rb_flight *flight, int i, double t,
 void rb_flight_turn_from(const struct rb_flight *flight, struct rb_state *state, int i)
 {
 	const struct rb_world *world = flight->world;
-	struct rb_kick *const kick = &world->stepped->kick[i];
+	const struct rb_kicks *const kicks = &world->stepped->kicks;
+	struct rb_kick *const kick = &kicks->row[kicks->place[i]];
 	const rb_vec3 forced = rb_flight_forced_spin(flight, i, kick->orientation);
 	const rb_vec3 before = rb_world_row3(world->mark.spin, i);
 
@@ -499,8 +502,8 @@ double rb_flight_touches(const struct rb_flight *flight, const struct rb_step_po
 static rb_vec3 lever_at(const struct rb_flight *flight, const struct rb_step_point *point, double t)
 {
 	const struct rb_world *world = flight->world;
-	const struct rb_kick *a = &world->stepped->kick[point->a];
-	const struct rb_kick *b = &world->stepped->kick[point->b];
+	const struct rb_kick *a = rb_kick_of(&world->stepped->kicks, point->a);
+	const struct rb_kick *b = rb_kick_of(&world->stepped->kicks, point->b);
 	const rb_vec3 u = rb_vec3_sub(rb_world_row3(world->state.velocity, point->b),
 	                              rb_world_row3(world->state.velocity, point->a));
 	const rb_vec3 kicked = rb_vec3_add(u, rb_vec3_sub(b->linear, a->linear));
@@ -516,10 +519,9 @@ static rb_vec3 turned(const struct rb_flight *flight, int i, double t, rb_vec3 a
 
 	if (!world->state.spin)
 		return arm;
-	const rb_vec3 spin = rb_vec3_add(rb_world_row3(world->mark.spin, i),
-	                                 world->stepped->kick[i].angular);
-
-	const rb_vec3 turn = rb_vec3_add_scaled(world->stepped->kick[i].turn, t, spin);
+	const struct rb_kick *const kick = rb_kick_of(&world->stepped->kicks, i);
+	const rb_vec3 spin = rb_vec3_add(rb_world_row3(world->mark.spin, i), kick->angular);
+	const rb_vec3 turn = rb_vec3_add_scaled(kick->turn, t, spin);
 
 	return rb_vec3_add(arm, rb_vec3_cross(turn, arm));
 }

@@ -73,17 +73,17 @@ enum rb_status rb_impacts_create(struct rb_stepped *s, const struct rb_model *mo
 {
 	const size_t n = (size_t)model->body_count + 1;
 
-	s->kick = rb_memory_take(n, sizeof *s->kick);
-	s->kicked = rb_memory_take(n, sizeof *s->kicked);
-	return s->kick && s->kicked
+	s->kicks.row = rb_memory_take(n + 1, sizeof *s->kicks.row);
+	s->kicks.place = rb_memory_take(n, sizeof *s->kicks.place);
+	return s->kicks.row && s->kicks.place
 	               ? RB_OK
 	               : RB_FAIL(err, RB_ERR_MEMORY, "no memory for impacts of %zu bodies", n - 1);
 }
 
 void rb_impacts_release(struct rb_stepped *s)
 {
-	rb_memory_free(s->kick);
-	rb_memory_free(s->kicked);
+	rb_memory_free(s->kicks.row);
+	rb_memory_free(s->kicks.place);
 	rb_memory_free(s->due.row);
 }
 
@@ -703,13 +703,13 @@ static void end(struct impacts *all)
 		if (all->seen[k])
 			rb_flight_see(&all->flight, point, all->touched[k]);
 	}
-	for (int k = 0; k < s->kicked_count; k++) {
-		const struct rb_kick *of = &s->kick[s->kicked[k]];
-		double *const v = state->velocity + 3 * (size_t)s->kicked[k];
+	for (int k = 1; k <= s->kicks.count; k++) {
+		const struct rb_kick *of = &s->kicks.row[k];
+		double *const v = state->velocity + 3 * (size_t)of->body;
 
-		rb_vec3_to(v, rb_vec3_add(rb_vec3_from(v), left_of_kick(all, s->kicked[k], of)));
+		rb_vec3_to(v, rb_vec3_add(rb_vec3_from(v), left_of_kick(all, of->body, of)));
 		if (of->turns)
-			rb_flight_turn_from(&all->flight, state, s->kicked[k]);
+			rb_flight_turn_from(&all->flight, state, of->body);
 	}
 }
 
@@ -730,14 +730,14 @@ enum rb_status rb_impacts_resolve(struct rb_world *world, struct rb_cohort *coho
 
 	RB_ASSERT(h > 0 && cohort->body_count <= world->model->body_count);
 	cohort->hit_count = cohort->blow_count = cohort->passed.count = 0;
-	for (int k = 0; k < s->kicked_count; k++)
-		s->kick[s->kicked[k]] = (struct rb_kick){.is_set = false};
-	s->kicked_count = 0;
+	for (int k = 1; k <= s->kicks.count; k++)
+		s->kicks.place[s->kicks.row[k].body] = 0;
+	s->kicks.count = 0;
 	bool any = false;
 	all.seen = rb_arena_take(&world->arena[0], all.points->count, 1);
 	if (!all.seen)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
-	if (s->kick)
+	if (s->kicks.place)
 		any = rb_flight_find_possible(&all.flight, all.points, all.seen);
 	if (!any) {
 		rb_arena_back(&world->arena[0], here);
@@ -762,10 +762,10 @@ void rb_impacts_seen(const struct rb_stepped *s, struct rb_step_point *point)
 {
 	const int ends[2] = {point->a, point->b};
 
-	for (int e = 0; e < 2 && s->kicked_count > 0; e++) {
-		if (ends[e] >= s->solver.body_count || !s->kick[ends[e]].is_set)
+	for (int e = 0; e < 2; e++) {
+		if (ends[e] >= s->solver.body_count || !rb_kicks_have(&s->kicks, ends[e]))
 			continue;
-		const struct rb_kick *kick = &s->kick[ends[e]];
+		const struct rb_kick *kick = rb_kick_of(&s->kicks, ends[e]);
 		const rb_vec3 none = {0, 0, 0}, arm = point->central ? none
 		                                      : e == 0       ? point->arm_a
 		                                                     : point->arm_b;

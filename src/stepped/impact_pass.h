@@ -38,18 +38,17 @@ void rb_impacts_blame(struct rb_stepped *stepped, const struct rb_world *world,
 /* rad/s: what impacts have added to a body's. */
 static inline rb_vec3 rb_impacts_spin(const struct rb_stepped *stepped, int i)
 {
-	return stepped->kicked_count > 0 ? stepped->kick[i].angular : (rb_vec3){0, 0, 0};
+	return stepped->kicks.count > 0 ? rb_kick_of(&stepped->kicks, i)->angular
+	                                : (rb_vec3){0, 0, 0};
 }
 
 /* A body that impacts have moved goes the way that it has gone before them. */
 static inline void rb_impacts_shift(const struct rb_stepped *stepped, struct rb_state *state, int i)
 {
-	const struct rb_kick *kick = stepped->kicked_count > 0 ? &stepped->kick[i] : NULL;
-
-	if (!kick || !kick->is_set)
-		return;
 	double *const x = state->position + 3 * (size_t)i;
-	rb_vec3_to(x, rb_vec3_add(rb_vec3_from(x), kick->shift));
+
+	if (rb_kicks_have(&stepped->kicks, i))
+		rb_vec3_to(x, rb_vec3_add(rb_vec3_from(x), rb_kick_of(&stepped->kicks, i)->shift));
 }
 
 #endif

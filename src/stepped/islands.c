@@ -290,11 +290,11 @@ struct rb_spring_query rb_islands_springs(const struct rb_solver *solver,
 		.lasts_s = rb_islands_lasts(solver, group_of_spring(solver, spring)),
 		.ahead_s = solver->h_s};
 
-	for (int e = 0; solver->kick && e < 2; e++)
+	for (int e = 0; solver->kicks && e < 2; e++)
 		if (spring->end[e] < solver->body_count)
 			query.shift = rb_vec3_add_scaled(
 				query.shift, e == 0 ? -1 : 1,
-				shifted(&solver->kick[spring->end[e]], spring->arm[e]));
+				shifted(rb_kick_of(solver->kicks, spring->end[e]), spring->arm[e]));
 	return query;
 }
 
@@ -623,9 +623,10 @@ rb_vec3 rb_islands_between(const struct rb_solver *solver, const double *positio
 	const rb_vec3 d = rb_vec3_sub(rb_vec3_from(position + 3 * (size_t)b),
 	                              rb_vec3_from(position + 3 * (size_t)a));
 
-	if (!solver->before || !solver->kick)
+	if (!solver->before || !solver->kicks)
 		return d;
-	return rb_vec3_add(d, rb_vec3_sub(solver->kick[b].shift, solver->kick[a].shift));
+	return rb_vec3_add(d, rb_vec3_sub(rb_kick_of(solver->kicks, b)->shift,
+	                                  rb_kick_of(solver->kicks, a)->shift));
 }
 
 static void fill_row(const struct pass *pass, struct rb_constraint *row, int number)

@@ -51,8 +51,28 @@ struct rb_kick {
 	/* if `turns`: with what it would have come to turn as it does */
 	rb_quat orientation;
 	rb_vec3 spin;
-	bool is_set, turns;
+	int body;
+	bool turns;
 };
+
+/* Kicks of a try, in the order in which bodies have first got one; most have none. */
+struct rb_kicks {
+	/* owned: [bodies + 2] the first is nobody's, and zero; what has never been used takes no
+	   memory */
+	struct rb_kick *row;
+	int *place; /* owned: [bodies + 1] in `row`; 0: none. NULL: nothing rebounds */
+	int count;
+};
+
+static inline const struct rb_kick *rb_kick_of(const struct rb_kicks *kicks, int i)
+{
+	return &kicks->row[kicks->place[i]];
+}
+
+static inline bool rb_kicks_have(const struct rb_kicks *kicks, int i)
+{
+	return kicks && kicks->count > 0 && kicks->place[i] > 0;
+}
 
 /* Where a body is after a step without rows (stepped/swing). */
 struct rb_swung {
@@ -117,7 +137,7 @@ struct rb_solver {
 	size_t island_count, island_capacity, row_capacity, point_capacity;
 	const struct rb_state
 		*before; /* borrowed: at the beginning of the step; NULL: positions are closed */
-	const struct rb_kick *kick; /* borrowed: by body; NULL: there have been no impacts */
+	const struct rb_kicks *kicks; /* borrowed; NULL: there have been no impacts */
 	double h_s, tolerance;      /* of the step; m/s */
 	double whole_s;  /* of the step that was tried first, set by the caller; 0: of this one */
 	bool divides;    /* groups for which a step fails take shorter ones on their own */

@@ -75,7 +75,7 @@ static void swing(void *user, int group, int worker)
 	for (int k = 0; may && k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
 
-		may = !is_pulled(solver, springs, i) && !(solver->kick && solver->kick[i].is_set);
+		may = !is_pulled(solver, springs, i) && !rb_kicks_have(solver->kicks, i);
 	}
 	if (!may)
 		return;
@@ -127,7 +127,7 @@ void rb_islands_halve(struct rb_solver *solver, const struct rb_world *world)
 
 			/* what a spring joins to a mechanism may have been in an impact */
 			island->halves = !solver->stiff[i] && !is_pulled(solver, springs, i) &&
-			                 !(solver->kick && solver->kick[i].is_set);
+			                 !rb_kicks_have(solver->kicks, i);
 		}
 	}
 	for (int k = 0; k < solver->joined_count; k++) {

@@ -60,9 +60,11 @@ static struct rb_solver_body body_before(const struct group *g, int i)
 	body.linear = rb_world_row3(mark->velocity, i);
 	if (mark->spin)
 		body.angular = rb_world_row3(mark->spin, i);
-	if (g->solver->kick) {
-		body.linear = rb_vec3_add(body.linear, g->solver->kick[i].linear);
-		body.angular = rb_vec3_add(body.angular, g->solver->kick[i].angular);
+	if (g->solver->kicks) {
+		const struct rb_kick *const kick = rb_kick_of(g->solver->kicks, i);
+
+		body.linear = rb_vec3_add(body.linear, kick->linear);
+		body.angular = rb_vec3_add(body.angular, kick->angular);
 	}
 	body.inverse_mass = ldexp(body.inverse_mass, g->unit);
 	if (!isnan(body.inverse_inertia))

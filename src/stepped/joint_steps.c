@@ -307,7 +307,7 @@ static bool is_alone(const struct rb_solver *solver, const struct rb_island *isl
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
 
-		if (solver->rests[i] || (solver->kick && solver->kick[i].is_set))
+		if (solver->rests[i] || rb_kicks_have(solver->kicks, i))
 			return false;
 	}
 	return true;

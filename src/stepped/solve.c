@@ -329,9 +329,9 @@ void rb_solver_go_back(const struct rb_solver *solver, struct rb_world *world)
 		rb_vec3_to(world->state.velocity + 3 * (size_t)i, given[i].linear);
 		if (world->state.spin)
 			rb_vec3_to(world->state.spin + 3 * (size_t)i, given[i].angular);
-		if (solver->kick && solver->kick[i].turns)
+		if (solver->kicks && rb_kick_of(solver->kicks, i)->turns)
 			rb_quat_to(world->state.orientation + 4 * (size_t)i,
-			           solver->kick[i].orientation);
+			           rb_kick_of(solver->kicks, i)->orientation);
 	}
 }
 

@@ -35,7 +35,7 @@ static bool is_held_by_joints(const struct rb_world *world, int i)
 /* Whether anything holds a body at all. */
 static bool may_hold(const struct rb_world *world, const struct rb_cohort *cohort)
 {
-	bool any = world->model->joints || world->stepped->kicked_count > 0;
+	bool any = world->model->joints || world->stepped->kicks.count > 0;
 
 	for (size_t k = 0; k < cohort->points.count && !any; k++)
 		any = cohort->points.row[k].normal_impulse > 0;
@@ -95,7 +95,7 @@ static enum rb_status weave(struct rb_world *world, const struct rb_cohort *coho
 	for (int k = 0; k < cohort->member_count; k++) {
 		const int i = cohort->body[k];
 
-		if (is_held_by_joints(world, i) || (s->kicked_count > 0 && s->kick[i].is_set))
+		if (is_held_by_joints(world, i) || rb_kicks_have(&s->kicks, i))
 			hold(web, i);
 	}
 	for (size_t k = 0; k < cohort->points.count; k++) {

@@ -111,8 +111,8 @@ void rb_swept_bounds_set(struct rb_swept_bounds *swept, const struct rb_world *w
 		                               slack + fmax(0, reach - rb_vec3_length(way)))
 				  : box_of_way(from, rb_world_origin_at(world, &world->state, i),
 		                               slack);
-		if (s->kicked_count > 0 && s->kick[i].is_set)
-			turn_round(&swept->bounds[i], from, &s->kick[i], way, slack);
+		if (rb_kicks_have(&s->kicks, i))
+			turn_round(&swept->bounds[i], from, rb_kick_of(&s->kicks, i), way, slack);
 	}
 }
 

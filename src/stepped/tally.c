@@ -72,10 +72,12 @@ static void note_solved(const struct rb_world *world, int i, bool sleeps,
 	body->begin[0] = rb_world_row3(world->mark.velocity, i);
 	body->begin[1] = spin_of(&world->mark, i);
 	body->acted = rb_world_row3(world->mark.position, i);
-	if (s->kicked_count > 0 && s->kick[i].is_set) {
-		body->acted = rb_vec3_add(body->acted, s->kick[i].shift);
-		body->begin[0] = rb_vec3_add(body->begin[0], s->kick[i].linear);
-		body->begin[1] = rb_vec3_add(body->begin[1], s->kick[i].angular);
+	if (rb_kicks_have(&s->kicks, i)) {
+		const struct rb_kick *const kick = rb_kick_of(&s->kicks, i);
+
+		body->acted = rb_vec3_add(body->acted, kick->shift);
+		body->begin[0] = rb_vec3_add(body->begin[0], kick->linear);
+		body->begin[1] = rb_vec3_add(body->begin[1], kick->angular);
 	}
 	/*
 	 * the solver's velocity, since move has already rotated the state's spin; sleeping bodies
