@@ -64,7 +64,8 @@ static inline void fake_init(struct fake *fake, int bodies, uint64_t frames, boo
 	model->shape = rb_memory_take(all, sizeof *model->shape);
 	model->material = rb_memory_take(all, sizeof *model->material);
 	model->mass = rb_memory_take(all, sizeof *model->mass);
-	model->inertia = turns ? rb_memory_take(all, sizeof *model->inertia) : NULL;
+	model->inertia = turns ? rb_memory_take(1, sizeof *model->inertia) : NULL;
+	model->inertia_of = turns ? rb_memory_take(all, sizeof *model->inertia_of) : NULL;
 	model->position = rb_memory_take(all, sizeof *model->position);
 	model->orientation = rb_memory_take(all, sizeof *model->orientation);
 	model->pair_materials = rb_memory_take(1, sizeof *model->pair_materials);
@@ -110,6 +111,7 @@ static inline void fake_release(struct fake *fake)
 	rb_memory_free(fake->model.material);
 	rb_memory_free(fake->model.mass);
 	rb_memory_free(fake->model.inertia);
+	rb_memory_free(fake->model.inertia_of);
 	rb_memory_free(fake->model.position);
 	rb_memory_free(fake->model.orientation);
 	rb_memory_free(fake->model.pair_materials);

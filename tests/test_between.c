@@ -12,10 +12,9 @@
 static const struct rb_model plain = {
 	.body_count = 2,
 	.inverse_mass = (double[]){1, 1},
-	.inertia = (rb_mat3[]){{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
-                               {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}},
-	.inverse_inertia = (rb_mat3[]){{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
-                                       {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}},
+	.inertia = (rb_mat3[]){{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}},
+	.inverse_inertia = (rb_mat3[]){{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}},
+	.inertia_of = (int[]){0, 0},
 };
 
 static struct rb_frame frame_of(int bodies, rb_features features, unsigned fields)

@@ -30,7 +30,7 @@ static rb_vec3 momentum_of(const struct lab *lab, int i)
 	const rb_quat q = rb_quat_from(state->orientation + 4 * i);
 
 	return rb_quat_rotate(
-		q, rb_mat3_apply(&lab->model->inertia[i],
+		q, rb_mat3_apply(rb_model_inertia(lab->model, i),
 	                         rb_quat_rotate_back(q, rb_vec3_from(state->spin + 3 * i))));
 }
 

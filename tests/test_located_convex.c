@@ -110,7 +110,7 @@ static void a_needle_that_lands_on_its_tip_gets_the_impulse_of_the_formula(void 
 		bench_seal(&bench);
 		const rb_vec3 axis = rb_quat_rotate(def.orientation, (rb_vec3){0, 0, 0.5});
 		const double lever = sqrt(axis.x * axis.x + axis.y * axis.y);
-		const double inertia = bench.lab.model->inertia[0].m[0][0];
+		const double inertia = rb_model_inertia(bench.lab.model, 0)->m[0][0];
 		const double wanted = (1 + e) * speed / (1 / def.mass + lever * lever / inertia);
 		lab_run(&bench.lab);
 		const struct rb_event *hit = bench_event(&bench, RB_EVENT_COLLISION, 0);
@@ -509,7 +509,7 @@ static void a_long_cylinder_rocks_over_to_the_other_side(void **slot)
 
 		/* it takes 0.22 s to fall, and 0.14 s up to where it turns */
 		rock(&bench, 0, half, tilt, 0.6 * k, 0.3);
-		const double inertia = bench.lab.model->inertia[0].m[0][0];
+		const double inertia = rb_model_inertia(bench.lab.model, 0)->m[0][0];
 		const double far = inertia + half * half + rim * rim;
 		const double near = inertia + half * half - rim * rim;
 		const double fall = g * (half * cos(tilt) + rim * sin(tilt) - half);

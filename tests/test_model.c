@@ -97,6 +97,32 @@ static void assert_refused(struct bench *bench, const char *text)
 	assert_non_null(strstr(err.text, "test.lua"));
 }
 
+/* A million equal bodies have one tensor; whatever the order, each has its own. */
+static void bodies_alike_share_their_inertia(void **slot)
+{
+	struct bench b;
+
+	(void)slot;
+	open_bench(&b);
+	add(&b, flat(RB_SHAPE_PLANE));
+	for (int k = 0; k < 100; k++)
+		add(&b, ball(0.1 + 0.01 * (k % 3), 4 * k, 0, 5));
+	seal(&b);
+	assert_int_equal(b.model->inertia_count, 1 + 3); /* of what does not yield, and of three */
+	for (int k = 0; k < 20; k++)
+		add(&b, ball(0.3 + 0.01 * k, 4 * k, 10, 5));
+	seal(&b);
+	assert_int_equal(b.model->inertia_count, 1 + 3 + 20);
+	for (int i = 0; i < b.model->body_count; i++) {
+		const double radius = b.model->shape[i].radius;
+		const double own = 0.4 * b.model->mass[i] * radius * radius;
+
+		assert_near(rb_model_inertia(b.model, i)->m[2][2], own, 1e-13 * own);
+		assert_near(rb_model_inverse_inertia(b.model, i)->m[2][2], 1 / own, 1e-13 / own);
+	}
+	close_bench(&b);
+}
+
 static void moving_bodies_come_first_and_keep_the_order_of_the_scene(void **slot)
 {
 	struct bench b;
@@ -119,8 +145,9 @@ static void moving_bodies_come_first_and_keep_the_order_of_the_scene(void **slot
 	assert_int_equal(b.model->shape[3].kind, RB_SHAPE_RECTANGLE);
 	assert_true(isinf(b.model->mass[2]) && b.model->inverse_mass[2] == 0);
 	assert_near(b.model->mass[0], 4000 * acos(-1) / 3, 1e-9);
-	assert_near(b.model->inertia[0].m[1][1], 0.4 * b.model->mass[0], 1e-9);
-	assert_near(b.model->inverse_inertia_scalar[0] * b.model->inertia[0].m[0][0], 1, 1e-15);
+	assert_near(rb_model_inertia(b.model, 0)->m[1][1], 0.4 * b.model->mass[0], 1e-9);
+	assert_near(b.model->inverse_inertia_scalar[0] * rb_model_inertia(b.model, 0)->m[0][0], 1,
+	            1e-15);
 	close_bench(&b);
 }
 
@@ -358,9 +385,9 @@ static void driven_bodies_move_and_have_no_mass(void **slot)
 	assert_true(isinf(b.model->mass[0]) && isfinite(b.model->mass[1]));
 	assert_near(b.model->inverse_mass[0], 0, 0);
 	assert_true(b.model->inverse_mass[1] > 0);
-	assert_near(b.model->inverse_inertia[0].m[1][1], 0, 0);
+	assert_near(rb_model_inverse_inertia(b.model, 0)->m[1][1], 0, 0);
 	assert_near(b.model->inverse_inertia_scalar[0], 0, 0);
-	assert_true(b.model->inverse_inertia[1].m[1][1] > 0);
+	assert_true(rb_model_inverse_inertia(b.model, 1)->m[1][1] > 0);
 	b.scene.bodies[1].motion = -1;
 	seal(&b);
 	assert_null(b.model->driven);
@@ -641,7 +668,7 @@ static void what_can_turn_a_body_brings_rotation(void **slot)
 	b.scene.bodies[0].inertia = &(rb_mat3){{{2, 0, 0}, {0, 2, 0}, {0, 0, 3}}};
 	assert_int_equal(features(&b), RB_FEATURE_ROTATION | RB_FEATURE_GYROSCOPIC);
 	assert_true(isnan(b.model->inverse_inertia_scalar[0]));
-	assert_near(b.model->inverse_inertia[0].m[2][2], 1.0 / 3, 1e-16);
+	assert_near(rb_model_inverse_inertia(b.model, 0)->m[2][2], 1.0 / 3, 1e-16);
 	b.scene.bodies[0].angular_velocity.y = 0;
 	assert_int_equal(features(&b), 0);
 	b.scene.bodies[0].inertia = NULL;
@@ -734,6 +761,7 @@ static void running_out_of_memory_is_an_error_at_every_allocation(void **slot)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(bodies_alike_share_their_inertia),
 		cmocka_unit_test(moving_bodies_come_first_and_keep_the_order_of_the_scene),
 		cmocka_unit_test(mass_wins_over_density_and_density_over_the_material),
 		cmocka_unit_test(frames_follow_the_rule_of_the_language),

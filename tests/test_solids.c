@@ -149,7 +149,7 @@ static void only_scenes_with_such_bodies_pay_for_their_reach(void **slot)
 	assert_near(lab.model->size_min_m, 1, 0);
 	assert_near(lab.model->tolerance_m, 1e-6, 1e-21);
 	assert_near(lab.model->coordinate_max_m, 3, 1e-15);
-	assert_near(lab.model->inertia[0].m[0][0], 32.0 / 12, 1e-15);
+	assert_near(rb_model_inertia(lab.model, 0)->m[0][0], 32.0 / 12, 1e-15);
 	assert_null(lab.model->center_of_mass);
 	lab_close(&lab);
 }

@@ -72,8 +72,12 @@ struct rb_model {
 	int *material;
 	double *mass, *inverse_mass; /* statics and driven bodies: INFINITY, 0 */
 	unsigned char *driven; /* [body_count]: 1 where `motion` drives it; NULL without any */
-	rb_mat3 *inertia,
-		*inverse_inertia; /* object axes, about the centre of mass; NULL without rotation */
+	/*
+	 * object axes, about the centre of mass; NULL without rotation: those of body i are at
+	 * inertia_of[i], where bodies alike share them; rb_model_inertia
+	 */
+	rb_mat3 *inertia, *inverse_inertia;
+	int *inertia_of, inertia_count;
 	/* where the tensor is a multiple of 1, else NAN; NULL without rotation */
 	double *inverse_inertia_scalar;
 	rb_vec3 *center_of_mass;        /* object coordinates; NULL: all at the origin */
@@ -126,6 +130,17 @@ void rb_model_destroy(struct rb_model *model); /* NULL is fine */
 static inline double rb_model_reach(const struct rb_model *model, int index)
 {
 	return model->reach ? model->reach[index] : model->shape[index].radius;
+}
+
+/* kg m^2, and its inverse, of a scene in which something can rotate. */
+static inline const rb_mat3 *rb_model_inertia(const struct rb_model *model, int index)
+{
+	return &model->inertia[model->inertia_of[index]];
+}
+
+static inline const rb_mat3 *rb_model_inverse_inertia(const struct rb_model *model, int index)
+{
+	return &model->inverse_inertia[model->inertia_of[index]];
 }
 
 /* Time of frame k: k / frame_rate, the last one at the duration. */

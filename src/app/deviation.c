@@ -197,9 +197,9 @@ static bool energy_difference(const struct rb_watch *watch, const struct rb_fram
 		const rb_quat is = rb_quat_from(frame->orientation + 4 * i);
 		const rb_quat should = pose->known & RB_FIELD_ORIENTATION ? pose->orientation : is;
 		const rb_vec3 spin = rb_vec3_from(frame->angular_velocity + 3 * i);
-		*difference += 0.5 *
-		               (spin_energy(&model->inertia[i], is, spin) -
-		                spin_energy(&model->inertia[i], should, pose->angular_velocity));
+		*difference += 0.5 * (spin_energy(rb_model_inertia(model, i), is, spin) -
+		                      spin_energy(rb_model_inertia(model, i), should,
+		                                  pose->angular_velocity));
 	}
 	return true;
 }

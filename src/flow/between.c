@@ -518,8 +518,8 @@ static rb_quat orientation_at(const struct interval *in, int i, const struct smo
 	/* of what is driven nobody knows how it turns but by its spins */
 	static const rb_mat3 unit = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 	const bool free = in->model->inverse_mass[i] > 0;
-	struct turning now = {.inertia = free ? &in->model->inertia[i] : &unit,
-	                      .inverse = free ? &in->model->inverse_inertia[i] : &unit,
+	struct turning now = {.inertia = free ? rb_model_inertia(in->model, i) : &unit,
+	                      .inverse = free ? rb_model_inverse_inertia(in->model, i) : &unit,
 	                      .q = from};
 
 	if (in->a->angular_velocity && in->b->angular_velocity) {

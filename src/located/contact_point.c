@@ -90,7 +90,7 @@ static rb_vec3 turning_of(const struct rb_located *l, int i, const struct rb_pos
 		return rb_arc_piece_rate(&l->piece[i], RB_PIECE_SPIN, t);
 	if (l->top_body[i].kind == RB_TOP_CONSTANT)
 		return l->top[i].acceleration;
-	return rb_top_turning(&l->top_body[i], &l->model->inertia[i], pose->orientation,
+	return rb_top_turning(&l->top_body[i], rb_model_inertia(l->model, i), pose->orientation,
 	                      pose->spin);
 }
 

@@ -73,7 +73,7 @@ void rb_coupled_turn(const struct rb_coupled *system)
 	const struct rb_located *l = system->l;
 
 	for (int p = 0; l->top && p < system->body_count; p++) {
-		const rb_mat3 *const own = &l->model->inverse_inertia[system->body[p]];
+		const rb_mat3 *const own = rb_model_inverse_inertia(l->model, system->body[p]);
 		const double scalar = l->model->inverse_inertia_scalar[system->body[p]];
 		rb_mat3 *const to = &system->inverse_inertia[p];
 

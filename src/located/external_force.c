@@ -292,7 +292,7 @@ rb_vec3 rb_inverse_inertia_apply(const struct rb_located *l, int i, rb_quat orie
 	RB_ASSERT_COSTLY(l->top != NULL);
 	if (!isnan(scalar))
 		return rb_vec3_scale(scalar, torque);
-	return rb_quat_rotate(orientation, rb_mat3_apply(&l->model->inverse_inertia[i],
+	return rb_quat_rotate(orientation, rb_mat3_apply(rb_model_inverse_inertia(l->model, i),
 	                                                 rb_quat_rotate_back(orientation, torque)));
 }
 
@@ -324,9 +324,9 @@ void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pos
 	if (load.torque.x != 0 || load.torque.y != 0 || load.torque.z != 0)
 		*angular = rb_inverse_inertia_apply(l, i, pose->orientation, load.torque);
 	if (l->top_body[i].kind != RB_TOP_CONSTANT)
-		*angular = rb_vec3_add(*angular,
-		                       rb_top_turning(&l->top_body[i], &l->model->inertia[i],
-		                                      pose->orientation, pose->spin));
+		*angular = rb_vec3_add(*angular, rb_top_turning(&l->top_body[i],
+		                                                rb_model_inertia(l->model, i),
+		                                                pose->orientation, pose->spin));
 }
 
 /* Whether forces that need these features are. */

@@ -111,9 +111,10 @@ void rb_joint_rest_rate(const struct rb_resolution *s, const bool *own,
 			continue;
 		const rb_vec3 local = rb_quat_rotate_back(pose->orientation, s->angular[k]);
 
-		torque = rb_vec3_sub(torque,
-		                     rb_quat_rotate(pose->orientation,
-		                                    rb_mat3_apply(&l->model->inertia[i], local)));
+		torque = rb_vec3_sub(
+			torque,
+			rb_quat_rotate(pose->orientation,
+		                       rb_mat3_apply(rb_model_inertia(l->model, i), local)));
 	}
 	rates->force[by] = rb_vec3_add(rates->force[by], force);
 	rates->torque[by][0] = rb_vec3_add(rates->torque[by][0], torque);

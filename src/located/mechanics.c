@@ -43,7 +43,8 @@ rb_mat3 rb_mechanics_root(const struct rb_located *l, int i, const struct rb_pos
 	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
 	if (!l->top || !isnan(l->model->inverse_inertia_scalar[i]))
 		return (rb_mat3){{{0}}};
-	return rb_top_inverse_root(&l->top_body[i], &l->model->inertia[i], pose->orientation);
+	return rb_top_inverse_root(&l->top_body[i], rb_model_inertia(l->model, i),
+	                           pose->orientation);
 }
 
 rb_vec3 rb_mechanics_turning(const struct rb_located *l, int i, double t)

@@ -448,8 +448,9 @@ static enum rb_status check_arms(const struct rb_model *model, int k, struct rb_
 		if (i < 0 || i >= model->body_count || !(model->inverse_mass[i] > 0))
 			continue;
 		const double length = rb_vec3_length(arm[e]);
-		const rb_mat3 *const inverse = model->inverse_inertia ? &model->inverse_inertia[i]
-		                                                      : NULL;
+		const rb_mat3 *const inverse = model->inverse_inertia
+		                                       ? rb_model_inverse_inertia(model, i)
+		                                       : NULL;
 		/* the trace bounds the largest principal one */
 		const double turns = inverse ? inverse->m[0][0] + inverse->m[1][1] +
 		                                       inverse->m[2][2]

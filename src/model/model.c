@@ -12,6 +12,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -133,8 +134,7 @@ static void take_columns(struct rb_model *model, bool *failed)
 	model->inverse_mass = column(model, true, all, sizeof *model->inverse_mass, failed);
 	model->driven = column(model, (model->features & RB_FEATURE_DRIVEN) != 0,
 	                       (size_t)model->body_count, sizeof *model->driven, failed);
-	model->inertia = column(model, turns, all, sizeof *model->inertia, failed);
-	model->inverse_inertia = column(model, turns, all, sizeof *model->inverse_inertia, failed);
+	model->inertia_of = column(model, turns, all, sizeof *model->inertia_of, failed);
 	model->inverse_inertia_scalar = column(model, turns, all,
 	                                       sizeof *model->inverse_inertia_scalar, failed);
 	model->center_of_mass = column(model, off_center, all, sizeof *model->center_of_mass,
@@ -161,25 +161,64 @@ static void number_bodies(struct rb_model *model)
 	RB_ASSERT(moving == model->body_count && fixed == moving + model->static_count);
 }
 
-/*
- * Tensors about the centre of mass in body axes. Static and driven bodies keep the zero tensors of
- * fresh columns: nothing turns them.
- */
-static void fill_inertia(struct rb_model *model, int index, const struct rb_body_def *body)
+/* Tensors of the last kinds of bodies that a new one is compared with. */
+enum { KINDS_COMPARED = 8 };
+
+/* The place of a tensor among those that there are, of which it may become one; -1: no memory. */
+static int place_inertia(struct rb_model *model, size_t capacity[2], const rb_mat3 *inertia)
 {
-	const rb_mat3 inertia = rb_body_inertia(model->scene, body, model->mass[index]);
+	const int count = model->inertia_count;
 
-	model->inertia[index] = inertia;
-	if (rb_inertia_is_scalar(&inertia)) {
-		const double inverse = 1 / inertia.m[0][0];
+	for (int k = count; k-- > 0 && count - k <= KINDS_COMPARED;)
+		if (memcmp(&model->inertia[k], inertia, sizeof *inertia) == 0)
+			return k;
+	if (!rb_memory_reserve(&model->inertia, &capacity[0], (size_t)count + 1,
+	                       sizeof *model->inertia) ||
+	    !rb_memory_reserve(&model->inverse_inertia, &capacity[1], (size_t)count + 1,
+	                       sizeof *model->inverse_inertia))
+		return -1;
+	model->inertia[count] = *inertia;
+	if (rb_inertia_is_scalar(inertia)) {
+		const double inverse = 1 / inertia->m[0][0];
 
-		model->inverse_inertia[index] = rb_mat3_diagonal(inverse, inverse, inverse);
-		model->inverse_inertia_scalar[index] = inverse;
+		model->inverse_inertia[count] = rb_mat3_diagonal(inverse, inverse, inverse);
 	} else {
 		/* rb_scene_check has verified that there is one */
-		(void)rb_mat3_inverse(&inertia, &model->inverse_inertia[index]);
-		model->inverse_inertia_scalar[index] = (double)NAN;
+		(void)rb_mat3_inverse(inertia, &model->inverse_inertia[count]);
 	}
+	return model->inertia_count++;
+}
+
+/*
+ * Tensors about the centre of mass in body axes. Static and driven bodies have the first, which is
+ * zero: nothing turns them.
+ */
+static bool fill_inertia(struct rb_model *model)
+{
+	size_t capacity[2] = {0, 0};
+
+	if (!rb_memory_reserve(&model->inertia, &capacity[0], 1, sizeof *model->inertia) ||
+	    !rb_memory_reserve(&model->inverse_inertia, &capacity[1], 1,
+	                       sizeof *model->inverse_inertia))
+		return false;
+	model->inertia_count = 1;
+	for (int i = 0; i < model->body_count; i++) {
+		const struct rb_body_def *body = &model->scene->bodies[model->id_of[i]];
+
+		if (!rb_body_is_free(body))
+			continue;
+		const rb_mat3 inertia = rb_body_inertia(model->scene, body, model->mass[i]);
+		const int at = place_inertia(model, capacity, &inertia);
+
+		if (at < 0)
+			return false;
+		model->inertia_of[i] = at;
+		model->inverse_inertia_scalar[i] = rb_inertia_is_scalar(&inertia)
+		                                           ? model->inverse_inertia[at].m[0][0]
+		                                           : (double)NAN;
+	}
+	model->bytes += 2 * (size_t)model->inertia_count * sizeof *model->inertia;
+	return true;
 }
 
 /*
@@ -210,8 +249,6 @@ static void fill_body(struct rb_model *model, int index)
 	model->inverse_mass[index] = 1 / model->mass[index];
 	if (model->center_of_mass)
 		model->center_of_mass[index] = body->center_of_mass;
-	if (model->inertia)
-		fill_inertia(model, index, body);
 }
 
 /* Who attracts, and by how much. */
@@ -330,6 +367,9 @@ static enum rb_status fill(struct rb_model *model, struct rb_mistakes *mistakes,
 	number_bodies(model);
 	for (int i = 0; i < scene->body_count; i++)
 		fill_body(model, i);
+	if (turns && !fill_inertia(model))
+		return RB_FAIL(err, RB_ERR_MEMORY, "out of memory for the inertia of %d bodies",
+		               scene->body_count);
 	if (model->attraction)
 		fill_attraction(model);
 	fill_numbers(model);
@@ -373,6 +413,7 @@ void rb_model_destroy(struct rb_model *model)
 	rb_joints_destroy(model);
 	rb_memory_free(model->inertia);
 	rb_memory_free(model->inverse_inertia);
+	rb_memory_free(model->inertia_of);
 	rb_memory_free(model->inverse_inertia_scalar);
 	rb_memory_free(model->center_of_mass);
 	rb_memory_free(model->group_bit);

@@ -246,6 +246,21 @@ static void put_who(struct rb_h5 *h5, const struct rb_model *model, const char *
 	rb_memory_free(species);
 }
 
+static void put_inertia(struct rb_h5 *h5, const struct rb_model *model)
+{
+	const hsize_t count = (hsize_t)model->body_count;
+	rb_mat3 *const inertia = rb_memory_take(count, sizeof *inertia);
+
+	for (int i = 0; inertia && i < model->body_count; i++)
+		inertia[i] = *rb_model_inertia(model, i);
+	if (!inertia)
+		no_memory(h5, "/particles/bodies/inertia");
+	rb_h5_put(h5, "/particles/bodies/inertia", RB_H5_F64, (rb_h5_shape){3, {count, 3, 3}},
+	          inertia);
+	rb_h5_units(h5, "/particles/bodies/inertia", "kg m^2");
+	rb_memory_free(inertia);
+}
+
 /* Writes what moving bodies keep over the run. */
 static void put_bodies(struct rb_h5 *h5, const struct rb_model *model)
 {
@@ -255,11 +270,8 @@ static void put_bodies(struct rb_h5 *h5, const struct rb_model *model)
 	put_who(h5, model, "/particles/bodies", 0, model->body_count);
 	rb_h5_put(h5, "/particles/bodies/mass", RB_H5_F64, (rb_h5_shape){1, {count}}, model->mass);
 	rb_h5_units(h5, "/particles/bodies/mass", "kg");
-	if (model->inertia) {
-		rb_h5_put(h5, "/particles/bodies/inertia", RB_H5_F64,
-		          (rb_h5_shape){3, {count, 3, 3}}, model->inertia);
-		rb_h5_units(h5, "/particles/bodies/inertia", "kg m^2");
-	}
+	if (model->inertia)
+		put_inertia(h5, model);
 	rb_vec3 *none = model->center_of_mass ? NULL : rb_memory_take(count, sizeof *none);
 	if (!model->center_of_mass && !none)
 		no_memory(h5, "/particles/bodies/center_of_mass");

@@ -67,7 +67,8 @@ static void rotate_gyroscopic(struct rb_pass *pass)
 		}
 		const rb_quat q = rb_quat_from(orientation);
 		const rb_vec3 momentum = rb_quat_rotate(
-			q, rb_mat3_apply(&world->model->inertia[i], rb_quat_rotate_back(q, spin)));
+			q, rb_mat3_apply(rb_model_inertia(world->model, i),
+		                         rb_quat_rotate_back(q, spin)));
 		turn(orientation, spin, pass->h_s);
 		rb_vec3_to(state->spin + 3 * (size_t)i, rb_world_turn(world, state, i, momentum));
 	}

@@ -432,7 +432,8 @@ static void describe(const struct rb_joint_tree *tree, struct rb_joint_tree_link
 	link->mass = model->mass[body];
 	link->is_isotropic = !isnan(model->inverse_inertia_scalar[body]);
 	for (int k = 0; k < 3; k++)
-		load(rb_vec3_from(model->inertia[body].m[k]), &link->own[k]); /* symmetric */
+		load(rb_vec3_from(rb_model_inertia(model, body)->m[k]),
+		     &link->own[k]); /* symmetric */
 	link->freedom = tree->freedom + 3 * (link - tree->link);
 	if (link->joint < 0)
 		return;

@@ -197,9 +197,10 @@ static void accelerate_freely(const struct rb_swing_step *s, int at, rb_vec3 *li
 		const rb_vec3 w = rb_quat_rotate_back(q, spin);
 		const rb_vec3 torque = rb_vec3_sub(
 			rb_quat_rotate_back(q, s->force[k].torque),
-			rb_vec3_cross(w, rb_mat3_apply(&model->inertia[i], w)));
+			rb_vec3_cross(w, rb_mat3_apply(rb_model_inertia(model, i), w)));
 
-		angular[k] = rb_quat_rotate(q, rb_mat3_apply(&model->inverse_inertia[i], torque));
+		angular[k] = rb_quat_rotate(
+			q, rb_mat3_apply(rb_model_inverse_inertia(model, i), torque));
 	}
 }
 
@@ -474,8 +475,9 @@ static double find_nodes(struct rb_swing_step *s)
 rb_vec3 rb_course_weigh(const struct rb_model *model, int i, rb_quat q, rb_vec3 v)
 {
 	if (!isnan(model->inverse_inertia_scalar[i]))
-		return rb_vec3_scale(model->inertia[i].m[0][0], v);
-	return rb_quat_rotate(q, rb_mat3_apply(&model->inertia[i], rb_quat_rotate_back(q, v)));
+		return rb_vec3_scale(rb_model_inertia(model, i)->m[0][0], v);
+	return rb_quat_rotate(q,
+	                      rb_mat3_apply(rb_model_inertia(model, i), rb_quat_rotate_back(q, v)));
 }
 
 /* What joints exert at a node, from the leaves on: by link, what moves a body but forces. */

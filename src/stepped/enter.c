@@ -649,7 +649,7 @@ static double lost_by(const struct entering *n, int i)
 		return lost;
 	const rb_vec3 w = rb_world_row3(before->spin, i), w_now = rb_world_row3(now->spin, i);
 	if (!isnan(world->model->inverse_inertia_scalar[i]))
-		return lost + 0.5 * world->model->inertia[i].m[0][0] *
+		return lost + 0.5 * rb_model_inertia(world->model, i)->m[0][0] *
 		                      rb_vec3_dot(rb_vec3_sub(w, w_now), rb_vec3_add(w, w_now));
 	return lost + 0.5 * (rb_vec3_dot(w, rb_tally_spin(world, before, i, w)) -
 	                     rb_vec3_dot(w_now, rb_tally_spin(world, now, i, w_now)));

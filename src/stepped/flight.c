@@ -118,9 +118,9 @@ rb_vec3 rb_flight_forced_spin(const struct rb_flight *flight, int i, rb_quat ori
 		return more;
 	const rb_quat from = rb_quat_from(world->mark.orientation + 4 * (size_t)i);
 	const rb_vec3 twist = rb_quat_rotate(
-		from, rb_mat3_apply(&model->inertia[i], rb_quat_rotate_back(from, more)));
+		from, rb_mat3_apply(rb_model_inertia(model, i), rb_quat_rotate_back(from, more)));
 
-	return rb_quat_rotate(orientation, rb_mat3_apply(&model->inverse_inertia[i],
+	return rb_quat_rotate(orientation, rb_mat3_apply(rb_model_inverse_inertia(model, i),
 	                                                 rb_quat_rotate_back(orientation, twist)));
 }
 

@@ -263,7 +263,7 @@ static rb_mat3 root_of(const struct impacts *all, int i)
 	if (!world->state.spin || !isnan(world->model->inverse_inertia_scalar[i]))
 		return (rb_mat3){{{0}}};
 	struct rb_top_body top = all->s->top[i];
-	rb_mat3 inertia = world->model->inertia[i];
+	rb_mat3 inertia = *rb_model_inertia(world->model, i);
 	const double less = ldexp(1, -all->unit);
 
 	top.moments = rb_vec3_scale(less, top.moments);

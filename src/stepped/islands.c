@@ -44,7 +44,7 @@ void rb_islands_fill_body(struct rb_solver *solver, const struct rb_world *world
 		                                               : 0;
 		if (isnan(body->inverse_inertia))
 			solver->tensor[i] = turned_tensor(
-				&model->inverse_inertia[i],
+				rb_model_inverse_inertia(model, i),
 				rb_quat_from(state->orientation + 4 * (size_t)i));
 	}
 	solver->free[i] = *body;

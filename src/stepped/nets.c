@@ -163,9 +163,9 @@ static void fill(const struct search *search, const struct rb_nets *nets, double
 			.index = i, .mass = model->mass[i], .scalar = (double)NAN};
 		if (!search->world->state.spin)
 			continue;
-		body->tensor = &model->inertia[i];
+		body->tensor = rb_model_inertia(model, i);
 		if (!isnan(model->inverse_inertia_scalar[i]))
-			body->scalar = model->inertia[i].m[0][0];
+			body->scalar = rb_model_inertia(model, i)->m[0][0];
 		body->from = rb_world_orientation_at(search->world, &search->world->state, i);
 	}
 	for (int k = 0; k < search->springs->count; k++)

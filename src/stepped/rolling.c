@@ -22,8 +22,8 @@ static rb_vec3 turn_of(const struct rb_world *world, const struct rim *rim, rb_v
 
 	if (!isnan(model->inverse_inertia_scalar[i]) || !(model->inverse_mass[i] > 0))
 		return rb_vec3_scale(rim->h_s, spin);
-	const struct rb_top_body top = rb_top_body_of(&model->inertia[i]);
-	const rb_vec3 more = rb_top_turning(&top, &model->inertia[i],
+	const struct rb_top_body top = rb_top_body_of(rb_model_inertia(model, (int)i));
+	const rb_vec3 more = rb_top_turning(&top, rb_model_inertia(model, (int)i),
 	                                    rb_quat_from(world->state.orientation + 4 * i), spin);
 	return rb_vec3_scale(rim->h_s, rb_vec3_add_scaled(spin, 0.5 * rim->h_s, more));
 }

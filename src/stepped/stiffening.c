@@ -29,7 +29,7 @@ static double inverse_mass_at(const struct rb_model *model, int i, double arm)
 	const double scalar = model->inverse_inertia_scalar[i];
 
 	return model->inverse_mass[i] +
-	       arm * arm * (isnan(scalar) ? trace(&model->inverse_inertia[i]) : scalar);
+	       arm * arm * (isnan(scalar) ? trace(rb_model_inverse_inertia(model, i)) : scalar);
 }
 
 /*

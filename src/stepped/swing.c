@@ -73,9 +73,9 @@ static bool is_even(const struct rb_swing_step *s)
 
 	for (int k = 0; k < s->tree.body_count; k++) {
 		const int i = s->tree.body[k];
-		const rb_mat3 *const inertia = &model->inertia[i];
+		const rb_mat3 *const inertia = rb_model_inertia(model, i);
 		const double trace = inertia->m[0][0] + inertia->m[1][1] + inertia->m[2][2];
-		const rb_mat3 *const inverse = &model->inverse_inertia[i];
+		const rb_mat3 *const inverse = rb_model_inverse_inertia(model, i);
 		const double back = isnan(model->inverse_inertia_scalar[i])
 		                            ? inverse->m[0][0] + inverse->m[1][1] + inverse->m[2][2]
 		                            : 3 * model->inverse_inertia_scalar[i];

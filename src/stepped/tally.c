@@ -144,9 +144,10 @@ rb_vec3 rb_tally_spin(const struct rb_world *world, const struct rb_state *state
 	if (!state->spin)
 		return (rb_vec3){0, 0, 0};
 	if (!isnan(model->inverse_inertia_scalar[i]))
-		return rb_vec3_scale(model->inertia[i].m[0][0], spin);
+		return rb_vec3_scale(rb_model_inertia(model, i)->m[0][0], spin);
 	const rb_quat q = rb_quat_from(state->orientation + 4 * (size_t)i);
-	return rb_quat_rotate(q, rb_mat3_apply(&model->inertia[i], rb_quat_rotate_back(q, spin)));
+	return rb_quat_rotate(
+		q, rb_mat3_apply(rb_model_inertia(model, i), rb_quat_rotate_back(q, spin)));
 }
 
 /*

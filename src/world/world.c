@@ -62,7 +62,7 @@ rb_mat3 rb_world_inertia(const struct rb_world *world, int id)
 {
 	const struct rb_model *model = world->model;
 
-	return moves(world, id) && model->inertia ? model->inertia[model->index_of[id]]
+	return moves(world, id) && model->inertia ? *rb_model_inertia(model, model->index_of[id])
 	                                          : (rb_mat3){{{0}}};
 }
 

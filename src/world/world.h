@@ -242,7 +242,7 @@ static inline rb_vec3 rb_world_turn(const struct rb_world *world, const struct r
 	if (!isnan(scalar))
 		return rb_vec3_scale(scalar, angular_impulse);
 	const rb_quat q = rb_quat_from(state->orientation + 4 * (size_t)index);
-	return rb_quat_rotate(q, rb_mat3_apply(&model->inverse_inertia[index],
+	return rb_quat_rotate(q, rb_mat3_apply(rb_model_inverse_inertia(model, index),
 	                                       rb_quat_rotate_back(q, angular_impulse)));
 }
 
@@ -272,10 +272,10 @@ static inline rb_vec3 rb_world_weigh_spin(const struct rb_world *world,
 	const struct rb_model *model = world->model;
 
 	if (!isnan(model->inverse_inertia_scalar[index]))
-		return rb_vec3_scale(model->inertia[index].m[0][0], spin);
+		return rb_vec3_scale(rb_model_inertia(model, index)->m[0][0], spin);
 	const rb_quat q = rb_quat_from(state->orientation + 4 * (size_t)index);
-	return rb_quat_rotate(q,
-	                      rb_mat3_apply(&model->inertia[index], rb_quat_rotate_back(q, spin)));
+	return rb_quat_rotate(
+		q, rb_mat3_apply(rb_model_inertia(model, index), rb_quat_rotate_back(q, spin)));
 }
 
 /* The same with the spin that it has. */
