@@ -134,11 +134,99 @@ static void what_does_not_slide_or_would_take_too_long_is_left(void **state)
 	rb_arena_release(&arena);
 }
 
+enum { WHEELS = 4 };
+
+/*
+ * Four wheels in ball joints below a body, each with one contact at random loads, of which one
+ * slides: body 1, wheels from 2 on.
+ */
+struct car {
+	struct rb_solver_body body[2 + WHEELS];
+	struct rb_constraint row[2 * WHEELS];
+	struct rb_row_system dense;
+};
+
+static void lay_car(struct car *car, uint64_t series)
+{
+	*car = (struct car){.body = {{.inverse_mass = 0}}};
+	for (int k = 0; k <= WHEELS; k++)
+		car->body[1 + k] = (struct rb_solver_body){.inverse_mass = k > 0 ? 0.1 : 0.01,
+		                                           .inverse_inertia = k > 0 ? 3 : 0.02};
+	for (int k = 0; k < WHEELS; k++) {
+		const double normal_impulse = solids_random(series, (uint64_t)k, 0.5, 1);
+
+		car->row[k] = (struct rb_constraint){.a = 0,
+		                                     .b = 2 + k,
+		                                     .normal = {0, 0, 1},
+		                                     .arm_b = {0, 0, -0.3},
+		                                     .inverse_mass_n = 1,
+		                                     .inverse_mass_t = 1,
+		                                     .friction = 0.4,
+		                                     .impulse.n = normal_impulse};
+		car->row[WHEELS + k] = (struct rb_constraint){
+			.a = 1,
+			.b = 2 + k,
+			.set = RB_CONSTRAINT_FREE,
+			.normal = {0, 0, 1},
+			.arm_a = {k % 2 ? 1 : -1, k / 2 ? 0.7 : -0.7, -0.4},
+			.inverse_mass_n = 1,
+			.inverse_mass_t = 1};
+	}
+	car->row[0].impulse.t = (rb_vec3){0.4 * car->row[0].impulse.n, 0, 0};
+	car->dense = (struct rb_row_system){
+		.bodies.body = car->body, .row = car->row, .row_count = 2 * WHEELS};
+}
+
+/* Force and torques about x and y that the wheels hand on to the body. */
+static void lever_of(const struct car *car, double sum[3])
+{
+	sum[0] = sum[1] = sum[2] = 0;
+	for (int k = 0; k < WHEELS; k++) {
+		const double n = car->row[k].impulse.n;
+
+		sum[0] += n;
+		sum[1] += n * car->row[WHEELS + k].arm_a.x;
+		sum[2] += n * car->row[WHEELS + k].arm_a.y;
+	}
+}
+
+/* Loads are open along 1 -1 -1 1 only, through the joints; if no joint holds, not at all. */
+static void joints_hand_loads_on(void **state)
+{
+	struct rb_arena arena = {0};
+
+	(void)state;
+	for (uint64_t series = 0; series < 20; series++) {
+		double before[3], after[3];
+		struct car car;
+
+		lay_car(&car, series);
+		lever_of(&car, before);
+		assert_true(rb_even(&car.dense, 1e-9, 1e9, &arena));
+		lever_of(&car, after);
+		for (int k = 0; k < 3; k++)
+			assert_near(after[k], before[k], 1e-14);
+		assert_near(car.row[0].impulse.n - car.row[1].impulse.n - car.row[2].impulse.n +
+		                    car.row[3].impulse.n,
+		            0, 1e-14);
+		assert_near(car.row[0].impulse.t.x, 0.4 * car.row[0].impulse.n, 1e-15);
+		lay_car(&car, series);
+		for (int k = 0; k < WHEELS; k++) {
+			car.row[WHEELS + k].set = RB_CONSTRAINT_INTERVAL;
+			car.row[WHEELS + k].high = 1;
+		}
+		assert_false(rb_even(&car.dense, 1e-9, 1e9, &arena));
+		rb_arena_reset(&arena);
+	}
+	rb_arena_release(&arena);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(pushes_become_even_and_do_the_same),
 		cmocka_unit_test(what_does_not_slide_or_would_take_too_long_is_left),
+		cmocka_unit_test(joints_hand_loads_on),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -11,6 +11,9 @@
  * dynamic body.
  * Cheaper than an SVD, and a row that is dependent is recognized on the way. Where the projection
  * would make an impulse negative, the step towards it is shortened.
+ *
+ * Where joints hold bodies, A is seen through them: its rows are what motions that the joints allow
+ * make of the gaps. Forces of the joints are then found anew (strategies).
  */
 #include "stepped/even.h"
 
@@ -38,6 +41,26 @@ static bool is_pair(const struct rb_constraint *x, const struct rb_constraint *y
 	return x->a == y->a && x->b == y->b;
 }
 
+static bool is_pushed(const struct rb_constraint *row)
+{
+	return row->set == RB_CONSTRAINT_CONE && row->impulse.n > 0;
+}
+
+/* Where joints hand loads on: all of them, if one slides; returns their number. */
+static int take_joined(const struct rb_row_system *rows, struct rb_constraint **taken)
+{
+	int count = 0;
+	bool slide = false;
+
+	for (int k = 0; k < rows->row_count; k++) {
+		if (!is_pushed(&rows->row[k]))
+			continue;
+		slide = slide || slides(&rows->row[k]);
+		taken[count++] = &rows->row[k];
+	}
+	return slide && count > 1 ? count : 0;
+}
+
 /*
  * Rows with a normal impulse of those pairs that have several rows and slide at one of them;
  * returns their number.
@@ -53,7 +76,7 @@ static int take_rows(const struct rb_row_system *rows, struct rb_constraint **ta
 		for (end = k; end < rows->row_count && is_pair(row, &rows->row[end]); end++)
 			slide = slide || slides(&rows->row[end]);
 		for (int i = k; i < end && slide && end - k > 1; i++)
-			if (rows->row[i].set == RB_CONSTRAINT_CONE && rows->row[i].impulse.n > 0)
+			if (is_pushed(&rows->row[i]))
 				taken[count++] = &rows->row[i];
 	}
 	return count;
@@ -174,6 +197,182 @@ static void span_loads(const struct rb_row_system *rows, struct rb_constraint *c
 	}
 }
 
+/* ---- joints ---- */
+
+/*
+ * What bodies that joints connect can do: a row for each of their six motions, of what it makes of
+ * the rows of joints, `held` of them, and then of the normals of contacts. Motions that joints
+ * allow are what elimination of the former leaves.
+ */
+struct motions {
+	double *row;       /* [count][held + n] */
+	int *body;         /* [count / 6], that yield */
+	double *pivot_max; /* [held]: the largest of each column to begin with */
+	int count, held, n;
+};
+
+static bool is_listed(const struct motions *motions, int body)
+{
+	for (int k = 0; 6 * k < motions->count; k++)
+		if (motions->body[k] == body)
+			return true;
+	return false;
+}
+
+/* Directions in which a row of a joint holds: what is soft or at its bound gives way. */
+static int held_by(const struct rb_constraint *row)
+{
+	if (row->set == RB_CONSTRAINT_FREE)
+		return 3;
+	return row->set == RB_CONSTRAINT_INTERVAL && row->softness == 0 &&
+	       row->impulse.n > row->low && row->impulse.n < row->high;
+}
+
+static void list_bodies(const struct rb_row_system *rows, struct motions *motions)
+{
+	for (int k = 0; k < rows->row_count; k++) {
+		const int ends[2] = {rows->row[k].a, rows->row[k].b};
+
+		motions->held += held_by(&rows->row[k]);
+		for (int e = 0; e < 2; e++) {
+			if (rows->bodies.body[ends[e]].inverse_mass == 0 ||
+			    is_listed(motions, ends[e]))
+				continue;
+			motions->body[motions->count / 6] = ends[e];
+			motions->count += 6;
+		}
+	}
+}
+
+/* Velocity along a direction of a row by motion `which` of a body, at 1 m/s of its surface. */
+static double velocity_by(const struct rb_row_system *rows, const struct rb_constraint *row,
+                          rb_vec3 along, int body, int which)
+{
+	const rb_vec3 unit = {which % 3 == 0, which % 3 == 1, which % 3 == 2};
+	const bool is_a = row->a == body;
+	const double sign = is_a ? -1 : 1;
+
+	if (!is_a && row->b != body)
+		return 0;
+	if (which < 3)
+		return row->couple ? 0 : sign * rb_vec3_dot(unit, along);
+	const rb_vec3 turn = rb_solver_turn(&rows->bodies, body, unit);
+	const double per_m = sqrt(rb_vec3_dot(turn, unit) / rows->bodies.body[body].inverse_mass);
+	if (row->couple)
+		return sign * per_m * row->arm_a.x * rb_vec3_dot(unit, along);
+	const rb_vec3 arm = is_a ? rb_constraint_arm_a(row) : rb_constraint_arm_b(row);
+	return sign * per_m * rb_vec3_dot(rb_vec3_cross(unit, arm), along);
+}
+
+static void fill_motion(const struct rb_row_system *rows, struct rb_constraint *const *taken,
+                        struct motions *motions, int number)
+{
+	static const rb_vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+	const int body = motions->body[number / 6], which = number % 6;
+	double *const v = motions->row + (size_t)number * (size_t)(motions->held + motions->n);
+	int column = 0;
+
+	for (int k = 0; k < rows->row_count; k++) {
+		const struct rb_constraint *row = &rows->row[k];
+		const int count = held_by(row);
+
+		for (int c = 0; c < count; c++, column++) {
+			v[column] = velocity_by(rows, row, count == 3 ? axis[c] : row->normal, body,
+			                        which);
+			motions->pivot_max[column] = fmax(motions->pivot_max[column],
+			                                  fabs(v[column]));
+		}
+	}
+	for (int i = 0; i < motions->n; i++)
+		v[column + i] = velocity_by(rows, taken[i], taken[i]->normal, body, which);
+}
+
+static void swap(double *x, double *y, int n)
+{
+	for (int i = 0; i < n; i++) {
+		const double was = x[i];
+
+		x[i] = y[i];
+		y[i] = was;
+	}
+}
+
+/*
+ * Eliminates the largest element of what joints hold from the motions after `done`; false: these
+ * are free.
+ */
+static bool eliminate_one(struct motions *motions, int done)
+{
+	const int width = motions->held + motions->n;
+	double *const first = motions->row + (size_t)done * (size_t)width;
+	double max = own_share;
+	int row = -1, column = 0;
+
+	for (int k = done; k < motions->count; k++)
+		for (int c = 0; c < motions->held; c++) {
+			const double size = fabs(
+				motions->row[(size_t)k * (size_t)width + (size_t)c]);
+
+			if (!(size > max * motions->pivot_max[c]))
+				continue;
+			max = size / motions->pivot_max[c];
+			row = k;
+			column = c;
+		}
+	if (row < 0)
+		return false;
+	if (row != done)
+		swap(first, motions->row + (size_t)row * (size_t)width, width);
+	for (int k = done + 1; k < motions->count; k++) {
+		double *const v = motions->row + (size_t)k * (size_t)width;
+		const double share = v[column] / first[column];
+
+		for (int i = 0; share != 0 && i < width; i++)
+			v[i] -= share * first[i];
+		v[column] = 0;
+	}
+	return true;
+}
+
+/* Spans what motions that joints allow make of the normals; false: too much work, or no memory. */
+static bool span_allowed(const struct rb_row_system *rows, struct rb_constraint *const *taken,
+                         struct span *span, double most, struct rb_arena *arena)
+{
+	struct motions motions = {.n = span->n};
+	int done = 0;
+
+	motions.body = rb_arena_take(arena, 2 * (size_t)rows->row_count, sizeof *motions.body);
+	if (!motions.body)
+		return false;
+	list_bodies(rows, &motions);
+	const int width = motions.held + motions.n;
+	const double size = (double)motions.count * (double)width;
+	if (size * fmin((double)motions.count, (double)motions.held) > most)
+		return false;
+	motions.row = rb_arena_take(arena, (size_t)motions.count * (size_t)width,
+	                            sizeof *motions.row);
+	motions.pivot_max = rb_arena_take(arena, (size_t)motions.held + 1,
+	                                  sizeof *motions.pivot_max);
+	if (!motions.row || !motions.pivot_max)
+		return false;
+	for (int c = 0; c < motions.held; c++)
+		motions.pivot_max[c] = 0;
+	for (int k = 0; k < motions.count; k++)
+		fill_motion(rows, taken, &motions, k);
+	while (done < motions.count && eliminate_one(&motions, done))
+		done++;
+	for (; done < motions.count && span->count < span->n; done++) {
+		double *const v = motions.row + (size_t)done * (size_t)width + motions.held;
+
+		/* of what joints leave no motion to: rounding */
+		if (dot(v, v, span->n) > own_share * own_share)
+			extend(span, v);
+	}
+	return true;
+}
+
+/* ---- pushes ---- */
+
 /*
  * Sets the normal impulse of a row and scales its friction to stay in the cone (sliding friction
  * stays at the edge). Returns the largest change of velocity in m/s that this makes at the contact.
@@ -233,24 +432,49 @@ struct pass {
 	double *store, *scratch, *normal_impulse, *even;
 };
 
-/* Normal impulses of least norm of connected rows; returns the rank of their loads. */
-static int even_part(const struct rb_row_system *rows, struct pass *pass, int n)
+/* Normal impulses of the least norm of those with the same share in a span. */
+static void project(struct pass *pass, const struct span *span)
 {
-	struct span span = {.unit = pass->store, .n = n};
+	const int n = span->n;
 
-	span_loads(rows, pass->part, &span, pass->scratch);
 	for (int i = 0; i < n; i++)
 		pass->normal_impulse[i] = pass->part[i]->impulse.n;
-	for (int i = 0; i < n && span.count == n; i++)
+	for (int i = 0; i < n && span->count == n; i++)
 		pass->even[pass->place[i]] = pass->normal_impulse[i];
-	for (int k = 0; k < span.count && span.count < n; k++) {
-		const double *const unit = span.unit + (size_t)k * (size_t)n;
+	for (int k = 0; k < span->count && span->count < n; k++) {
+		const double *const unit = span->unit + (size_t)k * (size_t)n;
 		const double along = dot(pass->normal_impulse, unit, n);
 
 		for (int i = 0; i < n; i++)
 			pass->even[pass->place[i]] += along * unit[i];
 	}
+}
+
+/* The same of connected rows; returns the rank of their loads. */
+static int even_part(const struct rb_row_system *rows, struct pass *pass, int n)
+{
+	struct span span = {.unit = pass->store, .n = n};
+
+	span_loads(rows, pass->part, &span, pass->scratch);
+	project(pass, &span);
 	return span.count;
+}
+
+/* The same where joints connect bodies; false: nothing is open, or it costs too much. */
+static bool even_joined(const struct rb_row_system *rows, struct rb_constraint *const *taken,
+                        struct pass *pass, int n, double max, struct rb_arena *arena)
+{
+	struct span span = {.unit = pass->store, .n = n};
+
+	for (int i = 0; i < n; i++) {
+		pass->part[i] = taken[i];
+		pass->place[i] = i;
+		pass->even[i] = 0;
+	}
+	if (!span_allowed(rows, taken, &span, max, arena) || span.count == n)
+		return false;
+	project(pass, &span);
+	return true;
 }
 
 /* The same of all rows, one connected part after the other. */
@@ -276,16 +500,22 @@ static int even_all(const struct rb_row_system *rows, struct rb_constraint *cons
 	return rank;
 }
 
+static bool has_joints(const struct rb_row_system *rows)
+{
+	return rows->row_count > 0 && rows->row[rows->row_count - 1].set != RB_CONSTRAINT_CONE;
+}
+
 bool rb_even(const struct rb_row_system *rows, double tolerance, double max, struct rb_arena *arena)
 {
 	const size_t all = (size_t)rows->row_count;
+	const bool joined = has_joints(rows);
 	struct rb_constraint **const taken = rb_arena_take(arena, all,
 	                                                   sizeof(struct rb_constraint *));
 	double share = 1, changed = 0;
 
 	if (!taken)
 		return false;
-	const int n = take_rows(rows, taken);
+	const int n = joined ? take_joined(rows, taken) : take_rows(rows, taken);
 	const size_t size = (size_t)n;
 	if (n == 0 || multiplications * (double)(size * size * size) > max)
 		return false;
@@ -297,7 +527,8 @@ bool rb_even(const struct rb_row_system *rows, double tolerance, double max, str
 	pass.scratch = pass.store + size * size;
 	pass.normal_impulse = pass.scratch + n;
 	pass.even = pass.normal_impulse + n;
-	if (even_all(rows, taken, n, &pass, pass.place + n) == n)
+	if (joined ? !even_joined(rows, taken, &pass, n, max, arena)
+	           : even_all(rows, taken, n, &pass, pass.place + n) == n)
 		return false;
 	for (int i = 0; i < n; i++)
 		if (pass.even[i] < 0)

@@ -2,7 +2,8 @@
 /*
  * Pairs that touch at more points than there are freedoms: which of them bears how much is open,
  * and where they slide friction follows it. Of all normal impulses that do the same to the bodies
- * the smallest have the symmetry of the bodies, whatever the order of points.
+ * the smallest have the symmetry of the bodies, whatever the order of points. Joints hand loads on:
+ * what a body on four wheels presses on each of them is open as well.
  */
 #ifndef RB_STEPPED_EVEN_H
 #define RB_STEPPED_EVEN_H
@@ -11,9 +12,10 @@
 #include "constraint/row.h"
 
 /*
- * Pushes of pairs that slide somewhere become those of the smallest squares, as far as none becomes
- * negative; friction that slides goes with them. True: something has changed by more than `enough`,
- * m/s, and is to be swept again. What would take more than `most` multiplications is left as it is.
+ * Pushes of pairs that slide somewhere (with joints: of all pairs, if one does) become those of the
+ * smallest squares, as far as none becomes negative; friction that slides goes with them. True:
+ * something has changed by more than `tolerance`, m/s, and is to be solved again. What would take
+ * more than `max` multiplications is left as it is.
  */
 bool rb_even(const struct rb_row_system *rows, double tolerance, double max,
              struct rb_arena *arena);

@@ -436,6 +436,8 @@ static bool even_out(const struct rb_solver *solver, struct rb_sweeper *sweeper,
 		rb_arena_back(arena, here);
 		if (!changed)
 			break;
+		if (island->row_count > island->contact_count)
+			(void)solve_joints(solver, island, sweeper->dense, arena);
 		good = sweep_more(solver, sweeper, island, aim, SWEEPS_CLOSE) ||
 		       sweep_more(solver, sweeper, island, solver->tolerance / sweep_share,
 		                  SWEEPS_MAX);

@@ -242,3 +242,25 @@ expect("it stays", function() return wheel.position:length(), 1e-9 end)
 END
 # checked builds assert that solvers get finite numbers
 [ "${RBSIM_MODE:-release}" != release ] || exits 0 strong.lua --no-record -q
+# loads of four wheels, which are open: braked so that the rear ones are locked, it settled on one diagonal of them
+cat >brake.lua <<'END'
+world { duration = 0.6, gravity = {-9.81*math.sin(0.15), 0, -9.81*math.cos(0.15)}, time_step = 0.01 }
+record { ledger = true }
+local rub = material { friction = 0.6, restitution = 0 }
+plane { material = rub }
+local body = box { size = {3, 1.4, 0.5}, mass = 800, position = {0, 0, 0.6}, velocity = {-12, 0, 0}, material = rub }
+for x = -1, 1, 2 do for y = -1, 1, 2 do
+	local wheel = cylinder { radius = 0.3, length = 0.2, mass = 20, position = {1.2*x, 0.85*y, 0.3},
+		orientation = {axis = {1, 0, 0}, angle = deg(90)}, velocity = {-12, 0, 0}, angular_velocity = {0, -40, 0}, material = rub }
+	joint { kind = "hinge", a = body, b = wheel, at = wheel.position, axis = {0, 1, 0}, friction = 400 }
+end end
+result("speed", function() return body.velocity.x end)
+result("aside", function() return math.abs(body.velocity.y) end)
+END
+speed_of() { sed -n 's/.*"speed":{"value":\([^,}]*\).*/\1/p' out; }
+exits 0 brake.lua --no-record --json --method located
+located=$(speed_of)
+exits 0 brake.lua --no-record --json --method stepped
+aside=$(sed -n 's/.*"aside":{"value":\([^,}]*\).*/\1/p' out)
+awk -v a="$(speed_of)" -v b="$located" -v y="$aside" 'BEGIN {d = a - b; exit !(a != "" && d*d < 1e-8 && y != "" && y < 1e-4)}' ||
+	fail "a car with locked wheels: $(speed_of) m/s, $aside aside (located: $located)"
