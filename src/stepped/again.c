@@ -24,10 +24,21 @@
 /* Bodies and candidate pairs of the islands that are solved again. */
 struct view {
 	unsigned char *again; /* by body: of a group that is looked at again */
-	int *body;            /* those, then driven ones */
+	/*
+	 * By body: pairs of these alone. In a heap those that overlap, and whom they touch: there a
+	 * look is for what would take all back, and everything else has come out well.
+	 */
+	unsigned char *near;
+	int *body; /* those, then driven ones */
 	int count;
 	uint32_t *pair; /* of the candidates */
 	size_t pair_count;
+};
+
+/* What is to be solved again. All in the arena. */
+struct marks {
+	unsigned char *of_group; /* by group */
+	unsigned char *alone;    /* by body: of none */
 };
 
 /* Island of a body in the cohort; -1: no contacts, or asleep. */
@@ -53,23 +64,42 @@ static double max_of(const struct rb_world *world, const struct rb_deep *deep, i
 	return inspections == 0 ? rb_projection_max(world, deep, solver->h_s) : (double)INFINITY;
 }
 
-/* Marks islands with an overlap that the projection may not close; false: there are none. */
+static bool is_heap(const struct rb_world *world, int g)
+{
+	return world->stepped->solver.island[g].row_count >= RB_STRATEGY_HEAP_ROWS;
+}
+
+/*
+ * Marks islands with an overlap that the projection may not close; false: there are none. Whoever a
+ * heap overlaps with is looked at with it: of one pair, one body is never solved for alone.
+ */
 static bool mark_groups(const struct rb_world *world, const struct rb_depths *found,
-                        int inspections, unsigned char *of_group)
+                        int inspections, const struct marks *marks)
 {
 	bool any = false;
 
 	for (size_t k = 0; k < found->deep_count; k++) {
 		const struct rb_deep *deep = &found->deep[k];
 		const int ends[2] = {deep->a, deep->b};
+		bool joins = false;
 
 		for (int e = 0; e < 2; e++) {
 			const int g = group_of(world, ends[e]);
 
 			if (g < 0 || !(deep->depth > max_of(world, deep, g, inspections)))
 				continue;
-			of_group[g] = 1;
+			marks->of_group[g] = 1;
+			joins = joins || is_heap(world, g);
 			any = true;
+		}
+		for (int e = 0; e < 2 && joins; e++) {
+			const int g = group_of(world, ends[e]);
+
+			if (g >= 0)
+				marks->of_group[g] = 1;
+			else if (rb_stepped_is_dynamic(world, ends[e]) &&
+			         !world->stepped->sleep.sleeps[ends[e]])
+				marks->alone[ends[e]] = 1;
 		}
 	}
 	return any;
@@ -81,34 +111,61 @@ static bool mark_groups(const struct rb_world *world, const struct rb_depths *fo
  */
 static bool is_seen(const struct rb_world *world, const struct view *view, struct rb_pair pair)
 {
-	return view->again[pair.a] &&
-	       (!rb_stepped_is_dynamic(world, pair.b) || view->again[pair.b]);
+	const bool is_dynamic = rb_stepped_is_dynamic(world, pair.b);
+
+	return view->again[pair.a] && (!is_dynamic || view->again[pair.b]) &&
+	       (view->near[pair.a] || (is_dynamic && view->near[pair.b]));
 }
 
-/* False: no memory. */
+/* Of a heap, who overlaps by more than the projection is for. */
+static void mark_near(const struct rb_world *world, const struct rb_depths *found,
+                      struct view *view)
+{
+	for (int k = 0; k < view->count; k++) {
+		const int i = view->body[k], g = group_of(world, i);
+
+		view->near[i] = g >= 0 && !is_heap(world, g);
+	}
+	for (size_t k = 0; k < found->deep_count; k++) {
+		const struct rb_deep *deep = &found->deep[k];
+
+		if (!(deep->depth > rb_projection_max(world, deep, world->stepped->solver.h_s)))
+			continue;
+		view->near[deep->a] = 1;
+		if (rb_stepped_is_dynamic(world, deep->b))
+			view->near[deep->b] = 1;
+	}
+}
+
+/* `found`: what is deep, or NULL: nothing is. False: no memory. */
 static bool take_view(struct rb_world *world, const struct rb_cohort *cohort,
-                      const unsigned char *of_group, struct view *view)
+                      const struct rb_depths *found, const struct marks *marks, struct view *view)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
 	const struct rb_candidates *candidates = cohort->candidates;
 	struct rb_arena *arena = &world->arena[0];
 	const size_t n = (size_t)world->model->body_count;
 
-	*view = (struct view){.again = rb_arena_take(arena, n, 1)};
+	*view = (struct view){.again = rb_arena_take(arena, n, 1),
+	                      .near = rb_arena_take(arena, n, 1)};
 	view->body = rb_arena_take(arena, n, sizeof *view->body);
 	view->pair = rb_arena_take(arena, rb_candidates_live_count(candidates) + 1,
 	                           sizeof *view->pair);
-	if (!view->again || !view->body || !view->pair)
+	if (!view->again || !view->near || !view->body || !view->pair)
 		return false;
 	memset(view->again, 0, n);
+	memset(view->near, 0, n);
 	for (int k = 0; k < cohort->body_count; k++) {
 		const int i = cohort->body[k], g = solver->island_of[i];
 
-		view->again[i] = k < cohort->member_count && g >= 0 && of_group[g];
+		view->again[i] = k < cohort->member_count &&
+		                 (g >= 0 ? marks->of_group[g] : marks->alone[i]);
 		if (view->again[i] || k >= cohort->member_count)
 			view->body[view->count++] = i;
 	}
-	for (size_t k = 0; k < rb_candidates_live_count(candidates); k++)
+	if (found)
+		mark_near(world, found, view);
+	for (size_t k = 0; found && k < rb_candidates_live_count(candidates); k++)
 		if (is_seen(world, view, candidates->pair[rb_candidates_live(candidates, k)]))
 			view->pair[view->pair_count++] = (uint32_t)rb_candidates_live(candidates,
 			                                                              k);
@@ -287,7 +344,7 @@ static enum rb_status find_points(struct rb_world *world, struct rb_candidates *
 
 /* Overlaps of the cohort where they can be measured; marks groups in which one is deep. */
 static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort, int inspections,
-                                unsigned char *of_group, bool *deep, struct rb_error *err)
+                                const struct marks *marks, bool *deep, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_depths found;
@@ -303,7 +360,7 @@ static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort
 
 	if (status != RB_OK)
 		return status;
-	*deep = mark_groups(world, &found, inspections, of_group);
+	*deep = mark_groups(world, &found, inspections, marks);
 	cohort->depths = found;
 	cohort->is_measured = !*deep;
 	return RB_OK;
@@ -314,24 +371,26 @@ enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, int in
 {
 	struct rb_stepped *s = world->stepped;
 	struct view view;
-	unsigned char *of_group = rb_arena_take(&world->arena[0], s->solver.island_count + 1, 1);
+	const size_t groups = s->solver.island_count + 1, n = (size_t)world->model->body_count;
+	struct marks marks = {.of_group = rb_arena_take(&world->arena[0], groups, 1),
+	                      .alone = rb_arena_take(&world->arena[0], n, 1)};
 	enum rb_status status = RB_OK;
 	bool deep = false;
 
 	*again = false;
-	if (!of_group)
+	if (!marks.of_group || !marks.alone)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of a step");
-	memset(of_group, 0, s->solver.island_count + 1);
-	if (inspections >= 0)
-		status = find_deep(world, cohort, inspections, of_group, &deep, err);
+	memset(marks.of_group, 0, groups);
+	memset(marks.alone, 0, n);
+	status = find_deep(world, cohort, inspections, &marks, &deep, err);
 	if (status != RB_OK)
 		return status;
-	const bool joints = rb_joints_mark(world, of_group);
-	const bool springs = rb_springs_mark(world, of_group);
+	const bool joints = rb_joints_mark(world, marks.of_group);
+	const bool springs = rb_springs_mark(world, marks.of_group);
 	if (!joints && !springs && !deep)
 		return RB_OK;
 	cohort->is_measured = false;
-	if (!take_view(world, cohort, of_group, &view))
+	if (!take_view(world, cohort, deep ? &cohort->depths : NULL, &marks, &view))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the points of a step");
 	if (deep) {
 		clear_velocities(world, &view);
@@ -341,8 +400,8 @@ enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, int in
 	}
 	if (status != RB_OK)
 		return status;
-	rb_joints_bend(world, of_group);
-	rb_springs_bend(world, of_group);
+	rb_joints_bend(world, marks.of_group);
+	rb_springs_bend(world, marks.of_group);
 	rb_solver_go_back(&s->solver, world);
 	*again = true;
 	status = rb_solver_again(&s->solver, world, &cohort->points, view.again, err);

@@ -16,8 +16,7 @@
 /*
  * After bodies have moved by what was solved for, before they rebound. `*again`: points, bends of
  * joints and velocities are new, positions those of the beginning again, with their velocities
- * solved; else nothing has changed. `inspections`: how often it has been done in this try; less
- * than 0: for the drift of joints alone.
+ * solved; else nothing has changed. `inspections`: how often it has been done in this try.
  */
 RB_CHECKED enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort,
                                    int inspections, bool *again, struct rb_error *err);

@@ -29,15 +29,11 @@
 
 /*
  * Looks at a step again, at most: Newton steps. What the first leaves is of higher order in the
- * angle, and the projection closes it; further ones are for heaps that would be taken back.
+ * angle, and the projection closes it; further ones are for heaps that would be taken back, and for
+ * the bends of joints' ways: each leaves of what the one before has missed about the angle of a
+ * step, and a pendulum takes one or none.
  */
-enum { INSPECTIONS_MAX = 3 };
-
-/*
- * Looks for the bends of joints' ways, at most. Each leaves of what the one before has missed about
- * the angle of a step, and a pendulum takes one or none.
- */
-enum { JOINT_INSPECTIONS_MAX = 6 };
+enum { INSPECTIONS_MAX = 6 };
 
 /*
  * Of the way in a whole step, a gap that counts as closed; and of how many steps forces make speeds
@@ -319,12 +315,9 @@ static enum rb_status move_and_inspect(struct rb_world *world, struct rb_cohort 
 		move(world, cohort, h);
 		rb_drive_end(world);
 		again = false;
-		if ((world->broadphase && inspections < INSPECTIONS_MAX) ||
-		    ((world->model->joints || world->stepped->solver.sprung_count > 0) &&
-		     inspections < JOINT_INSPECTIONS_MAX))
-			status = rb_again(world, cohort,
-			                  inspections < INSPECTIONS_MAX ? inspections : -1, &again,
-			                  err);
+		if (inspections < INSPECTIONS_MAX && (world->broadphase || world->model->joints ||
+		                                      world->stepped->solver.sprung_count > 0))
+			status = rb_again(world, cohort, inspections, &again, err);
 	}
 	return status;
 }
