@@ -15,6 +15,8 @@
 enum { SWEEPS_FIRST = 200, SWEEPS_MAX = 1000, SWEEPS_CLOSE = 64 };
 /* The same where rows are in packs, and may be held; most of spheres that stall are held sooner. */
 enum { WIDE_FIRST = 60, WIDE_MAX = 400, CENTRAL_MAX = 140, WIDE_HOLD = 100 };
+/* Of large groups, of which a lost step costs as much. */
+enum { JAMMED_MAX = 800 };
 /* Rounds of normal impulses and friction before a group is given up; sweeps of both in each. */
 enum { TURNS_MAX = 6, TURN_SWEEPS = 100 };
 /* Times that open normal impulses are made even, with sweeps after each. */
@@ -356,6 +358,14 @@ static double solve_joints(const struct rb_solver *solver, struct rb_island *isl
 
 /* ---- energy ---- */
 
+/* Heaps are solved to the whole tolerance: what is left within it is no sign of being squeezed. */
+static bool is_solved(const struct rb_solver *solver, const struct rb_island *island)
+{
+	const bool heap = island->row_count >= RB_STRATEGY_HEAP_ROWS;
+
+	return island->residual <= solver->tolerance / (heap ? sweep_share : 1);
+}
+
 /*
  * Without pushing apart or drawing back, closely; then back to it, if it was a solution, as far as
  * that gains nothing. What is between two solutions is in the cones, and closes no gap that neither
@@ -369,7 +379,7 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 	struct rb_sweeper sweeper = sweeper_of(solver, island, dense, team);
 	struct rb_kept kept;
 	const bool good = rb_energy_keep(solver, island, arena, &kept);
-	const bool solved = island->residual <= solver->tolerance;
+	const bool solved = is_solved(solver, island);
 
 	if (good)
 		rb_energy_clear_separation(dense);
@@ -406,8 +416,7 @@ static void keep_energy(const struct rb_solver *solver, struct rb_island *island
 	/* half a step's way says nothing; what pushes one way has held on, or is far off */
 	if (island->halves || !rb_energy_has_impulse(dense))
 		return;
-	const bool squeezed = solver->h_s < solver->whole_s &&
-	                      !(island->residual <= solver->tolerance);
+	const bool squeezed = solver->h_s < solver->whole_s && !is_solved(solver, island);
 	struct rb_energy energy = rb_energy_of(solver, island, team, arena);
 	if ((squeezed || rb_energy_gain(&energy) > energy.noise) && rb_energy_has_separation(dense))
 		energy = push_less(solver, island, dense, team, arena);
@@ -567,14 +576,20 @@ static bool sweeps_to_the_aim(const struct trial *trial)
 	                  trial->sweeper->wide ? WIDE_FIRST : SWEEPS_FIRST);
 }
 
-/* The last digit costs as much as all before: the whole tolerance will do, as the verdict sees. */
+/*
+ * The last digit costs as much as all before: the whole tolerance will do, as the verdict sees. Large
+ * groups jam: impulses creep on together until some row slips or opens, and only the way that they
+ * have gathered brings that near. It is kept, as there is nothing else for them.
+ */
 static bool sweeps_to_the_tolerance(const struct trial *trial)
 {
 	const double tolerance = trial->solver->tolerance / sweep_share;
-	const double slack = trial->sweeper->central ? hold_slack : 0; /* the rest is held */
-	return end_sweeps(
-		trial->solver, trial->sweeper, trial->island, tolerance,
-		rb_sweeper_go_on(trial->sweeper, tolerance, max_of(trial->sweeper), slack));
+	struct rb_sweeper *const sweeper = trial->sweeper;
+	const double slack = sweeper->central ? hold_slack : 0; /* the rest is held */
+	const bool jams = is_large(trial) && !sweeper->central;
+	return end_sweeps(trial->solver, sweeper, trial->island, tolerance,
+	                  jams ? rb_sweeper_press_on(sweeper, tolerance, JAMMED_MAX)
+	                       : rb_sweeper_go_on(sweeper, tolerance, max_of(sweeper), slack));
 }
 
 static bool factors_after_stalling(const struct trial *trial)

@@ -267,3 +267,8 @@ struct rb_sweep_result rb_sweeper_hold(struct rb_sweeper *sweeper, double tolera
 {
 	return rb_wide_solve(&sweeper->many, tolerance, max, RB_WIDE_HOLDS);
 }
+
+struct rb_sweep_result rb_sweeper_press_on(struct rb_sweeper *sweeper, double tolerance, int max)
+{
+	return rb_wide_solve(&sweeper->many, tolerance, max, RB_WIDE_PRESSES_ON);
+}

@@ -41,6 +41,8 @@ struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double toleran
  */
 struct rb_sweep_result rb_sweeper_go_on(struct rb_sweeper *sweeper, double tolerance, int max,
                                         double slack);
+/* Wide ones only: so, and led on as far as that goes, however little changes. */
+struct rb_sweep_result rb_sweeper_press_on(struct rb_sweeper *sweeper, double tolerance, int max);
 /*
  * Velocities have rounding beyond that of the impulses: to be made of these anew. Never of wide
  * ones.

@@ -14,9 +14,9 @@ enum { BLOCK_CENTRAL_PACKS = 32, BLOCK_PACKS = 12 };
 
 /*
  * Share of its last way that a row is led on by, at most, to begin with: more swings where rows
- * slide.
+ * slide. Pressed: to the end.
  */
-static const double lead_first = 0.98;
+static const double lead_first = 0.98, lead_pressed = 0.995;
 
 /*
  * Sweeps after which rows are led on by less, unless the largest change has fallen to this share
@@ -764,9 +764,11 @@ struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double toleranc
                                      enum rb_wide_start start)
 {
 	struct rb_sweep_result result = {0};
-	const bool gathered = start == RB_WIDE_GOES_ON;
+	const bool gathered = start == RB_WIDE_GOES_ON || start == RB_WIDE_PRESSES_ON;
 	int same = 0;
-	double lead = lead_first, least = (double)INFINITY, before = (double)INFINITY;
+	const bool presses = start == RB_WIDE_PRESSES_ON;
+	double lead = presses ? lead_pressed : lead_first, least = (double)INFINITY,
+	       before = (double)INFINITY;
 	struct fall fall = {(double)INFINITY, (double)INFINITY};
 
 	if (!gathered)
@@ -780,7 +782,7 @@ struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double toleranc
 		    creeps(wide, &fall, &result, tolerance, max))
 			break;
 		least = fmin(least, result.residual);
-		if (result.sweeps % SWEEPS_WATCHED == 0) {
+		if (!presses && result.sweeps % SWEEPS_WATCHED == 0) {
 			if (least > fall_share * before)
 				lead = fmax(0, 1 - lead_growth * (1 - lead));
 			same = fabs(least - before) < same_share * before ? same + 1 : 0;
