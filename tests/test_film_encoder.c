@@ -364,13 +364,13 @@ static void an_ffmpeg_that_hangs_is_ended_and_told(void **state)
 		int pictures;
 		bool cut;
 		double least_s, most_s; /* how long it is believed */
-	} cases[] = {{"exec sleep 60", 20, true, 0.4, 5},
-	             {"exec sleep 60", 1, false, 0.4, 5},
-	             {"cat >/dev/null; exec sleep 60", 20, false, 0.4, 5},
-	             {"exec sleep 60 2>&-", 1, false, 0.4, 5},
-	             {"exec yes >&2", 20, true, 4, 20},
-	             {"exec yes >&2", 1, false, 4, 20},
-	             {"sleep 60 & exec sleep 60", 1, false, 0.4, 5}};
+	} cases[] = {{"exec sleep 60", 20, true, 0.4, 55},
+	             {"exec sleep 60", 1, false, 0.4, 55},
+	             {"cat >/dev/null; exec sleep 60", 20, false, 0.4, 55},
+	             {"exec sleep 60 2>&-", 1, false, 0.4, 55},
+	             {"exec yes >&2", 20, true, 4, 55},
+	             {"exec yes >&2", 1, false, 4, 55},
+	             {"sleep 60 & exec sleep 60", 1, false, 0.4, 55}};
 	char folder[256], path[300];
 	struct rb_error err;
 
@@ -496,7 +496,7 @@ static void ffmpeg_does_not_outlive_the_program(void **state)
 	if (program == 0) {
 		if (rb_encoder_create(&encoder, &options, &err) != RB_OK)
 			_exit(1);
-		for (int i = 0; i < 200 && access(path, R_OK) != 0; i++)
+		while (access(path, R_OK) != 0)
 			usleep(50000);
 		_exit(0);
 	}
@@ -511,7 +511,7 @@ static void ffmpeg_does_not_outlive_the_program(void **state)
 	char command[64];
 	snprintf(command, sizeof command, "ps -o stat= -p %d | grep -qv Z", atoi(line));
 	bool runs = true;
-	for (int i = 0; i < 40 && (runs = system(command) == 0); i++)
+	for (int i = 0; i < 1000 && (runs = system(command) == 0); i++)
 		usleep(50000);
 	if (runs)
 		kill(atoi(line), SIGKILL);
@@ -544,7 +544,7 @@ static void what_cannot_be_filmed_is_known_before(void **state)
 	const struct rb_encoder_options fine = options_of(path, 64, 48, 30);
 	const uint64_t begin = rb_clock_now_ns();
 	assert_int_equal(rb_encoder_check(&fine, NULL), RB_OK);
-	assert_true(rb_clock_now_ns() - begin < 2000000000);
+	assert_true(seconds_since(begin) < 30); /* half of what a hanging one is given */
 	assert_int_equal(support_count_files(folder), 1);
 	snprintf(path, sizeof path, "%s/a.webm", folder);
 	assert_check_fails(path, RB_ERR_MISSING, "no encoder 'libvpx-vp9'");

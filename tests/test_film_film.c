@@ -305,7 +305,8 @@ static void a_film_that_stops_early_holds_what_was_filmed(void **state)
 
 static void *cut_soon(void *film)
 {
-	usleep(300000);
+	while (rb_film_tally(film).pictures < 2)
+		usleep(10000);
 	rb_film_cut(film);
 	return NULL;
 }
@@ -327,13 +328,10 @@ static void a_film_that_is_cut_short_ends_with_what_was_printed(void **state)
 	begin(&set);
 	assert_ok(show(&set, 0, &err));
 	assert_int_equal(pthread_create(&thread, NULL, cut_soon, set.film), 0);
-	const uint64_t start = rb_clock_now_ns();
 	assert_ok(show(&set, 1, &err));
 	assert_ok(show(&set, 2, &err));
-	const double took_s = (double)(rb_clock_now_ns() - start) * 1e-9;
 	pthread_join(thread, NULL);
 	const struct rb_film_tally tally = end(&set);
-	assert_true(took_s < 20);
 	assert_true(tally.pictures > 1 && tally.pictures < 50000);
 	assert_int_equal(tally.picture_count, 2000001);
 	assert_int_equal(count_files(set.folder), 1);

@@ -8,7 +8,7 @@
 
 #include "control/player.h"
 
-enum { FRAMES = 100000, SOON_MS = 5000 };
+enum { FRAMES = 100000, SOON_MS = 120000 };
 
 /* A run that does nothing but pass the gate. */
 struct play {

@@ -220,9 +220,8 @@ static void a_sink_without_frames_is_given_time_to_flush(void **state)
 
 	(void)state;
 	assert_int_equal(rb_pump_start(&pump, ring, &sink, &outcome, NULL), RB_OK);
-	for (int i = 0; i < 500 && atomic_load(&notes.idles) < 2; i++)
+	while (atomic_load(&notes.idles) < 2)
 		nanosleep(&step, NULL);
-	assert_true(atomic_load(&notes.idles) >= 2);
 	rb_ring_close(ring);
 	assert_int_equal(rb_pump_join(pump, NULL), RB_OK);
 	rb_ring_destroy(ring);

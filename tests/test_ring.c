@@ -282,9 +282,14 @@ static void a_consumer_may_keep_half_of_the_slots(void **state)
 	rb_ring_destroy(ring);
 }
 
+/* When the producer has filled the ring, and may be waiting already. */
 static void *abort_later(void *ring)
 {
-	sleep_ms(50);
+	int slots = 1;
+
+	while (rb_ring_used(ring, &slots) < slots)
+		sleep_ms(1);
+	sleep_ms(20);
 	rb_ring_abort(ring);
 	return NULL;
 }

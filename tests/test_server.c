@@ -16,7 +16,7 @@
 #include "control/client.h"
 #include "control/wire.h"
 
-static const double patience_s = 10;
+static const double patience_s = 120;
 
 static struct rb_client *connected(struct host *host)
 {
@@ -247,12 +247,8 @@ static void many_are_served_at_once_and_one_too_many_is_told(void **state)
 	for (int i = 0; i < RB_SERVER_CLIENTS_MAX; i++)
 		rb_client_close(clients[i]);
 	/* the places are free again, as soon as the server has looked */
-	for (int i = 0; i < 100; i++) {
-		if (rb_client_connect(&late, host.path, patience_s, &host.err) == RB_OK)
-			break;
+	while (rb_client_connect(&late, host.path, patience_s, &host.err) != RB_OK)
 		nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
-		assert_true(i < 99);
-	}
 	rb_client_close(late);
 	close_host(&host);
 }
@@ -310,14 +306,14 @@ static void one_who_never_reads_costs_bounded_memory_and_nobody_else_waits(void 
 	/* when it reads at last, it gets what it was owed */
 	char piece[65536];
 	size_t got = 0;
-	for (int i = 0; i < 2000 && got < (size_t)1 << 20; i++) {
+	while (got < (size_t)1 << 20) {
 		const ssize_t one = recv(hung, piece, sizeof piece, 0);
+		assert_true(one > 0 || (one < 0 && errno == EAGAIN));
 		if (one > 0)
 			got += (size_t)one;
 		else
 			nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
 	}
-	assert_true(got >= (size_t)1 << 20);
 	close(hung);
 	assert_alive(&host);
 	close_host(&host);

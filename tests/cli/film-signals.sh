@@ -10,7 +10,8 @@ small_scene 'camera { name = "main", position = {0, -4, 1}, look_at = {0, 0, 0.2
 camera { name = "moving", position = function(t) return {t, -4, 1} end, size = {64, 48}, samples = 1 }' >s.lua
 exits 0 s.lua -q
 
-# ends STATUSES SIGNAL ARGUMENT...: gets the signal once its film has begun, and is given five seconds
+# ends STATUSES SIGNAL ARGUMENT...: gets the signal once its film has begun and `enough` is there, and is given a minute
+enough='sleep 1.5'
 ends()
 {
 	wanted=$1 signal=$2
@@ -18,7 +19,8 @@ ends()
 	"$RBSIM" "$@" >out 2>err </dev/null &
 	pid=$!
 	until_true sh -c 'find . -name "*.png" -o -name "*film*" | grep -q .'
-	sleep 1.5
+	# shellcheck disable=SC2086 # words
+	until_true $enough
 	kill -"$signal" $pid
 	for _ in $(seq 600); do
 		kill -0 $pid 2>/dev/null || break
@@ -38,6 +40,7 @@ for camera in main moving; do
 	[ "$n" -ge 1 ] || fail "$camera: '$n' pictures"
 	rm film.mp4
 done
+enough='[ -f pictures/00000.png ]'
 ends 143 TERM render s.h5 --camera main --speed 1e-5 -o 'pictures/%05d.png'
 [ -f pictures/00000.png ] || fail "no picture"
 find pictures -name '.*' -type f | grep -q . && fail "half a picture is left"
@@ -45,6 +48,11 @@ rm -r pictures
 
 # in a run: the recording is that of what was simulated, the film what was drawn of it; 75 where the run itself was cut, too
 small_scene 'camera { name = "main", position = {0, -4, 1}, size = {64, 48}, samples = 1, speed = 1e-5, video = "film.mp4" }' >run.lua
+has_frames()
+{
+	"$RBSIM" info run.h5 --json >info 2>/dev/null && [ "$(value frames info)" -gt 1 ] && sleep 1
+}
+enough=has_frames
 ends '130 75' INT run.lua
 [ $got -eq 75 ] || says err 'cut short'
 exits 0 info run.h5 --json

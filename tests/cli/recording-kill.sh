@@ -32,11 +32,13 @@ assert np.allclose(p[:, :, 1], t[:, None] * i[None, :], rtol=1e-9, atol=1e-9)
 print(n, "frames for h5py")
 END
 
-for delay in 0.3 0.77 1.4 2.1 1.13; do
+# while it is made, and so long after it was there
+for delay in 0.3 0.6 +0 +0.37 +1.1 +0.8; do
 	rm -f run.h5*
 	"$RBSIM" long.lua -o run.h5 --quiet &
 	pid=$!
-	sleep "$delay"
+	[ "${delay#+}" = "$delay" ] || until [ -f run.h5 ]; do sleep 0.01; done
+	sleep "${delay#+}"
 	# a look at the recording while it grows: what is there now must be there afterwards, too
 	before=0
 	if [ -f run.h5 ]; then
@@ -52,4 +54,3 @@ for delay in 0.3 0.77 1.4 2.1 1.13; do
 	grep -q '"running"' info.json
 	[ -z "$python" ] || "$python" check.py "$after"
 done
-[ -f run.h5 ] # the last one ran for more than a second: it must be there

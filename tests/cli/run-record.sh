@@ -51,12 +51,7 @@ sphere { radius = 0.1, velocity = {1, 0, 0} }
 END
 "$RBSIM" long.lua -o taken.h5 --quiet 2>first &
 first=$!
-tries=0
-until [ -f taken.h5 ]; do
-	sleep 0.05
-	tries=$((tries + 1))
-	[ $tries -lt 200 ] || fail "no recording after ten seconds"
-done
+until_true [ -f taken.h5 ]
 exits 0 long.lua --duration 1 -o taken.h5 --force --quiet
 status=0
 kill -INT $first

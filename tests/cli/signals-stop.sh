@@ -4,6 +4,10 @@
 . tests/cli/functions
 
 long_scene >s.lua
+has_frames() # has_frames RECORDING: more than the first
+{
+	"$RBSIM" info "$1" --json >info 2>/dev/null && [ "$(value frames info)" -gt 1 ]
+}
 pid=
 trap '[ -n "$pid" ] && kill -9 $pid 2>/dev/null' EXIT
 for case in "INT 75" "TERM 75" "USR1 75" "HUP 75"; do
@@ -11,8 +15,7 @@ for case in "INT 75" "TERM 75" "USR1 75" "HUP 75"; do
 	# whoever runs this may have SIGHUP ignored
 	env --default-signal=HUP "$RBSIM" s.lua --force -o $signal.h5 >out 2>err &
 	pid=$!
-	until_true [ -s $signal.h5 ]
-	sleep 0.3
+	until_true has_frames $signal.h5
 	kill -"$signal" $pid
 	ended "$wanted" "SIG$signal"
 	says err "SIG$signal at [0-9.]+ s: --resume goes on from frame [0-9]+"

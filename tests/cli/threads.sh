@@ -21,12 +21,7 @@ shows()
 	# shellcheck disable=SC2086 # words
 	"$RBSIM" s.lua --force --listen s --commands commands --threads 2 --method auto $RUN >out 2>err &
 	pid=$!
-	for _ in $(seq 600); do
-		named && break
-		kill -0 $pid 2>/dev/null || fail "the run has ended"
-		sleep 0.1
-	done
-	named || fail "not all of '$wanted' are among $(tr '\n' ' ' <names)"
+	until_true named
 	# the main one alone keeps the program's; sanitizers have threads of their own
 	case ${RBSIM_MODE:-release} in
 	release | debug) [ "$(grep -cx rbsim names)" -eq 1 ] || fail "threads without a name: $(tr '\n' ' ' <names)" ;;
