@@ -163,6 +163,75 @@ static void a_damped_spring_across_joints_converges_with_the_step(void **state)
 }
 
 /*
+ * A small box on a slider, and one as a bob of a hinge with the same arm, each on a spring far from
+ * its centre, which the step resolves as joints let it yield; the slider's way is told.
+ */
+static double swings(double stiffness, double rest, double h, double *off)
+{
+	const rb_vec3 side = {0, 0, 0.3}, edge = {0.1, 0.1, 0.1};
+	struct lab lab;
+	int joint;
+
+	open_stepped(&lab, 1, h);
+	lab.scene.world.gravity = origin;
+	const int slide = lab_box(&lab, edge, 2, origin, rb_quat_identity);
+	const int bob = lab_box(&lab, edge, 2, (rb_vec3){1, 5, 0}, rb_quat_identity);
+	const int hook[2] = {add_hook(&lab, (rb_vec3){-1, 0, 0.3}),
+	                     add_hook(&lab, (rb_vec3){1, 5, 1})};
+	struct rb_joint_def def = rb_joint_def_default();
+
+	def.kind = RB_JOINT_SLIDER;
+	def.a = slide;
+	def.axis = (rb_vec3){1, 0, 0};
+	assert_int_equal(rb_scene_add_joint(&lab.scene, &def, &joint, &lab.error), RB_OK);
+	def.kind = RB_JOINT_HINGE;
+	def.a = bob;
+	def.at = (rb_vec3){0, 5, 0};
+	def.axis = (rb_vec3){0, 1, 0};
+	assert_int_equal(rb_scene_add_joint(&lab.scene, &def, &joint, &lab.error), RB_OK);
+	for (int k = 0; k < 2; k++) {
+		struct rb_spring_def spring = rb_spring_def_default();
+
+		spring.a = hook[k];
+		spring.b = k == 0 ? slide : bob;
+		spring.at_b = side;
+		spring.stiffness = stiffness;
+		spring.rest_length_m = rest;
+		assert_int_equal(rb_scene_add_spring(&lab.scene, &spring, &lab.error), RB_OK);
+	}
+	lab_seal(&lab, 1);
+	const double start = energy(&lab);
+	*off = 0;
+	while (rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world)) {
+		lab_step(&lab);
+		*off = fmax(*off, fabs(energy(&lab) - start) / start);
+	}
+	const double way = rb_world_position(lab.world, slide).x;
+	lab_close(&lab);
+	return way;
+}
+
+/* Of second order, with a length and without. */
+static void what_joints_let_a_step_resolve_swings(void **state)
+{
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		const double stiffness = 2000, rest = k == 0 ? 1.1 : 0, w = sqrt(stiffness / 2);
+		const double size = k == 0 ? 0.1 : -1, wanted = size * (1 - cos(w));
+		double off[2], energies[2];
+
+		for (int n = 0; n < 2; n++)
+			off[n] = fabs(swings(stiffness, rest, 1.0 / (480 << n), &energies[n]) -
+			              wanted);
+		print_message("off by %g, %g m; energy %g, %g\n", off[0], off[1], energies[0],
+		              energies[1]);
+		assert_true(off[1] < 0.3 * off[0] && energies[1] < 1e-4);
+		/* steps of the mean are late by w t (w h)^2 / 12 of phase */
+		assert_true(off[0] < 1.1 * fabs(size) * w * (w / 480) * (w / 480) / 12);
+	}
+}
+
+/*
  * A box of 1 kg that lies on a plane, 0.1 m from where springs want it, and two balls that a spring
  * joins and that fall on it.
  */
@@ -416,6 +485,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_spring_across_joints_gains_nothing_however_stiff),
 		cmocka_unit_test(a_damped_spring_across_joints_converges_with_the_step),
+		cmocka_unit_test(what_joints_let_a_step_resolve_swings),
 		cmocka_unit_test(a_spring_of_what_touches_gains_nothing_however_stiff),
 		cmocka_unit_test(a_net_of_stiff_springs_never_gains),
 		cmocka_unit_test(a_net_that_drag_slows_down_gains_nothing),

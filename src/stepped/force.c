@@ -31,6 +31,7 @@ struct flow {
 	/* [springs] that the whole step does not resolve, of which this is a part; any of them */
 	unsigned char *stiff;
 	bool any_stiff;
+	bool all_listed; /* springs that the step resolves, too */
 };
 
 /* Forces shared with the classic methods, for one block of bodies. */
@@ -145,7 +146,8 @@ static bool measure(const struct rb_spring_def *spring, const struct end end[2],
  * compressed spring) and C = -df/dv: implicit Euler gives (1 + A Y) p = h f - h^2 K v. A spring
  * with (h^2 k + h c) |Y| <= 1 is resolved and acts explicitly: semi-implicit Euler, stable up to
  * h^2 k |Y| = 4, keeps its oscillation. Where joints or contacts hold bodies they yield less: such
- * a spring stays resolved. One that is not is listed for its net or group.
+ * a spring stays resolved. One that is not is listed for its net or group; where there are joints
+ * all are, for mechanisms.
  */
 static rb_vec3 impulse_of(struct flow *flow, const struct rb_elements *springs, int number,
                           const struct end end[2], int element)
@@ -167,10 +169,19 @@ static rb_vec3 impulse_of(struct flow *flow, const struct rb_elements *springs, 
 	add_inverse_mass(world, springs, &end[0], &inverse_effective_mass);
 	add_inverse_mass(world, springs, &end[1], &inverse_effective_mass);
 	const double size = size_of(&inverse_effective_mass);
+	of.tension = external / h;
+	of.resolved = along * size <= 1;
+	of.row = number;
+	of.number = element;
 	flow->stiff[number] = whole * (whole * of.stiffness + of.damping) * size > 1;
 	flow->any_stiff = flow->any_stiff || flow->stiff[number];
-	if (along * size <= 1)
-		return rb_vec3_scale(-external, n);
+	if (of.resolved) {
+		of.impulse = rb_vec3_scale(-external, n);
+		of.across = spring->rest_length_m == 0 ? spring->stiffness : 0;
+		if (flow->all_listed && along > 0)
+			solver->spring[solver->spring_count++] = of;
+		return of.impulse;
+	}
 	const double x[3] = {n.x, n.y, n.z};
 	for (int r = 0; r < 3; r++)
 		for (int s = 0; s < 3; s++)
@@ -182,9 +193,8 @@ static rb_vec3 impulse_of(struct flow *flow, const struct rb_elements *springs, 
 	if (!rb_mat3_inverse(&system, &inverse))
 		return rb_vec3_scale(-external, n);
 	of.impulse = rb_vec3_neg(rb_mat3_apply(&inverse, right));
-	of.row = number;
-	of.number = element;
-	if (across * size <= stable_max)
+	/* one without a length that joints let the step resolve pulls in all directions */
+	if (across * size <= stable_max && !(flow->all_listed && spring->rest_length_m == 0))
 		of.across = 0;
 	solver->spring[solver->spring_count++] = of;
 	return of.impulse;
@@ -288,6 +298,7 @@ static enum rb_status add_between(struct flow *flow, const unsigned char *here,
 	int n = 0;
 
 	flow->stiff = rb_arena_take(&world->arena[0], (size_t)count, 1);
+	flow->all_listed = model->joints && !rb_islands_forces_vary(world);
 	if (!external || !flow->stiff)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %d springs", count);
 	memset(flow->stiff, 0, (size_t)count);

@@ -12,6 +12,7 @@
 #include "stepped/islands.h"
 
 #include "base/error.h"
+#include "force/spring.h"
 #include "base/forest.h"
 #include "base/memory.h"
 #include "constraint/effective_mass.h"
@@ -357,15 +358,69 @@ static void place_springs(struct rb_solver *solver)
 	}
 }
 
-static void fill_springs(struct rb_solver *solver)
+/* Rows of joints that may tell how a spring yields: more tell no more than a bound. */
+enum { SPRING_HELD_MAX = 16 };
+
+/* Rows that hold, of joints of a body; returns how many there are then. */
+static int add_held_rows(const struct rb_solver *solver, const struct rb_world *world, int i,
+                         const struct rb_constraint **held, int count)
+{
+	const struct rb_joints *joints = world->model->joints;
+
+	for (int e = joints->first[i]; e < joints->first[i + 1]; e++) {
+		const int first = solver->joint[joints->of[e]].first_row;
+		const int rows = rb_step_joint_rows_count(&joints->joint[joints->of[e]]);
+
+		for (int r = 0; r < rows && first >= 0; r++) {
+			const struct rb_constraint *row = &solver->dense.row[first + r];
+
+			if (count < SPRING_HELD_MAX &&
+			    (row->set == RB_CONSTRAINT_FREE ||
+			     (row->softness == 0 && isinf(row->low) && isinf(row->high))))
+				held[count++] = row;
+		}
+	}
+	return count;
+}
+
+/* Whether the step resolves a spring, and others of its bodies, as joints let these yield. */
+static bool resolves(const struct rb_solver *solver, const struct rb_world *world,
+                     const struct rb_step_spring *spring, const struct rb_spring_query *query)
+{
+	const struct rb_elements *springs = rb_model_elements(world->model, &rb_force_spring);
+	const struct rb_constraint *held[SPRING_HELD_MAX];
+	const double h = solver->h_s, stiff = h * (h * spring->stiffness + spring->damping);
+	int rows = 0, most = 1;
+
+	if (spring->resolved || !world->model->joints)
+		return spring->resolved;
+	for (int e = 0; e < 2; e++) {
+		const int i = spring->end[e];
+
+		if (!is_dynamic(solver, i))
+			continue;
+		rows = add_held_rows(solver, world, i, held, rows);
+		if (springs->first[i + 1] - springs->first[i] > most)
+			most = springs->first[i + 1] - springs->first[i];
+	}
+	return rows > 0 && stiff * most * rb_step_spring_yield(query, spring, held, rows) <= 1;
+}
+
+static void fill_springs(struct rb_solver *solver, const struct rb_world *world)
 {
 	for (int k = 0; k < solver->spring_count; k++) {
-		const struct rb_step_spring *spring = &solver->spring[k];
+		struct rb_step_spring *spring = &solver->spring[k];
 
 		if (spring->first_row < 0)
 			continue;
 		const struct rb_spring_query query = rb_islands_springs(solver, spring);
 
+		spring->time = !resolves(solver, world, spring, &query)  ? RB_SPRING_AT_END
+		               : group_of_spring(solver, spring)->halves ? RB_SPRING_AT_MEAN
+		                                                         : RB_SPRING_AT_BEGIN;
+		if (spring->time == RB_SPRING_AT_BEGIN)
+			spring->impulse = rb_vec3_scale(-solver->h_s * spring->tension,
+			                                spring->along);
 		rb_step_spring_fill(&query, spring, solver->dense.row + spring->first_row);
 	}
 }
@@ -701,7 +756,7 @@ static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struc
 	share_out(pass, points->count, fill_rows);
 	if (solver->joined_count > 0)
 		share_out(pass, (size_t)solver->joined_count, fill_joints);
-	fill_springs(solver);
+	fill_springs(solver, world);
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&solver->dense, solver->body_count + 1));
 	return RB_OK;
 }

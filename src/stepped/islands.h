@@ -130,7 +130,10 @@ struct rb_solver {
 	struct rb_swung *swung; /* owned, [bodies]: of groups that swing; NULL: no joints */
 	int *joined; /* owned: joints of the bodies of the step, in order of their owners */
 	int joined_count;
-	/* owned: those that the step does not resolve; NULL: the scene has no springs */
+	/*
+	 * owned: those that the step does not resolve, with joints all that may have rows; NULL:
+	 * the scene has no springs
+	 */
 	struct rb_step_spring *spring;
 	int spring_count, sprung_count; /* of them that are joined */
 	struct rb_island *island;       /* owned */
@@ -220,6 +223,9 @@ void rb_islands_swing(struct rb_solver *solver, struct rb_world *world);
 
 /* After that: groups that take impulses in halves. */
 void rb_islands_halve(struct rb_solver *solver, const struct rb_world *world);
+
+/* Whether forces vary within a step that are not those of springs: no group takes halves. */
+bool rb_islands_forces_vary(const struct rb_world *world);
 
 /* How a spring of the step under way is asked for its rows. */
 struct rb_spring_query rb_islands_springs(const struct rb_solver *solver,

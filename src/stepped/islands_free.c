@@ -55,8 +55,7 @@ static bool is_pulled(const struct rb_solver *solver, const struct rb_elements *
 	return pulled;
 }
 
-/* Whether forces vary within a step that are not those of springs with rows. */
-static bool forces_vary(const struct rb_world *world)
+bool rb_islands_forces_vary(const struct rb_world *world)
 {
 	return world->model->features & RB_FEATURES_VARIED & ~(rb_features)RB_FEATURE_SPRINGS;
 }
@@ -69,7 +68,7 @@ static void swing(void *user, int group, int worker)
 	struct rb_island *const island = &solver->island[group];
 	const struct rb_elements *const springs = rb_model_elements(pass->world->model,
 	                                                            &rb_force_spring);
-	bool may = solver->before && solver->before->spin && !forces_vary(pass->world) &&
+	bool may = solver->before && solver->before->spin && !rb_islands_forces_vary(pass->world) &&
 	           !island->rests && !island->sprung && island->contact_count == 0;
 
 	for (int k = 0; may && k < island->member_count; k++) {
@@ -115,7 +114,7 @@ void rb_islands_halve(struct rb_solver *solver, const struct rb_world *world)
 {
 	const struct rb_joint_query query = rb_islands_joints(solver, world);
 	const struct rb_elements *springs = rb_model_elements(world->model, &rb_force_spring);
-	const bool varies = forces_vary(world);
+	const bool varies = rb_islands_forces_vary(world);
 
 	for (size_t g = 0; g < solver->island_count; g++) {
 		struct rb_island *const island = &solver->island[g];

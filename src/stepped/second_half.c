@@ -94,6 +94,7 @@ static struct rb_spring_query query_of_spring(const struct rb_solver *solver,
 	struct rb_spring_query query = rb_islands_springs(solver, spring);
 
 	query.ahead_s = query.lasts_s;
+	query.repeats = spring->time != RB_SPRING_AT_END;
 	return query;
 }
 
@@ -120,7 +121,12 @@ static void make_springs(struct rb_solver *solver, const struct rb_world *world)
 			way[e] = rb_pose_between(&was, &pose[e]);
 		}
 		const struct rb_spring_query query = query_of_spring(solver, spring);
+		const double impulse = rb_vec3_dot(spring->impulse, spring->along);
+
 		rb_step_spring_turn(spring, pose, way);
+		/* without a length it has pulled in all directions */
+		if (query.repeats && spring->rest > 0)
+			spring->impulse = rb_vec3_scale(impulse, spring->along);
 		rb_step_spring_fill(&query, spring, solver->dense.row + spring->first_row);
 	}
 }

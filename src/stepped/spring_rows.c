@@ -4,6 +4,9 @@
 #include "base/error.h"
 #include "constraint/effective_mass.h"
 
+/* Of what a row answers, what is left where others hold the same: rounding, and drift. */
+static const double redundant_share = 1e-10;
+
 /* A body that is not dynamic is the second of a row. */
 static bool is_turned_round(const struct rb_spring_query *query,
                             const struct rb_step_spring *spring)
@@ -29,27 +32,115 @@ static struct rb_constraint row_of(const struct rb_spring_query *query,
 	};
 }
 
+/* An impulse that is known. */
+static void fix(struct rb_constraint *row, double impulse)
+{
+	row->low = row->high = row->impulse.n = impulse;
+}
+
 void rb_step_spring_fill(const struct rb_spring_query *query, const struct rb_step_spring *spring,
                          struct rb_constraint *row)
 {
 	const double lasts = query->lasts_s, ahead = query->ahead_s;
 	const rb_vec3 n = spring->along, t = rb_vec3_across(n);
 	const rb_vec3 normal[3] = {n, t, rb_vec3_cross(n, t)};
+	const bool fixed = query->repeats || spring->time == RB_SPRING_AT_BEGIN;
+	const double act = spring->time == RB_SPRING_AT_MEAN ? 0.5 * ahead : ahead;
 
 	RB_ASSERT_COSTLY(lasts > 0 && ahead > 0);
 	for (int r = 0; r < rb_step_spring_row_count(spring); r++) {
 		const double gone = rb_vec3_dot(rb_vec3_add(query->shift, spring->bend), normal[r]);
 
 		row[r] = row_of(query, spring, normal[r]);
-		row[r].softness = 1 / (lasts * (r == 0 ? ahead * spring->stiffness + spring->damping
-		                                       : ahead * spring->across));
+		row[r].impulse.n = rb_vec3_dot(spring->impulse, normal[r]);
+		rb_effective_mass_fill(query->bodies, &row[r]);
+		/* what is resolved along it has tension across it only if it has no length */
+		if (fixed || (r > 0 && spring->time == RB_SPRING_AT_MEAN && spring->rest > 0)) {
+			fix(&row[r], fixed ? row[r].impulse.n : 0);
+			continue;
+		}
+		row[r].softness = 1 / (lasts * (r == 0 ? act * spring->stiffness + spring->damping
+		                                       : act * spring->across));
 		row[r].target.n = -gone / ahead;
 		if (r == 0)
 			row[r].target.n -= row[r].softness * lasts * spring->stiffness *
 			                   spring->stretch;
-		row[r].impulse.n = rb_vec3_dot(spring->impulse, normal[r]);
-		rb_effective_mass_fill(query->bodies, &row[r]);
 	}
+}
+
+/* ---- how it yields ---- */
+
+/* Rows at once that are looked at: a bound whatever is left out. */
+enum { HELD_MAX = 24 };
+
+/* What a unit impulse does: on the two bodies of its row, and what that makes of them. */
+struct pull {
+	int body[2];
+	rb_vec3 force[2], torque[2], turn[2];
+};
+
+static struct pull pull_of(const struct rb_spring_query *query, const struct rb_constraint *row,
+                           rb_vec3 along)
+{
+	struct pull pull = {.body = {row->a, row->b}};
+
+	for (int e = 0; e < 2; e++) {
+		const rb_vec3 on = e == 0 ? rb_vec3_neg(along) : along;
+		const rb_vec3 arm = e == 0 ? rb_constraint_arm_a(row) : rb_constraint_arm_b(row);
+		const struct rb_solver_body *body = &query->bodies->body[pull.body[e]];
+
+		pull.force[e] = row->couple ? (rb_vec3){0, 0, 0} : on;
+		pull.torque[e] = row->couple ? rb_vec3_scale(row->arm_a.x, on)
+		                             : rb_vec3_cross(arm, on);
+		if (body->inverse_inertia != 0)
+			pull.turn[e] = rb_solver_turn(query->bodies, pull.body[e], pull.torque[e]);
+	}
+	return pull;
+}
+
+/* 1/kg: what a unit of one makes along the other. */
+static double answer(const struct rb_spring_query *query, const struct pull *x,
+                     const struct pull *y)
+{
+	double sum = 0;
+
+	for (int e = 0; e < 2; e++)
+		for (int f = 0; f < 2; f++)
+			if (x->body[e] == y->body[f])
+				sum += query->bodies->body[x->body[e]].inverse_mass *
+				               rb_vec3_dot(x->force[e], y->force[f]) +
+				       rb_vec3_dot(x->turn[e], y->torque[f]);
+	return sum;
+}
+
+double rb_step_spring_yield(const struct rb_spring_query *query,
+                            const struct rb_step_spring *spring,
+                            const struct rb_constraint *const *held, int held_count)
+{
+	static const rb_vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+	const struct rb_constraint own_row = row_of(query, spring, spring->along);
+	struct pull pull[HELD_MAX + 1];
+	double g[HELD_MAX + 1][HELD_MAX + 1], own[HELD_MAX + 1];
+	int count = 0;
+
+	for (int k = 0; k < held_count; k++) {
+		const int size = held[k]->set == RB_CONSTRAINT_FREE ? 3 : 1;
+
+		for (int c = 0; c < size && count < HELD_MAX; c++)
+			pull[count++] = pull_of(query, held[k],
+			                        size == 3 ? axis[c] : held[k]->normal);
+	}
+	pull[count] = pull_of(query, &own_row, own_row.normal);
+	for (int i = 0; i <= count; i++) {
+		for (int j = 0; j <= i; j++)
+			g[i][j] = answer(query, &pull[i], &pull[j]);
+		own[i] = g[i][i];
+	}
+	for (int k = 0; k < count; k++)
+		for (int i = k + 1; i <= count && g[k][k] > redundant_share * own[k]; i++)
+			for (int j = k + 1; j <= i; j++)
+				g[i][j] -= g[i][k] * g[j][k] / g[k][k];
+	return fmax(0, g[count][count]);
 }
 
 void rb_step_spring_add(struct rb_step_spring *spring, rb_vec3 impulse)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Springs that a step does not resolve, as rows of the groups of bodies that joints or contacts
- * hold: these yield otherwise than free bodies, for which an impulse has a closed form
- * (stepped/force). With x the stretch, T the tension, l the length, u what the ends part with, at
- * the end of the step:
+ * Springs as rows of the groups of bodies that joints hold, or contacts if the step does not
+ * resolve the spring: these yield otherwise than free bodies, for which an impulse has a closed
+ * form (stepped/force). With x the stretch, T the tension, l the length, u what the ends part with,
+ * at the end of the step:
  *
  *     along the spring   INTERVAL, soft   p = -h (k (x + h u + bend) + c (u + bend / h))
  *     across it, twice   INTERVAL, soft   p = -h (T / l) (h u + bend)
@@ -17,6 +17,11 @@
  * acts; the second one, from the poses that this has led to, looks ahead by h / 2. Both damp what
  * the step does not resolve; what holds still against other forces does so in both.
  *
+ * What is resolved, as joints let bodies yield, keeps its oscillation. In halves its tension is the
+ * mean of those at both ends of the step, k (x + (h u + bend) / 2) + c (u + bend / h), and the
+ * second half repeats it along the spring as it is then: second order, and reversible. Elsewhere it
+ * is the tension as the step begins.
+ *
  * Owned by the method's state; simulator thread.
  */
 #ifndef RB_STEPPED_SPRING_ROWS_H
@@ -26,6 +31,9 @@
 #include "math/pose.h"
 #include "math/quat.h"
 #include "model/element.h"
+
+/* When the tension is taken of which its rows are. */
+enum rb_spring_time { RB_SPRING_AT_END, RB_SPRING_AT_MEAN, RB_SPRING_AT_BEGIN };
 
 /* Of a try, in world axes as the step begins; in a second half as it has led to. */
 struct rb_step_spring {
@@ -37,6 +45,9 @@ struct rb_step_spring {
 	double stiffness, damping; /* N/m, N s/m */
 	double across;             /* N/m: T / l, of both rows across it; 0: it has none */
 	double rest, stretch;      /* m */
+	double tension;            /* N, as the step begins */
+	bool resolved;             /* even if its bodies were free */
+	enum rb_spring_time time;  /* of the try; of resolved ones that are not joined: not set */
 	rb_vec3 bend, missed;      /* m: missed in the last look */
 	/* N s, on the second end: as if bodies were free, then as solved last */
 	rb_vec3 impulse;
@@ -51,7 +62,17 @@ struct rb_spring_query {
 	int fixed; /* the body for all that stands still */
 	double lasts_s, ahead_s;
 	rb_vec3 shift; /* m: of the second end from the first one, by impacts within the step */
+	bool repeats;  /* the impulse that it has is given again */
 };
+
+/*
+ * 1/kg: how its ends yield along it, of what rows that hold (FREE, or INTERVAL without bounds), of
+ * joints of its two bodies, leave. Others are taken to be free: a bound of how they yield in the
+ * group.
+ */
+double rb_step_spring_yield(const struct rb_spring_query *query,
+                            const struct rb_step_spring *spring,
+                            const struct rb_constraint *const *held, int count);
 
 /* How many rows it has: fixed for the step. */
 static inline int rb_step_spring_row_count(const struct rb_step_spring *spring)

@@ -16,10 +16,13 @@ static const double inspect_share = 1.0 / 16, gain_share = 0.5;
 
 /* ---- who is joined ---- */
 
+/* What holds bodies of a tree. */
+enum { BY_JOINTS = 1, BY_PUSHES = 2 };
+
 /* Springs that may be joined, as trees of bodies. */
 struct web {
 	int *parent;         /* [bodies]: of those of the step */
-	unsigned char *held; /* [bodies]: of roots */
+	unsigned char *held; /* [bodies]: of roots, by these */
 };
 
 static bool is_held_by_joints(const struct rb_world *world, int i)
@@ -42,9 +45,9 @@ static bool may_hold(const struct rb_world *world, const struct rb_cohort *cohor
 	return any;
 }
 
-static void hold(struct web *web, int i)
+static void hold(struct web *web, int i, unsigned char by)
 {
-	web->held[rb_forest_root(web->parent, i)] = 1;
+	web->held[rb_forest_root(web->parent, i)] |= by;
 }
 
 /* A body that the step moves: no sleeping one. */
@@ -95,8 +98,10 @@ static enum rb_status weave(struct rb_world *world, const struct rb_cohort *coho
 	for (int k = 0; k < cohort->member_count; k++) {
 		const int i = cohort->body[k];
 
-		if (is_held_by_joints(world, i) || rb_kicks_have(&s->kicks, i))
-			hold(web, i);
+		if (is_held_by_joints(world, i))
+			hold(web, i, BY_JOINTS);
+		if (rb_kicks_have(&s->kicks, i))
+			hold(web, i, BY_PUSHES);
 	}
 	for (size_t k = 0; k < cohort->points.count; k++) {
 		const struct rb_step_point *point = &cohort->points.row[k];
@@ -104,9 +109,9 @@ static enum rb_status weave(struct rb_world *world, const struct rb_cohort *coho
 		if (!(point->normal_impulse > 0))
 			continue;
 		if (is_solved(world, web, point->a))
-			hold(web, point->a);
+			hold(web, point->a, BY_PUSHES);
 		if (is_solved(world, web, point->b))
-			hold(web, point->b);
+			hold(web, point->b, BY_PUSHES);
 	}
 	return RB_OK;
 }
@@ -133,15 +138,17 @@ static void take_back(struct rb_world *world, int i, rb_vec3 impulse, rb_vec3 ar
 		                                            impulse);
 }
 
-/* Whether a spring that is not joined is to be. */
+/* Whether a spring that is not joined is to be: one that is resolved where halves are taken. */
 static bool is_due(const struct rb_world *world, struct web *web,
                    const struct rb_step_spring *spring)
 {
 	const int first = spring->end[0];
 
-	return !spring->joined && may_join(world, web, spring) &&
-	       web->held[rb_forest_root(
-		       web->parent, rb_stepped_is_dynamic(world, first) ? first : spring->end[1])];
+	if (spring->joined || !may_join(world, web, spring))
+		return false;
+	const unsigned char held = web->held[rb_forest_root(
+		web->parent, rb_stepped_is_dynamic(world, first) ? first : spring->end[1])];
+	return spring->resolved ? held == BY_JOINTS : held != 0;
 }
 
 static bool any_due(const struct rb_world *world, struct web *web)
@@ -247,7 +254,7 @@ static bool may_join_pushed(const struct rb_solver *solver)
 	for (int k = 0; k < solver->spring_count; k++) {
 		const struct rb_step_spring *spring = &solver->spring[k];
 
-		for (int e = 0; e < 2 && !spring->joined; e++)
+		for (int e = 0; e < 2 && !spring->joined && !spring->resolved; e++)
 			if (spring->end[e] < solver->body_count && solver->pushed[spring->end[e]])
 				return true;
 	}
@@ -350,6 +357,12 @@ static double miss(const struct rb_world *world, struct rb_step_spring *spring)
 	return rb_vec3_length(spring->missed);
 }
 
+/* Whether it has rows that look ahead: what is given as the step begins misses nothing. */
+static bool has_rows(const struct rb_step_spring *spring)
+{
+	return spring->joined && spring->first_row >= 0 && spring->time != RB_SPRING_AT_BEGIN;
+}
+
 bool rb_springs_mark(struct rb_world *world, unsigned char *of_group)
 {
 	struct rb_solver *solver = &world->stepped->solver;
@@ -359,7 +372,7 @@ bool rb_springs_mark(struct rb_world *world, unsigned char *of_group)
 	for (int k = 0; k < solver->spring_count; k++) {
 		struct rb_step_spring *spring = &solver->spring[k];
 
-		if (!spring->joined || spring->first_row < 0)
+		if (!has_rows(spring))
 			continue;
 		const double before = rb_vec3_length(spring->missed);
 		const double missed = miss(world, spring);
@@ -380,14 +393,9 @@ void rb_springs_bend(struct rb_world *world, const unsigned char *of_group)
 	for (int k = 0; k < solver->spring_count; k++) {
 		struct rb_step_spring *spring = &solver->spring[k];
 
-		if (spring->joined && spring->first_row >= 0 && of_group[group_of(solver, spring)])
+		if (has_rows(spring) && of_group[group_of(solver, spring)])
 			spring->bend = rb_vec3_add(spring->bend, spring->missed);
 	}
-}
-
-static bool has_rows(const struct rb_step_spring *spring)
-{
-	return spring->joined && spring->first_row >= 0;
 }
 
 void rb_springs_measure(struct rb_world *world)

@@ -7,8 +7,11 @@
  * rows. Contacts hold what they push: whether a pair that does not meet is looked at follows from
  * boxes along the axes, and must not decide how a body moves.
  *
+ * Springs that the step resolves get rows where joints alone hold them: such groups take impulses
+ * in halves.
+ *
  * Owned by the method's state (rb_solver's `spring`); simulator thread. Where the step resolves all
- * springs all of it returns at once.
+ * springs and there are no joints, all of it returns at once.
  */
 #ifndef RB_STEPPED_SPRING_STEPS_H
 #define RB_STEPPED_SPRING_STEPS_H
