@@ -506,6 +506,38 @@ static void contacts_of_a_frame_carry_the_weight(void **slot)
 	lab_close(&lab);
 }
 
+/*
+ * A push that begins at 0.1 s sets off without slip: a box tips where it is pushed over at half its
+ * width, F h/2 > m g w/2, a ball rolls. Either is told when the push begins, whatever the frames.
+ */
+static void what_a_force_sets_off_rolls_from_then_on(void **slot)
+{
+	const double mass = 2, half = 0.25;
+
+	(void)slot;
+	for (int k = 0; k < 4; k++) {
+		const rb_vec3 size = at(0.2, 0.3, 2 * half), position = at(0, 0, half);
+		struct rb_force_def force = rb_force_def_default();
+		struct bench bench;
+
+		bench_open(&bench, 0.3, k % 2 == 0 ? 7 : 100);
+		lab_surface(&bench.lab, 2, 0);
+		force.vector = at(0.9 * mass * g, 0, 0);
+		force.start_s = 0.1;
+		const struct rb_body_def def = k < 2 ? lab_box_def(size, mass, position)
+		                                     : lab_sphere_def(half, mass, position, origin);
+		lab_add(&bench.lab, &def);
+		assert_int_equal(rb_scene_add_force(&bench.lab.scene, &force, &bench.lab.error),
+		                 RB_OK);
+		lab_plane(&bench.lab, origin, up);
+		bench_seal(&bench);
+		lab_run(&bench.lab);
+		assert_int_equal(lab_log_count(&bench.log, RB_EVENT_ROLL), 1);
+		assert_true(bench_event(&bench, RB_EVENT_ROLL, 0)->time_s == 0.1);
+		bench_close(&bench);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -521,6 +553,7 @@ int main(void)
 		cmocka_unit_test(a_ball_slides_off_a_free_one),
 		cmocka_unit_test(what_rests_does_not_move_at_all),
 		cmocka_unit_test(contacts_of_a_frame_carry_the_weight),
+		cmocka_unit_test(what_a_force_sets_off_rolls_from_then_on),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -292,19 +292,19 @@ static void join_all(struct rb_resolution *s)
 	}
 }
 
-/* Mode of a contact for reports. */
+/* Mode of a contact for reports: what comes to turn from rest rolls, though it has no speed yet. */
 static enum rb_held_mode mode_of(const struct rb_resolution *s, int k)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
-	const rb_vec3 turn = rb_vec3_sub(m->pose_b.spin, m->pose_a.spin);
-	const double noise = 4 * rb_contact_point_noise(s->l, m) + s->slack;
 	const struct rb_solver_contact *c = &s->joint.contact[k];
+	const double nothing = fmax(rest_share * s->external_max,
+	                            LOAD_ULP * DBL_EPSILON *
+	                                    s->load[s->l->place[dynamic_of(s, k)]]);
 
 	if (c->slipping || c->mode == RB_SOLVER_SLIDE)
 		return RB_HELD_SLIDE;
-	/* neither slip nor relative rotation */
-	return rb_vec3_length(m->velocity) <= noise &&
-	                       rb_vec3_length(turn) * rb_contact_point_size(s->l, m) <= noise
+	return rb_slips_turn(s, k) <= 4 * rb_contact_point_noise(s->l, m) + s->slack &&
+	                       rb_slips_turn_rate(s, k) <= nothing
 	               ? RB_HELD_REST
 	               : RB_HELD_ROLL;
 }

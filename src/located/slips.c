@@ -58,6 +58,23 @@ int rb_slips_pair(const struct rb_resolution *s, int k, int *first)
 	return end;
 }
 
+double rb_slips_turn(const struct rb_resolution *s, int k)
+{
+	const struct rb_contact_point *m = &s->contact_point[k];
+	const double turn = rb_vec3_length(rb_vec3_sub(m->pose_b.spin, m->pose_a.spin));
+
+	return fmax(rb_vec3_length(m->velocity), turn * rb_contact_point_size(s->l, m));
+}
+
+double rb_slips_turn_rate(const struct rb_resolution *s, int k)
+{
+	const struct rb_solver_contact *c = &s->joint.contact[k];
+	const rb_vec3 a = s->joint.body[c->a].angular, b = s->joint.body[c->b].angular;
+
+	return rb_vec3_length(rb_vec3_sub(b, a)) *
+	       rb_contact_point_size(s->l, &s->contact_point[k]);
+}
+
 /* ---- forces ---- */
 
 /* Place of a member, or a copy of a fixed body's accelerations. */

@@ -82,6 +82,12 @@ int rb_slips_pair(const struct rb_resolution *s, int k, int *first);
 bool rb_slips_press(const struct rb_resolution *s, int k);
 bool rb_slips_straight(const struct rb_resolution *s, int k, rb_vec3 slip);
 /*
+ * m/s, m/s^2: how fast its bodies move at contact k, or turn against each other at their sizes; and
+ * what their angular accelerations make of the latter. Neither, and it rests; else it rolls.
+ */
+double rb_slips_turn(const struct rb_resolution *s, int k);
+double rb_slips_turn_rate(const struct rb_resolution *s, int k);
+/*
  * Is the direction of its slip what balances the forces across it? Where the slip is slow and
  * changes its speed by much less than friction could: else it has no time to turn there.
  */
