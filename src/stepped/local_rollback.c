@@ -425,7 +425,7 @@ static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *g
 		}
 		done = h < dt - done ? done + h : dt;
 		status = keep_step(world, start + done, h, &outcome, err);
-		h = fmin(2 * h, dt - done);
+		h = rb_next_part(2 * h, dt - done, dt);
 		halvings = 0;
 	}
 	return status == RB_OK ? resolve(world, group, dt, err) : status;

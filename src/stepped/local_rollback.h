@@ -48,4 +48,13 @@ static inline bool rb_halvings_end(int in_a_row, double h_s, double dt_s)
 	return in_a_row >= RB_HALVINGS_MAX || !(h_s > ldexp(dt_s, -RB_HALVINGS_IN_ALL));
 }
 
+/*
+ * s: the next part of dt_s, of which left_s are left. A rest too short to be tried is no part of
+ * its own: sums of parts are rounded, and what is known per time from such a rest is noise.
+ */
+static inline double rb_next_part(double h_s, double left_s, double dt_s)
+{
+	return left_s - h_s > ldexp(dt_s, -RB_HALVINGS_IN_ALL) ? h_s : left_s;
+}
+
 #endif

@@ -385,7 +385,7 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 				status = rb_record_part(&s->all, &world->contacts, h,
 				                        &s->part_contacts, &s->means, err);
 			parts++;
-			h = fmin(2 * h, dt - done);
+			h = rb_next_part(2 * h, dt - done, dt);
 			halvings = 0;
 			if (status == RB_OK && done < dt)
 				status = attract(world, err);
