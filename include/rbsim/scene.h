@@ -607,6 +607,9 @@ const char *rb_joint_kind_name(int kind);
 /* Name of a body for messages: its name, or "#12" by id; written to `out`, which is returned. */
 const char *rb_scene_body_label(const struct rb_scene *scene, int id, char out[64]);
 
+/* "scene.lua:12: " to begin messages about a body with, "" if it has no line; written to `out`. */
+const char *rb_scene_body_source(const struct rb_scene *scene, int id, char out[96]);
+
 /*
  * How an infinite or finite plane's frame comes from its normal: local z is the normal, local x is
  * `axis` (NAN: the world's x, else y) projected on the plane. Neither needs unit length; both must

@@ -183,7 +183,9 @@ int main(int argc, char **argv)
 	if (rb_options_parse(&options, argc, argv, &err)) {
 		exit_code = rb_app_refuse(&options, &err);
 		if (err.status == RB_ERR_USAGE)
-			rb_print(stderr, "rbsim: see 'rbsim --help'\n");
+			rb_print(stderr, "rbsim: see 'rbsim %s%s--help'\n",
+			         options.verb_given ? rb_verbs[options.verb].name : "",
+			         options.verb_given ? " " : "");
 		exit_code = rb_app_finish(&options, exit_code);
 	} else {
 		if (!options.quiet)

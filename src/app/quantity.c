@@ -19,6 +19,7 @@
 #include "math/quat.h"
 #include "math/vec3.h"
 #include "model/joint_type.h"
+#include "script/nearest.h"
 
 #define TURN 6.28318530717958647693
 
@@ -280,12 +281,41 @@ static enum rb_status read_energy(struct quantity *quantity, double *more, struc
 	return status;
 }
 
+/* What may have been meant: a probe, one of all bodies' sums, or a body with what is asked of it. */
+static const char *hint_of(const struct quantity *quantity, char out[96])
+{
+	static const char *const sums[] = {"energy",   "kinetic_energy",
+	                                   "momentum", "potential_energy",
+	                                   "time",     "angular_momentum"};
+	const struct rb_reading *const reading = quantity->reading;
+	const char *const dot = strrchr(quantity->name, '.');
+	struct rb_nearest nearest = rb_nearest_to(quantity->name);
+
+	for (size_t k = 0; k < sizeof sums / sizeof *sums; k++)
+		rb_nearest_offer(&nearest, sums[k], strlen(sums[k]));
+	for (int k = 0; k < reading->probe_count; k++)
+		rb_nearest_offer(&nearest, reading->probe_names[k],
+		                 strlen(reading->probe_names[k]));
+	for (int i = 0; i < reading->body_count && dot; i++) {
+		const char *const body_name = reading->names[reading->id[i]];
+		char meant[64];
+		const int size = snprintf(meant, sizeof meant, "%s%s", body_name, dot);
+		int body, part;
+
+		if (*body_name && size < (int)sizeof meant &&
+		    find_body(reading, meant, &body, &part))
+			rb_nearest_offer(&nearest, meant, (size_t)size);
+	}
+	return rb_nearest_hint(&nearest, out);
+}
+
 /* Reads a number for each frame; of vectors their length. */
 static enum rb_status read_observable(struct quantity *quantity, double *more, struct rb_error *err)
 {
 	const struct rb_hdf5_module *const module = quantity->module;
 	const uint64_t count = quantity->reading->frame_count;
 	const char *const name = quantity->name;
+	char hint[96];
 
 	if (strcmp(name, "energy") == 0)
 		return read_energy(quantity, more, err);
@@ -298,11 +328,11 @@ static enum rb_status read_observable(struct quantity *quantity, double *more, s
 		return RB_OK;
 	}
 	return RB_FAIL(err, RB_ERR_USAGE,
-	               "'%s' has no quantity '%s' (wanted: energy, momentum, ..., a probe, or "
+	               "'%s' has no quantity '%s'%s (wanted: energy, momentum, ..., a probe, or "
 	               "BODY.x, .vx, .wx, .ax, .fx, .tx, .rx, .speed, .spin, .force, .angle, "
 	               ".yaw, ..., or JOINT.angle, .length, .speed, .force, ...; BODY, JOINT: a "
 	               "name, or #ID of a body, joint#NUMBER of a joint without)",
-	               quantity->file, name);
+	               quantity->file, name, hint_of(quantity, hint));
 }
 
 enum rb_status rb_quantity_read(const struct rb_quantity_source *source, const char *name,

@@ -69,7 +69,8 @@ static enum rb_status fly_alone(struct rb_world *world, struct step_work *work,
 {
 	const struct rb_groups *groups = world->groups;
 	const int blocks = (groups->alone_count + ALONE_PER_BLOCK - 1) / ALONE_PER_BLOCK;
-	char label[64];
+	const int *id_of = world->model->id_of;
+	char label[64], source[96];
 
 	if (blocks == 0)
 		return RB_OK;
@@ -85,9 +86,10 @@ static enum rb_status fly_alone(struct rb_world *world, struct step_work *work,
 	for (int b = 0; b < blocks; b++)
 		if (work->bad[b] >= 0)
 			return RB_FAIL(err, RB_ERR_PHYSICS,
-			               "the state of '%s' is not finite after t = %.9g s",
-			               rb_scene_body_label(world->model->scene,
-			                                   world->model->id_of[work->bad[b]],
+			               "%sthe state of '%s' is not finite after t = %.9g s",
+			               rb_scene_body_source(world->model->scene,
+			                                    id_of[work->bad[b]], source),
+			               rb_scene_body_label(world->model->scene, id_of[work->bad[b]],
 			                                   label),
 			               work->start_s);
 	return RB_OK;

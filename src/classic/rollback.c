@@ -63,17 +63,18 @@ static enum rb_status give_up(const struct rb_pass *pass, enum rb_verdict verdic
 
 	const struct rb_model *model = pass->world->model;
 	const double when = pass->start_s + pass->done_s;
-	char a[64], b[64];
+	char a[64], b[64], source[96];
 
 	if (verdict == RB_VERDICT_NOT_FINITE)
 		return RB_FAIL(err, RB_ERR_PHYSICS,
-		               "the state of '%s' is not finite after t = %.9g s",
+		               "%sthe state of '%s' is not finite after t = %.9g s",
+		               rb_scene_body_source(model->scene, model->id_of[body], source),
 		               rb_scene_body_label(model->scene, model->id_of[body], a), when);
 	const struct rb_touch *touch = &pass->touch[pass->worst];
 	return RB_FAIL(err, RB_ERR_PHYSICS,
-	               "no step resolves the overlap of '%s' and '%s' at t = %.9g s: %.3g m deep "
-	               "after %.3g s, "
-	               "tolerance %.3g m",
+	               "%sno step resolves the overlap of '%s' and '%s' at t = %.9g s: %.3g m deep "
+	               "after %.3g s, tolerance %.3g m",
+	               rb_scene_body_source(model->scene, model->id_of[touch->a], source),
 	               rb_scene_body_label(model->scene, model->id_of[touch->a], a),
 	               rb_scene_body_label(model->scene, model->id_of[touch->b], b), when,
 	               -pass->worst_gap, pass->h_s, model->tolerance_m);

@@ -282,7 +282,7 @@ static void driven_event(struct rb_located *l, int i, double t)
 /* Fails when time does not advance. */
 static bool is_stuck(struct rb_located *l, int which, double t)
 {
-	char label[64];
+	char label[64], source[96];
 	const int body = which < l->n       ? which
 	                 : which < 2 * l->n ? l->cluster[which - l->n].member[0]
 	                                    : 0;
@@ -295,7 +295,8 @@ static bool is_stuck(struct rb_located *l, int which, double t)
 	if (++l->stuck_count < (uint64_t)STUCK_EVENTS + 64 * (uint64_t)l->n)
 		return false;
 	l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
-	                    "no progress after %llu events at t = %.17g s, the last of '%s'",
+	                    "%sno progress after %llu events at t = %.17g s, the last of '%s'",
+	                    rb_scene_body_source(l->model->scene, l->model->id_of[body], source),
 	                    (unsigned long long)l->stuck_count, t,
 	                    rb_scene_body_label(l->model->scene, l->model->id_of[body], label));
 	return true;
@@ -723,7 +724,7 @@ static double overlap_max(const struct rb_located *l)
 static enum rb_status check(struct rb_located *l, double *depth, struct rb_error *err)
 {
 	const double t = l->world->state.time_s;
-	char first[64], second[64];
+	char first[64], second[64], source[96];
 	int a, b;
 
 	*depth = 0;
@@ -734,7 +735,8 @@ static enum rb_status check(struct rb_located *l, double *depth, struct rb_error
 		return RB_OK;
 	return l->status = RB_FAIL(
 		       err, RB_ERR_PHYSICS,
-		       "'%s' and '%s' overlap by %.3g m at t = %.9g s, tolerance %.3g m",
+		       "%s'%s' and '%s' overlap by %.3g m at t = %.9g s, tolerance %.3g m",
+		       rb_scene_body_source(l->model->scene, l->model->id_of[a], source),
 		       rb_scene_body_label(l->model->scene, l->model->id_of[a], first),
 		       rb_scene_body_label(l->model->scene, l->model->id_of[b], second), *depth, t,
 		       overlap_max(l));

@@ -25,7 +25,7 @@ bool rb_failure_by_collision(const struct rb_modes *w)
 	const struct rb_attract *const all = &l->gravitation.all;
 	double least = HUGE_VAL, factor;
 	int pair[2] = {-1, -1};
-	char first[64], second[64];
+	char first[64], second[64], source[96];
 
 	for (int k = 0; rb_located_gravitates(l) && k < w->c->member_count; k++)
 		for (int j = 0; j < all->count; j++) {
@@ -44,8 +44,9 @@ bool rb_failure_by_collision(const struct rb_modes *w)
 		return false;
 	l->status = RB_FAIL(
 		l->err, RB_ERR_PHYSICS,
-		"'%s' and '%s' come within %.3g m of each other at t = %.9g s, and nothing keeps "
+		"%s'%s' and '%s' come within %.3g m of each other at t = %.9g s, and nothing keeps "
 		"them apart: let them collide, or give 'gravitation' a 'softening'",
+		rb_scene_body_source(l->model->scene, l->model->id_of[pair[0]], source),
 		rb_scene_body_label(l->model->scene, l->model->id_of[pair[0]], first),
 		rb_scene_body_label(l->model->scene, l->model->id_of[pair[1]], second), least,
 		w->origin_s);
@@ -131,7 +132,7 @@ bool rb_failure_by_joints(const struct rb_modes *w, const char *why)
 bool rb_failure_by_size(const struct rb_modes *w)
 {
 	struct rb_located *l = w->l;
-	char label[64];
+	char label[64], source[96];
 
 	for (int k = 0; k < w->c->member_count; k++) {
 		const double *const v = w->c->piece.start + k * w->row + RB_PIECE_VELOCITY;
@@ -140,12 +141,13 @@ bool rb_failure_by_size(const struct rb_modes *w)
 
 		if (speed < rate_max && rate < rate_max)
 			continue;
+		const int id = l->model->id_of[w->c->member[k]];
 		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
-		                    "'%s' moves at %.3g m/s and gets %.3g m/s^2 at t = %.9g s: "
+		                    "%s'%s' moves at %.3g m/s and gets %.3g m/s^2 at t = %.9g s: "
 		                    "squares of more than %.0e are not finite",
-		                    rb_scene_body_label(l->model->scene,
-		                                        l->model->id_of[w->c->member[k]], label),
-		                    speed, rate, w->origin_s, rate_max);
+		                    rb_scene_body_source(l->model->scene, id, source),
+		                    rb_scene_body_label(l->model->scene, id, label), speed, rate,
+		                    w->origin_s, rate_max);
 		return true;
 	}
 	return false;

@@ -510,6 +510,15 @@ const char *rb_scene_body_label(const struct rb_scene *scene, int id, char out[6
 	return out;
 }
 
+const char *rb_scene_body_source(const struct rb_scene *scene, int id, char out[96])
+{
+	RB_ASSERT(id >= 0 && id < scene->body_count);
+	out[0] = '\0';
+	if (scene->bodies[id].line > 0)
+		snprintf(out, 96, "%.80s:%d: ", scene->file, scene->bodies[id].line);
+	return out;
+}
+
 rb_quat rb_plane_orientation(rb_vec3 normal, rb_vec3 axis)
 {
 	const rb_vec3 z = rb_vec3_unit(normal, (rb_vec3){0, 0, 1});

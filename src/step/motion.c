@@ -90,7 +90,8 @@ const char *rb_motion_label(const struct rb_world *world, int i, bool motor,
 		         rb_linkage_turns(&model->joints->joint[i].link) ? "angle" : "way",
 		         rb_joint_label(model->scene, def, label));
 	else
-		snprintf(out, RB_MOTION_LABEL, "'motion' of '%s'",
+		snprintf(out, RB_MOTION_LABEL, "%s'motion' of '%s'",
+		         rb_scene_body_source(model->scene, model->id_of[i], source),
 		         rb_scene_body_label(model->scene, model->id_of[i], label));
 	return out;
 }

@@ -24,7 +24,7 @@ RB_CHECKED enum rb_status rb_motion_ask_motor(const struct rb_world *world, int 
 double rb_motion_size(const struct rb_world *world, int i, bool motor);
 
 /*
- * "'motion' of 'lid'", "scene.lua:3: 'angle' of the motor of hinge 'knee'" to begin messages with;
+ * "scene.lua:2: 'motion' of 'lid'", "scene.lua:3: 'angle' of the motor of hinge 'knee'" to begin messages with;
  * written to `out`, returned.
  */
 enum { RB_MOTION_LABEL = 224 };

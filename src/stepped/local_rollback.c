@@ -313,7 +313,8 @@ enum rb_status rb_local_rollback_give_up(const struct rb_world *world, double st
 
 	if (outcome->body >= 0)
 		return RB_FAIL(err, RB_ERR_PHYSICS,
-		               "the state of '%s' is not finite after t = %.9g s",
+		               "%sthe state of '%s' is not finite after t = %.9g s",
+		               rb_scene_body_source(scene, id_of[outcome->body], source),
 		               rb_scene_body_label(scene, id_of[outcome->body], a), start);
 	if (outcome->pair[0] < 0 && outcome->joint >= 0)
 		return RB_FAIL(
@@ -329,8 +330,9 @@ enum rb_status rb_local_rollback_give_up(const struct rb_world *world, double st
 		return RB_FAIL(err, RB_ERR_PHYSICS, "no step resolves the impacts after t = %.9g s",
 		               start);
 	return RB_FAIL(err, RB_ERR_PHYSICS,
-	               "no step resolves the overlap of '%s' and '%s' after t = %.9g s (%.3g m "
+	               "%sno step resolves the overlap of '%s' and '%s' after t = %.9g s (%.3g m "
 	               "deep, the tolerance is %.3g m)",
+	               rb_scene_body_source(scene, id_of[outcome->pair[0]], source),
 	               rb_scene_body_label(scene, id_of[outcome->pair[0]], a),
 	               rb_scene_body_label(scene, id_of[outcome->pair[1]], b), start,
 	               outcome->overlap, world->model->stepped_tolerance_m);

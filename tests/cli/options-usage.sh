@@ -20,6 +20,7 @@ exits 64 --durration 3 s.lua
 says err "unknown option '--durration' \(did you mean '--duration'\?\)"
 exits 64 render a.h5 --sheed # of its own options, not those of other verbs
 says err "unknown option '--sheed' \(did you mean '--speed'\?\)"
+says err "see 'rbsim render --help'"
 for line in "s.lua" "render s.h5" "export s.h5 --to csv" "sweep s.lua -p e=1" "plot s.h5 energy"; do
 	# shellcheck disable=SC2086 # words of a line
 	exits 64 $line -o -

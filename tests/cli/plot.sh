@@ -20,6 +20,10 @@ says out '^\{"file":"run.h5","against":\{"name":"time","unit":"s","values":\[0,0
 says out '"quantities":\[\{"name":"left.z","unit":"m","values":\[0.2999.*\{"name":"kinetic_energy","unit":"J".*"picture":null,"exit_status":0\}$'
 exits 0 plot d/sweep.h5 e --against index --json
 says out '"against":\{"name":"index","unit":"","values":\[0,1,2\]\},"quantities":\[\{"name":"e","unit":"","values":\[0.1.*,0.5,0.9'
+exits 64 plot run.h5 lfet.z --json
+says err "no quantity 'lfet.z' \(did you mean 'left.z'\?\)"
+exits 64 plot run.h5 kinetic_enrgy --json
+says err "no quantity 'kinetic_enrgy' \(did you mean 'kinetic_energy'\?\)"
 if ! command -v gnuplot >/dev/null; then
 	exits 69 plot run.h5 energy
 	says err "no 'gnuplot' in PATH .install the package gnuplot-nox)"

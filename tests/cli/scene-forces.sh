@@ -97,6 +97,6 @@ spring { a = a, b = b, stiffness = 1, rest_length = param("rest", 1e160) }
 LUA
 for rest in 1e151 1e160 1e300; do
 	exits 76 hard.lua --method located --no-record -p rest=$rest
-	says err "'a' moves at 0 m/s and gets 1e.${rest#1e} m/s.2 at t = 0 s"
+	says err "hard.lua:2: 'a' moves at 0 m/s and gets 1e.${rest#1e} m/s.2 at t = 0 s"
 done
 exits 0 hard.lua --method located --no-record -p rest=1e140

@@ -57,7 +57,7 @@ for method in located stepped auto; do
 		done
 		for kind in jump late once belt turn; do
 			exits 65 $run kind=$kind
-			says err "'motion' of 'floor' jumps by [0-9.]+ (m|rad) at t = [0-9]"
+			says err "motion.lua:[0-9]+: 'motion' of 'floor' jumps by [0-9.]+ (m|rad) at t = [0-9]"
 		done
 		for kind in nan short; do
 			exits 65 $run kind=$kind
