@@ -69,6 +69,21 @@ static void open_auto(struct lab *lab, double friction, rb_vec3 gravity)
 	lab_surface(lab, friction, 0);
 }
 
+/* On a floor, under its weight. */
+static void open_floor(struct lab *lab)
+{
+	open_auto(lab, 0.5, (rb_vec3){0, 0, -earth});
+	lab_plane(lab, none, (rb_vec3){0, 0, 1});
+}
+
+/* A tower of boxes. */
+static void pile_up(struct lab *lab, int count)
+{
+	for (int k = 0; k < count; k++)
+		lab_box(lab, (rb_vec3){0.4, 0.4, 0.2}, 1, (rb_vec3){0, 0, 0.1 + 0.2 * k},
+		        rb_quat_identity);
+}
+
 /* From the frame that has been located, `steps` steps; then locating begins anew. */
 static void change_to_steps(struct lab *lab, int steps)
 {
@@ -81,6 +96,14 @@ static void change_to_steps(struct lab *lab, int steps)
 	rb_engine_go_back(world->located);
 	world->dense_left = world->dense_steps = steps;
 	world->dense_work = (uint64_t)1 << 40; /* as much as it takes */
+}
+
+static void take_step(struct lab *lab)
+{
+	struct rb_world *world = lab->world;
+	const struct rb_stepper *stepper = rb_model_method_row(world->model)->steps;
+
+	assert_int_equal(stepper->step(world, world->state.time_s, step_s, &lab->error), RB_OK);
 }
 
 /* ---- names ---- */
@@ -177,10 +200,7 @@ static void the_same_point_has_the_same_name_in_both_methods(void **state)
 		memcpy(located, world->contacts.row, count * sizeof *located);
 		change_to_steps(&lab, 1);
 		world->stepped->solver.h_s = step_s;
-		assert_int_equal(
-			rb_model_method_row(world->model)
-				->steps->step(world, world->state.time_s, step_s, &lab.error),
-			RB_OK);
+		take_step(&lab);
 		for (size_t k = 0; k < count; k++) {
 			const struct rb_contact_name name = rb_contact_name_in(&located[k]);
 			const struct rb_step_point *point = point_of(world, &name);
@@ -328,9 +348,7 @@ static void a_rim_that_steps_count_from_elsewhere_starts_from_its_mean(void **st
 	change_to_steps(&lab, 1);
 	assert_int_equal(world->stepped->all.points.last_count, 1);
 	assert_near(world->stepped->all.points.last[0].force, 2.5, 1e-15);
-	assert_int_equal(rb_model_method_row(world->model)
-	                         ->steps->step(world, world->state.time_s, step_s, &lab.error),
-	                 RB_OK);
+	take_step(&lab);
 	assert_int_equal(world->stepped->all.points.count, 4);
 	for (size_t k = 0; k < 4; k++)
 		assert_int_equal(world->stepped->all.points.row[k].from, 1);
@@ -386,9 +404,7 @@ static struct cost cost_of(double floor_friction, bool steps_know, bool located_
 		world->contacts.count = 0;
 	change_to_steps(&lab, 1);
 	world->frame_counts = rb_counts_none;
-	assert_int_equal(rb_model_method_row(world->model)
-	                         ->steps->step(world, world->state.time_s, step_s, &lab.error),
-	                 RB_OK);
+	take_step(&lab);
 	cost.sweeps = world->frame_counts.row_sweeps;
 	cost.factors = world->frame_counts.factors;
 	if (!located_knows)
@@ -467,11 +483,8 @@ static void an_attempt_that_fails_at_once_leaves_no_trace(void **state)
 	struct lab lab;
 
 	(void)state;
-	open_auto(&lab, 0.5, (rb_vec3){0, 0, -earth});
-	lab_plane(&lab, none, (rb_vec3){0, 0, 1});
-	for (int k = 0; k < 6; k++)
-		lab_box(&lab, (rb_vec3){0.4, 0.4, 0.2}, 1, (rb_vec3){0, 0, 0.1 + 0.2 * k},
-		        rb_quat_identity);
+	open_floor(&lab);
+	pile_up(&lab, 6);
 	lab_seal(&lab, 1);
 	struct rb_world *const world = lab.world;
 	assert_int_equal(rb_world_step_frame(world, &lab.error), RB_OK);
@@ -511,13 +524,10 @@ static double fallen_beside(int per_frame, bool with_callback, int *called)
 	const struct rb_world_hooks hooks = {.user = called, .step = nothing};
 	struct lab lab;
 
-	open_auto(&lab, 0.5, (rb_vec3){0, 0, -earth});
+	open_floor(&lab);
 	lab.scene.world.time_step_s = 1 / (frame_rate * per_frame);
 	lab_sphere(&lab, 0.1, 1, (rb_vec3){9, 0, 5}, none);
-	lab_plane(&lab, none, (rb_vec3){0, 0, 1});
-	for (int k = 0; k < 6; k++)
-		lab_box(&lab, (rb_vec3){0.4, 0.4, 0.2}, 1, (rb_vec3){0, 0, 0.1 + 0.2 * k},
-		        rb_quat_identity);
+	pile_up(&lab, 6);
 	lab_seal_with(&lab, &options, with_callback ? &hooks : NULL);
 	lab.world->located->world_max = 0;
 	assert_int_equal(rb_world_step_frame(lab.world, &lab.error), RB_OK);
@@ -547,11 +557,8 @@ static void no_attempt_is_made_that_forces_alone_make_too_dear(void **state)
 	struct lab lab;
 
 	(void)state;
-	open_auto(&lab, 0.5, (rb_vec3){0, 0, -earth});
-	lab_plane(&lab, none, (rb_vec3){0, 0, 1});
-	for (int k = 0; k < BOXES_UP; k++)
-		lab_box(&lab, (rb_vec3){0.4, 0.4, 0.2}, 1, (rb_vec3){0, 0, 0.1 + 0.2 * k},
-		        rb_quat_identity);
+	open_floor(&lab);
+	pile_up(&lab, BOXES_UP);
 	lab_seal(&lab, 1);
 	struct rb_world *const world = lab.world;
 	assert_int_equal(rb_world_step_frame(world, &lab.error), RB_OK);
@@ -573,8 +580,7 @@ static void locating_begins_again_after_a_frame_was_taken_back(void **state)
 	struct lab lab;
 
 	(void)state;
-	open_auto(&lab, 0.5, (rb_vec3){0, 0, -earth});
-	lab_plane(&lab, none, (rb_vec3){0, 0, 1});
+	open_floor(&lab);
 	for (int k = 0; k < 2; k++)
 		lab_box(&lab, (rb_vec3){1, 1, 1}, 1, (rb_vec3){3 * k, 0, 0.5}, rb_quat_identity);
 	lab_seal(&lab, 1);
