@@ -260,7 +260,7 @@ static void packs_of_one_moment_are_as_those_of_its_tensor(void **slot)
 		one->body[i].inverse_inertia = one->free[i].inverse_inertia = 0.02;
 	}
 	struct rb_sweeper of_one = take(one, NULL), of_three = take(three, NULL);
-	assert_true(of_one.wide && !of_one.many.tensors && of_three.many.tensors);
+	assert_true(of_one.wide && !of_one.many.packs[0].tensors && of_three.many.packs[0].tensors);
 	(void)rb_sweeper_run(&of_one, 0, 50);
 	(void)rb_sweeper_run(&of_three, 0, 50);
 	for (int i = 0; i < BODIES; i++) {
@@ -271,6 +271,74 @@ static void packs_of_one_moment_are_as_those_of_its_tensor(void **slot)
 	}
 	unmake(one);
 	unmake(three);
+}
+
+/* Velocities are what the impulses make of them, and these are in the cones, to all digits. */
+static void assert_whole(const struct heap *heap)
+{
+	static struct rb_solver_body body[BODIES + 1];
+	const struct rb_row_system dense = {.bodies = {.body = body, .tensor = heap->tensor},
+	                                    .row = (struct rb_constraint *)heap->row,
+	                                    .row_count = heap->dense.row_count};
+
+	memcpy(body, heap->free, sizeof body);
+	rb_sweep_warm(&dense);
+	for (int i = 0; i < BODIES; i++) {
+		const rb_vec3 v = rb_vec3_sub(heap->body[i].linear, body[i].linear);
+		const rb_vec3 w = rb_vec3_sub(heap->body[i].angular, body[i].angular);
+
+		/* some forty impulses of less than 1 m/s each */
+		assert_true(rb_vec3_length(v) <= 1e-13 && rb_vec3_length(w) <= 1e-12);
+	}
+	for (int k = 0; k < dense.row_count; k++) {
+		const struct rb_constraint *row = &dense.row[k];
+		const double across = rb_vec3_length(row->impulse.t);
+
+		assert_true(row->impulse.n >= 0);
+		assert_true(across <= row->friction * row->impulse.n * (1 + 1e-14));
+		assert_true(fabs(rb_vec3_dot(row->impulse.t, row->normal)) <= 1e-14 * across);
+	}
+}
+
+/* The tolerance allows for 32 bits: of any masses, and what comes out is whole in 64. */
+static void packs_in_32_bits_leave_whole_impulses_of_any_masses(void **slot)
+{
+	const double unit = ldexp(1, 200), tolerance = 1e-4;
+	struct heap *light = make(0.1), *heavy = make(0.1), *close = make(0.1);
+
+	(void)slot;
+	spoil(light);
+	spoil(heavy);
+	spoil(close);
+	for (int i = 0; i < BODIES; i++) {
+		heavy->body[i].inverse_mass = heavy->free[i].inverse_mass /= unit;
+		for (int k = 0; k < 9; k++)
+			heavy->tensor[i].m[k / 3][k % 3] /= unit;
+	}
+	for (int k = 0; k < heavy->dense.row_count; k++) {
+		heavy->row[k].inverse_mass_n /= unit;
+		heavy->row[k].inverse_mass_t /= unit;
+	}
+	struct rb_sweeper of_light = take(light, NULL), of_heavy = take(heavy, NULL);
+	struct rb_sweeper of_close = take(close, NULL);
+	assert_true(rb_sweeper_run(&of_light, tolerance, 1000).residual <= tolerance);
+	assert_true(rb_sweeper_run(&of_heavy, tolerance, 1000).residual <= tolerance);
+	assert_true(rb_sweeper_run(&of_close, 1e-9, 5000).residual <= 1e-9);
+	assert_true(of_light.many.single && of_heavy.many.single && !of_close.many.single);
+	assert_whole(light);
+	for (int k = 0; k < light->dense.row_count; k++)
+		assert_true(heavy->row[k].impulse.n == unit * light->row[k].impulse.n);
+	for (int i = 0; i < BODIES; i++) {
+		const rb_vec3 v = rb_vec3_sub(light->body[i].linear, close->body[i].linear);
+
+		assert_true(rb_vec3_length(rb_vec3_sub(light->body[i].linear,
+		                                       heavy->body[i].linear)) == 0);
+		/* errors of all layers add up */
+		assert_true(rb_vec3_length(v) <= 10 * LAYERS * tolerance);
+	}
+	unmake(light);
+	unmake(heavy);
+	unmake(close);
 }
 
 static void packs_carry_a_heap_at_rest_as_single_rows_do(void **slot)
@@ -497,6 +565,7 @@ int main(void)
 		cmocka_unit_test(packs_solve_bodies_of_any_shape),
 		cmocka_unit_test(packs_of_any_shape_end_where_single_rows_do),
 		cmocka_unit_test(packs_of_one_moment_are_as_those_of_its_tensor),
+		cmocka_unit_test(packs_in_32_bits_leave_whole_impulses_of_any_masses),
 		cmocka_unit_test(packs_carry_a_heap_at_rest_as_single_rows_do),
 		cmocka_unit_test(any_number_of_workers_leaves_the_same_bits),
 		cmocka_unit_test(taking_makes_the_velocities_of_the_impulses_if_asked),

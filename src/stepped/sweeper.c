@@ -220,6 +220,8 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 	                                 .central = sweeper->central,
 	                                 .order = colours.order,
 	                                 .fixed = sweeper->fixed,
+	                                 .member = sweeper->member,
+	                                 .member_count = sweeper->member_count,
 	                                 .team = sweeper->team,
 	                                 .colour = colours.first,
 	                                 .colour_count = colours.count,

@@ -14,31 +14,22 @@
 
 #include "base/team.h"
 #include "stepped/gauss_seidel.h"
-
-struct rb_wide_pack;
-struct rb_wide_turn;
-struct rb_wide_tensors;
+#include "stepped/packs.h"
 
 struct rb_wide {
 	const struct rb_row_system *dense;
-	bool central;         /* all rows are: packs are smaller */
-	const int *order;     /* [rows]: these by colour */
-	int fixed;            /* a body that does not yield */
+	bool central;      /* all rows are: packs are smaller */
+	const int *order;  /* [rows]: these by colour */
+	int fixed;         /* a body that does not yield */
+	const int *member; /* [member_count]: bodies that do */
+	int member_count;
 	struct rb_team *team; /* NULL: in one thread */
 	const int *colour;    /* [colour_count + 1]: where each begins in `order` */
 	int colour_count;
 	bool tail; /* rows of the last colour share bodies after all: one after the other */
 	/* scratch, rb_wide_take */
-	struct rb_wide_pack *pack;
-	struct rb_wide_turn *turn; /* [packs]; NULL: all rows are central */
-	/* [packs]; NULL: all rows are central, or all inertias multiples of one */
-	struct rb_wide_tensors *tensors;
-	int *first;       /* [colour_count + 1]: first pack of each colour */
-	int *first_block; /* the same of blocks */
-	int *phase;       /* [phase_count + 1]: first colour of each phase */
-	int phase_count;
-	int *blocks;     /* [2 phase_count]: of each phase, for two passes */
-	double *partial; /* [blocks] */
+	struct rb_packs packs[2]; /* in 64 bits, in 32 bits */
+	bool single;              /* the latter are under way */
 	/*
 	 * More than 0: sweeps that would not reach the tolerance soon are left once they are
 	 * within so many tolerances, from where others (`holds`) go on.
@@ -61,7 +52,7 @@ bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena);
  * is, and no normal impulse falls below what holds it within the cone.
  */
 enum rb_wide_start { RB_WIDE_FRESH, RB_WIDE_GOES_ON, RB_WIDE_HOLDS, RB_WIDE_PRESSES_ON };
-struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double tolerance, int max,
+struct rb_sweep_result rb_wide_solve(struct rb_wide *wide, double tolerance, int max,
                                      enum rb_wide_start start);
 
 #endif
