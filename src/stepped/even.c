@@ -95,33 +95,44 @@ static const double multiplications = 6;
  */
 static const double own_share = 1e-6;
 
+/* What of a vector is not zero: first to end. A load is of the rows of one body only. */
+struct part {
+	int first, end;
+};
+
 /* Orthonormal basis of a subspace of R^n. */
 struct span {
-	double *unit; /* [count][n] */
+	double *unit;      /* [count][n]; beyond its part it is not set */
+	struct part *part; /* [count] */
 	int n, count;
 };
 
-static double dot(const double *x, const double *y, int n)
+static double dot(const double *x, const double *y, struct part part)
 {
 	double sum = 0;
 
-	for (int i = 0; i < n; i++)
+	for (int i = part.first; i < part.end; i++)
 		sum += x[i] * y[i];
 	return sum;
 }
 
-/* Takes out of v what the span contains. */
-static void reject(const struct span *span, double *v)
+/* Takes out of v, of which it may make more than it was, what the span contains. */
+static void reject(const struct span *span, double *v, struct part *of)
 {
 	for (int k = 0; k < span->count; k++) {
 		const double *const unit = span->unit + (size_t)k * (size_t)span->n;
-		const double along = dot(v, unit, span->n);
+		const struct part part = span->part[k];
+		const struct part both = {part.first > of->first ? part.first : of->first,
+		                          part.end < of->end ? part.end : of->end};
+		const double along = dot(v, unit, both);
 
 		/* loads of bodies that share no row */
 		if (along == 0)
 			continue;
-		for (int i = 0; i < span->n; i++)
+		for (int i = part.first; i < part.end; i++)
 			v[i] -= along * unit[i];
+		of->first = part.first < of->first ? part.first : of->first;
+		of->end = part.end > of->end ? part.end : of->end;
 	}
 }
 
@@ -130,22 +141,23 @@ static void reject(const struct span *span, double *v)
  * most of its length is orthogonal to rounding after one pass (Daniel, Gragg, Kaufman, Stewart
  * 1976).
  */
-static void extend(struct span *span, double *v)
+static void extend(struct span *span, double *v, struct part part)
 {
-	const double size = dot(v, v, span->n);
+	const double size = dot(v, v, part);
 
 	RB_ASSERT_COSTLY(span->count < span->n);
-	reject(span, v);
-	double left = dot(v, v, span->n);
+	reject(span, v, &part);
+	double left = dot(v, v, part);
 	if (!(left > 0.5 * size)) {
-		reject(span, v);
-		left = dot(v, v, span->n);
+		reject(span, v, &part);
+		left = dot(v, v, part);
 	}
 	if (!(left > own_share * own_share * size))
 		return;
+	span->part[span->count] = part;
 	double *const unit = span->unit + (size_t)span->count++ * (size_t)span->n;
 	const double length = sqrt(left);
-	for (int i = 0; i < span->n; i++)
+	for (int i = part.first; i < part.end; i++)
 		unit[i] = v[i] / length;
 }
 
@@ -156,10 +168,12 @@ static double component(rb_vec3 v, int k)
 
 /*
  * Row of the matrix A: component `which` (0 to 2 force, 3 to 5 torque) of the wrench on a body per
- * unit of each impulse; v is [n].
+ * unit of each impulse; v is [n]. Returns where it is not zero.
  */
-static void load(struct rb_constraint *const *taken, int n, int body, int which, double *v)
+static struct part load(struct rb_constraint *const *taken, int n, int body, int which, double *v)
 {
+	struct part part = {n, 0};
+
 	for (int i = 0; i < n; i++) {
 		const struct rb_constraint *row = taken[i];
 		const bool is_a = row->a == body;
@@ -168,11 +182,14 @@ static void load(struct rb_constraint *const *taken, int n, int body, int which,
 		v[i] = 0;
 		if (!is_a && row->b != body)
 			continue;
-		const double part = which < 3
+		const double size = which < 3
 		                            ? component(row->normal, which)
 		                            : component(rb_vec3_cross(arm, row->normal), which - 3);
-		v[i] = is_a ? -part : part;
+		v[i] = is_a ? -size : size;
+		part.first = i < part.first ? i : part.first;
+		part.end = i + 1;
 	}
+	return part;
 }
 
 /* Row space of A: six rows for each dynamic body, each body once, until it is all of R^n. */
@@ -190,8 +207,9 @@ static void span_loads(const struct rb_row_system *rows, struct rb_constraint *c
 			for (int which = 0; which < 6 && !seen; which++) {
 				if (span->count == span->n)
 					return;
-				load(taken, span->n, ends[e], which, scratch);
-				extend(span, scratch);
+				const struct part part = load(taken, span->n, ends[e], which,
+				                              scratch);
+				extend(span, scratch, part);
 			}
 		}
 	}
@@ -363,10 +381,11 @@ static bool span_allowed(const struct rb_row_system *rows, struct rb_constraint 
 		done++;
 	for (; done < motions.count && span->count < span->n; done++) {
 		double *const v = motions.row + (size_t)done * (size_t)width + motions.held;
+		const struct part whole = {0, span->n};
 
 		/* of what joints leave no motion to: rounding */
-		if (dot(v, v, span->n) > own_share * own_share)
-			extend(span, v);
+		if (dot(v, v, whole) > own_share * own_share)
+			extend(span, v, whole);
 	}
 	return true;
 }
@@ -430,6 +449,7 @@ struct pass {
 	struct rb_constraint **part; /* the connected rows under way */
 	int *place;                  /* theirs among all */
 	double *store, *scratch, *normal_impulse, *even;
+	struct part *parts;
 };
 
 /* Normal impulses of the least norm of those with the same share in a span. */
@@ -443,9 +463,10 @@ static void project(struct pass *pass, const struct span *span)
 		pass->even[pass->place[i]] = pass->normal_impulse[i];
 	for (int k = 0; k < span->count && span->count < n; k++) {
 		const double *const unit = span->unit + (size_t)k * (size_t)n;
-		const double along = dot(pass->normal_impulse, unit, n);
+		const struct part part = span->part[k];
+		const double along = dot(pass->normal_impulse, unit, part);
 
-		for (int i = 0; i < n; i++)
+		for (int i = part.first; i < part.end; i++)
 			pass->even[pass->place[i]] += along * unit[i];
 	}
 }
@@ -453,7 +474,7 @@ static void project(struct pass *pass, const struct span *span)
 /* The same of connected rows; returns the rank of their loads. */
 static int even_part(const struct rb_row_system *rows, struct pass *pass, int n)
 {
-	struct span span = {.unit = pass->store, .n = n};
+	struct span span = {.unit = pass->store, .part = pass->parts, .n = n};
 
 	span_loads(rows, pass->part, &span, pass->scratch);
 	project(pass, &span);
@@ -464,7 +485,7 @@ static int even_part(const struct rb_row_system *rows, struct pass *pass, int n)
 static bool even_joined(const struct rb_row_system *rows, struct rb_constraint *const *taken,
                         struct pass *pass, int n, double max, struct rb_arena *arena)
 {
-	struct span span = {.unit = pass->store, .n = n};
+	struct span span = {.unit = pass->store, .part = pass->parts, .n = n};
 
 	for (int i = 0; i < n; i++) {
 		pass->part[i] = taken[i];
@@ -522,7 +543,8 @@ bool rb_even(const struct rb_row_system *rows, double tolerance, double max, str
 	struct pass pass = {.part = rb_arena_take(arena, size, sizeof *pass.part),
 	                    .place = rb_arena_take(arena, 2 * size, sizeof *pass.place),
 	                    .store = rb_arena_take(arena, (size + 3) * size, sizeof *pass.store)};
-	if (!pass.part || !pass.place || !pass.store)
+	pass.parts = rb_arena_take(arena, size, sizeof *pass.parts);
+	if (!pass.part || !pass.place || !pass.store || !pass.parts)
 		return false;
 	pass.scratch = pass.store + size * size;
 	pass.normal_impulse = pass.scratch + n;
