@@ -192,6 +192,12 @@ static struct part load(struct rb_constraint *const *taken, int n, int body, int
 	return part;
 }
 
+/* Whether a row is of the same bodies as the one before it. */
+static bool goes_on(struct rb_constraint *const *taken, int i)
+{
+	return i > 0 && is_pair(taken[i - 1], taken[i]);
+}
+
 /* Row space of A: six rows for each dynamic body, each body once, until it is all of R^n. */
 static void span_loads(const struct rb_row_system *rows, struct rb_constraint *const *taken,
                        struct span *span, double *scratch)
@@ -199,7 +205,7 @@ static void span_loads(const struct rb_row_system *rows, struct rb_constraint *c
 	for (int k = 0; k < span->n; k++) {
 		const int ends[2] = {taken[k]->a, taken[k]->b};
 
-		for (int e = 0; e < 2; e++) {
+		for (int e = goes_on(taken, k) ? 2 : 0; e < 2; e++) {
 			bool seen = rows->bodies.body[ends[e]].inverse_mass == 0;
 
 			for (int i = 0; i < k && !seen; i++)
@@ -431,9 +437,11 @@ static void connect(const struct rb_row_system *rows, struct rb_constraint *cons
                     int *parent)
 {
 	for (int i = 0; i < n; i++) {
-		parent[i] = i;
-		for (int k = 0; k < i; k++) {
-			if (!share_a_body(rows, taken[i], taken[k]))
+		const bool same = goes_on(taken, i);
+
+		parent[i] = same ? rb_forest_root(parent, i - 1) : i;
+		for (int k = 0; k < i && !same; k++) {
+			if (goes_on(taken, k) || !share_a_body(rows, taken[i], taken[k]))
 				continue;
 			const int other = rb_forest_root(parent, k),
 				  own = rb_forest_root(parent, i);
