@@ -103,6 +103,7 @@ pile sphere 32 10 2 1e-2 600
 pile box 10 10 2 1e-2 300
 for tolerance in 1e-2 1e-4; do
 	pile turned 10 10 1 $tolerance 960
+	pile turned 25 8 1 $tolerance 960
 done
 pile box 32 10 1 1e-2 60
 pile box 32 10 2 1e-2 60
