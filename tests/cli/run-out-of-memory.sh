@@ -16,6 +16,8 @@ for k = 1, 3 do
 	last = link
 end
 END
+# what fails in the end does so by the same ways from all threads: where only they are looked at, every sixth will do
+case ${RBSIM_MODE:-release} in tsan) every=6 ;; *) every=1 ;; esac
 for args in "s.lua --no-record" "s.lua --no-record --method stepped" "j.lua --no-record" "s.lua -o r.h5"; do
 	k=1
 	while :; do
@@ -30,11 +32,11 @@ for args in "s.lua --no-record" "s.lua --no-record --method stepped" "j.lua --no
 			exits 0 info r.h5 --json
 			[ "$(value status)" = failed ] || fail "$args: allocation $k: the recording is '$(value status)'"
 		fi
-		k=$((k + 1))
+		k=$((k + every))
 		[ $k -lt 2000 ] || fail "$args: no end of allocations"
 	done
 	[ $k -gt 20 ] || fail "$args: only $k allocations could fail"
-	echo "$args: $((k - 1)) allocations, each failed once"
+	echo "$args: $((k - 1)) allocations, every $every-th failed once"
 done
 
 # so does what reads a recording
@@ -45,8 +47,8 @@ while :; do
 	[ $got -eq 0 ] && break
 	[ $got -eq 71 ] || fail "replay: allocation $k: exit status $got, wanted 71"
 	says err 'memory'
-	k=$((k + 1))
+	k=$((k + every))
 	[ $k -lt 2000 ] || fail "replay: no end of allocations"
 done
 [ $k -gt 20 ] || fail "replay: only $k allocations could fail"
-echo "replay: $((k - 1)) allocations, each failed once"
+echo "replay: $((k - 1)) allocations, every $every-th failed once"

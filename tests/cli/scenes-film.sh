@@ -1,9 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The cameras of every shipped scene see something: a picture of its first frame is not of one colour.
+# The cameras of every shipped scene see something: a picture of its first frame is not of one colour. What is wrong with memory or
+# threads is not so with one scene alone: builds that are slow try some.
 . tests/cli/functions
 
+every=1 count=0
+[ "${RBSIM_MODE:-release}" = release ] || every=6
 for scene in "$TOP"/scenes/*.lua "$TOP"/scenes/examples/*.lua; do
+	count=$((count + 1))
+	[ $((count % every)) -eq 0 ] || continue
 	name=$(basename "$scene" .lua)
 	# expectations are of the whole run
 	"$RBSIM" "$scene" -q --no-render --duration 0.05 -o "$name.h5" >out 2>err </dev/null
