@@ -49,11 +49,45 @@ static void what_is_added_in_between_is_sorted_in(void **state)
 	rb_memory_free(queue.row);
 }
 
+/* What is due at another time by now goes; what is left comes out in order. */
+static void what_is_foreseen_anew_is_left_out(void **state)
+{
+	struct rb_due_queue queue = {0};
+	double due_s[COUNT];
+	size_t left = 0;
+
+	(void)state;
+	for (size_t round = 0; round < 3; round++)
+		for (size_t k = 0; k < COUNT; k++) {
+			due_s[k] = (double)(rb_random_bits(3, round, k) % 1000) +
+			           1000.0 * (double)round;
+			assert_int_equal(
+				rb_due_queue_add(&queue, (struct rb_due){due_s[k], k}, NULL),
+				RB_OK);
+		}
+	for (size_t k = 0; k < COUNT; k += 5)
+		due_s[k] = (double)INFINITY;
+	rb_due_queue_keep(&queue, due_s);
+	assert_int_equal(queue.count, COUNT - COUNT / 5);
+	for (struct rb_due last = {-1, 0}; queue.count > 0; left++) {
+		const struct rb_due due = rb_due_queue_next(&queue);
+
+		assert_true(due.t_s > last.t_s || (due.t_s == last.t_s && due.point > last.point));
+		assert_true(due.t_s == due_s[due.point]);
+		last = due;
+	}
+	assert_int_equal(left, COUNT - COUNT / 5);
+	rb_due_queue_keep(&queue, due_s);
+	assert_int_equal(queue.count, 0);
+	rb_memory_free(queue.row);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(times_come_out_in_order),
 		cmocka_unit_test(what_is_added_in_between_is_sorted_in),
+		cmocka_unit_test(what_is_foreseen_anew_is_left_out),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,7 +2,8 @@
 /*
  * Binary min-heap in an array. Elements are moved into the hole, not swapped, on the way up and
  * down. A point may be in it several times: to decrease a key in place would need the index of each
- * point's entry, and stale entries cost the caller one comparison.
+ * point's entry, and stale entries cost the caller one comparison, and a sweep when they outnumber
+ * the others.
  */
 #include "stepped/due_queue.h"
 
@@ -34,13 +35,11 @@ enum rb_status rb_due_queue_add(struct rb_due_queue *queue, struct rb_due due, s
 	return RB_OK;
 }
 
-struct rb_due rb_due_queue_next(struct rb_due_queue *queue)
+/* Puts an element where it belongs, from a hole at `at` on downwards. */
+static void sink(struct rb_due_queue *queue, size_t at, struct rb_due due)
 {
 	struct rb_due *const row = queue->row;
 
-	RB_ASSERT(queue->count > 0);
-	const struct rb_due first = row[0], last = row[--queue->count];
-	size_t at = 0;
 	for (;;) {
 		size_t next = 2 * at + 1;
 
@@ -48,11 +47,32 @@ struct rb_due rb_due_queue_next(struct rb_due_queue *queue)
 			break;
 		if (next + 1 < queue->count && is_sooner(&row[next + 1], &row[next]))
 			next++;
-		if (!is_sooner(&row[next], &last))
+		if (!is_sooner(&row[next], &due))
 			break;
 		row[at] = row[next];
 		at = next;
 	}
-	row[at] = last;
+	row[at] = due;
+}
+
+struct rb_due rb_due_queue_next(struct rb_due_queue *queue)
+{
+	RB_ASSERT(queue->count > 0);
+	const struct rb_due first = queue->row[0], last = queue->row[--queue->count];
+
+	sink(queue, 0, last);
 	return first;
+}
+
+void rb_due_queue_keep(struct rb_due_queue *queue, const double *due_s)
+{
+	struct rb_due *const row = queue->row;
+	size_t count = 0;
+
+	for (size_t k = 0; k < queue->count; k++)
+		if (row[k].t_s == due_s[row[k].point])
+			row[count++] = row[k];
+	queue->count = count;
+	for (size_t k = count / 2; k-- > 0;)
+		sink(queue, k, row[k]);
 }

@@ -28,4 +28,7 @@ RB_CHECKED enum rb_status rb_due_queue_add(struct rb_due_queue *queue, struct rb
 /* Removes and returns the first; there is one. */
 struct rb_due rb_due_queue_next(struct rb_due_queue *queue);
 
+/* Leaves out what is not due at its point's time any more, [points]. */
+void rb_due_queue_keep(struct rb_due_queue *queue, const double *due_s);
+
 #endif

@@ -21,6 +21,8 @@
 #include "stepped/tally.h"
 
 /* Limit of events in a step: after 64 + 4 per point what is left rebounds at the end. */
+/* STALE_MAX: of what is foreseen anew, beside as many as there are points, stays queued. */
+enum { STALE_MAX = 64 };
 enum { EVENTS_MAX = 64, EVENTS_PER_POINT = 4, EVENT_WORK = 1 << 13 /* as multiplications */ };
 /*
  * What gives nothing back is resolved in its time between two bodies that touch no third one that
@@ -93,9 +95,18 @@ void rb_impacts_release(struct rb_stepped *s)
 static enum rb_status predict(struct impacts *all, size_t point, double now, struct rb_error *err)
 {
 	RB_ASSERT_COSTLY(point < all->points->count && now >= 0 && now <= all->flight.h_s);
-	all->due_s[point] = rb_flight_touches(&all->flight, &all->points->row[point], now);
-	const struct rb_due due = {all->due_s[point], point};
-	return due.t_s <= all->flight.h_s ? rb_due_queue_add(&all->s->due, due, err) : RB_OK;
+	struct rb_due_queue *const queue = &all->s->due;
+	const double t = rb_flight_touches(&all->flight, &all->points->row[point], now);
+
+	if (t == all->due_s[point]) /* it is in the queue, or never due */
+		return RB_OK;
+	all->due_s[point] = t;
+	if (!(t <= all->flight.h_s))
+		return RB_OK;
+	/* in a crowd most of what was foreseen is foreseen anew before its time */
+	if (queue->count >= STALE_MAX + 2 * all->points->count)
+		rb_due_queue_keep(queue, all->due_s);
+	return rb_due_queue_add(queue, (struct rb_due){t, point}, err);
 }
 
 /* ---- the search ---- */
@@ -746,11 +757,13 @@ enum rb_status rb_impacts_resolve(struct rb_world *world, struct rb_cohort *coho
 	s->due.count = 0;
 	enum rb_status status = begin(&all, err);
 	size_t left = EVENTS_MAX + EVENTS_PER_POINT * all.points->count;
-	while (status == RB_OK && s->due.count > 0 && left-- > 0) {
+	while (status == RB_OK && s->due.count > 0 && left > 0) {
 		const struct rb_due due = rb_due_queue_next(&s->due);
 
-		if (due.t_s == all.due_s[due.point]) /* else it has been foreseen anew */
-			status = run_event(&all, due, err);
+		if (due.t_s != all.due_s[due.point]) /* it has been foreseen anew */
+			continue;
+		left--;
+		status = run_event(&all, due, err);
 	}
 	if (status == RB_OK)
 		end(&all);
