@@ -202,8 +202,15 @@ static void try_run(struct trial *trial, int to)
 	if (make_world(trial, trial->loaded->model, trial->threads, &hooks))
 		return;
 	report.made_bytes = rb_memory_counts().bytes_now - before;
-	while (go_on(trial))
-		;
+	if (go_on(trial)) {
+		/* columns that nothing writes to take no memory */
+		const uint64_t grown_bytes = grown(trial);
+
+		if (grown_bytes < report.made_bytes)
+			report.made_bytes = grown_bytes;
+		while (go_on(trial))
+			;
+	}
 	report.wall_s = (double)(rb_clock_now_ns() - begin_ns) * 1e-9;
 	report.frames = rb_world_frame(trial->world) + 1;
 	report.whole = !rb_world_stopped(trial->world);
@@ -307,13 +314,13 @@ static void tame_largest(double *rate, int count)
  * Bytes that bodies take by steps once they lie in a heap, which trials that do not come to the end
  * may not have seen, beyond those of a world that has been made.
  */
-static uint64_t heap_bytes(const struct rb_model *model)
+static uint64_t heap_bytes(const struct rb_model *model, int threads)
 {
 	const bool steps = model->method == RB_METHOD_STEPPED || model->method == RB_METHOD_AUTO;
 
 	return steps && (model->features & RB_FEATURE_CONTACT) &&
 	                       (model->features & RB_FEATURE_GRAVITY) && model->static_count > 0
-	               ? rb_stepped_heap_bytes(model) * (uint64_t)model->body_count
+	               ? rb_stepped_heap_bytes(model, threads)
 	               : 0;
 }
 
@@ -339,9 +346,9 @@ static void add_moments(struct trial *trial, const struct report *first,
 	if (child > 0)
 		end(child, from);
 	estimate->at_least = count < MOMENTS;
-	if (estimate->at_least &&
-	    first->made_bytes + heap_bytes(trial->loaded->model) > grown_bytes)
-		grown_bytes = first->made_bytes + heap_bytes(trial->loaded->model);
+	const uint64_t heap = first->made_bytes + heap_bytes(trial->loaded->model, trial->threads);
+	if (estimate->at_least && heap > grown_bytes)
+		grown_bytes = heap;
 	tame_largest(rate, count);
 	estimate->run_s = first->wall_s;
 	for (int k = 0; k < MOMENTS; k++)

@@ -103,7 +103,7 @@ void rb_local_rollback_destroy(struct rb_local_rollback *local)
 	rb_memory_free(local);
 }
 
-size_t rb_local_rollback_body_bytes(const struct rb_model *model, size_t pairs)
+size_t rb_local_rollback_body_bytes(const struct rb_model *model)
 {
 	size_t state = 0;
 
@@ -114,8 +114,13 @@ size_t rb_local_rollback_body_bytes(const struct rb_model *model, size_t pairs)
 #undef ADD_COLUMN
 	const size_t territory = sizeof(rb_aabb) + sizeof(rb_vec3) + 2 * sizeof(double) +
 	                         6 * sizeof(int);
+	return state + territory;
+}
+
+size_t rb_local_rollback_pair_bytes(void)
+{
 	/* those of the candidates, in order, and by group */
-	return state + territory + pairs * (2 * sizeof(struct rb_pair) + sizeof(double));
+	return 2 * sizeof(struct rb_pair) + sizeof(double);
 }
 
 /* ---- what has been found, and is to be found again ---- */

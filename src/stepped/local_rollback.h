@@ -28,8 +28,9 @@ RB_CHECKED enum rb_status rb_local_rollback_step(struct rb_world *world, double 
                                                  struct rb_error *err);
 void rb_local_rollback_destroy(struct rb_local_rollback *local); /* NULL is fine */
 
-/* Bytes that it takes for a body of so many candidate pairs, beside contacts. */
-size_t rb_local_rollback_body_bytes(const struct rb_model *model, size_t pairs);
+/* Bytes that it takes for a body, and for a candidate pair, beside contacts. */
+size_t rb_local_rollback_body_bytes(const struct rb_model *model);
+size_t rb_local_rollback_pair_bytes(void);
 
 /* Why no step is short enough. */
 enum rb_status rb_local_rollback_give_up(const struct rb_world *world, double start_s,

@@ -10,10 +10,12 @@
  */
 #include "stepped/stepped.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "model/shape.h"
 #include "stepped/attempt.h"
 #include "stepped/contact_records.h"
 #include "stepped/energy.h"
@@ -25,6 +27,7 @@
 #include "stepped/local_rollback.h"
 #include "stepped/sleep.h"
 #include "stepped/stepped_invariants.h"
+#include "stepped/strategies.h"
 #include "stepped/wide.h"
 
 /* ---- what it needs ---- */
@@ -181,29 +184,84 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
  * those of its neighbours, of which equal spheres have 12.
  */
 enum { SPHERE_POINTS = 3, ROUGH_SPHERE_POINTS = 2, BODY_POINTS = 6, HEAP_PAIRS = 12 };
+/* Steps for which boxes of bodies that fall are made to last, as far as their size. */
+enum { FALLING_STEPS = 8 };
 
-size_t rb_stepped_heap_bytes(const struct rb_model *model)
+/* m/s: of what has fallen from the highest body to where the lowest is. */
+static double falling_speed(const struct rb_model *model)
+{
+	const rb_vec3 gravity = model->scene->world.gravity;
+	double low = (double)INFINITY, high = -(double)INFINITY;
+
+	/* heights times the acceleration */
+	for (int i = 0; i < model->body_count + model->static_count; i++) {
+		const double height = -rb_vec3_dot(gravity, model->position[i]);
+
+		low = fmin(low, height);
+		high = fmax(high, height);
+	}
+	return high > low ? sqrt(2 * (high - low)) : 0;
+}
+
+/*
+ * Pairs of all bodies as a heap of them comes to lie: the more, the less of the sphere round a body
+ * is its own, and as it falls boxes are up to twice as wide.
+ */
+static double heap_pairs(const struct rb_model *model)
+{
+	const double sphere = 4 * acos(-1) / 3;
+	const double way = FALLING_STEPS * model->time_step_s * falling_speed(model);
+	double sum = 0;
+
+	for (int i = 0; i < model->body_count; i++) {
+		if (!(model->inverse_mass[i] > 0))
+			continue;
+		const double reach = rb_model_reach(model, i);
+		const double volume = rb_shape_volume(model->scene->solids, &model->shape[i]);
+		const double wide = 0.5 * (1 + fmin(1, way / reach));
+		const double share = sphere * reach * reach * reach / volume * wide * wide * wide;
+
+		sum += HEAP_PAIRS * fmax(1, share);
+	}
+	return sum;
+}
+
+size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads)
 {
 	const bool central = !model->parts;
-	const size_t point = sizeof(struct rb_step_point) + sizeof(struct rb_constraint) +
-	                     2 * sizeof(int) + sizeof(struct rb_contact) +
-	                     sizeof(struct rb_named_impulse);
-	/* of turning bodies, points are also kept where they are closed, or looked at again */
-	const size_t closing = central ? 0 : sizeof(struct rb_step_point);
 	const bool tensors = (model->features & RB_FEATURE_GYROSCOPIC) != 0;
+	const size_t contact = sizeof(struct rb_contact) + sizeof(struct rb_named_impulse);
+	/* spheres do not turn beyond what a step foresees: few take shorter ones */
+	const bool divides = !central && model->rollback == RB_ROLLBACK_SELECTIVE;
+	/*
+	 * of turning bodies, points are also kept where they are closed, or looked at again, and
+	 * what is told of them while some take shorter steps
+	 */
+	const size_t again = central ? 0
+	                             : sizeof(struct rb_step_point) +
+	                                       (divides ? sizeof(struct rb_step_point) +
+	                                                          2 * sizeof(struct rb_contact)
+	                                                : 0);
 	const size_t scratch = rb_wide_row_bytes(central, tensors) + sizeof(struct rb_kept_row);
-	const size_t pair = sizeof(struct rb_pair) + sizeof(double) + sizeof(uint32_t);
-	const size_t clue = central ? 0
-	                            : sizeof(double) + sizeof(uint32_t) + sizeof(struct rb_clue);
-
-	const size_t rollback = model->rollback == RB_ROLLBACK_SELECTIVE
-	                                ? rb_local_rollback_body_bytes(model, HEAP_PAIRS)
-	                                : 0;
-
+	const size_t point = sizeof(struct rb_step_point) + sizeof(struct rb_constraint) +
+	                     2 * sizeof(int) + contact + again + scratch;
+	const size_t pair = sizeof(struct rb_pair) + sizeof(double) + sizeof(uint32_t) +
+	                    (central ? 0
+	                             : sizeof(double) + sizeof(uint32_t) + sizeof(struct rb_clue));
+	const double pairs = central ? HEAP_PAIRS * (double)model->body_count : heap_pairs(model);
 	const bool rough = (model->features & RB_FEATURE_FRICTION) != 0;
 	const int points = !central ? BODY_POINTS : rough ? ROUGH_SPHERE_POINTS : SPHERE_POINTS;
+	/* what further threads look at, or solve of groups that are not shared */
+	const size_t rows = (size_t)points * (size_t)model->body_count;
+	const size_t group = rows < RB_STRATEGY_LARGE_ROWS ? rows : RB_STRATEGY_LARGE_ROWS;
+	const size_t apart = (size_t)(threads - 1) * group *
+	                     (sizeof(struct rb_step_point) + scratch);
+	const size_t rollback = divides ? rb_local_rollback_body_bytes(model) : 0;
+	const size_t more = divides ? rb_local_rollback_pair_bytes() : 0;
 
-	return (size_t)points * (point + closing + scratch) + HEAP_PAIRS * (pair + clue) + rollback;
+	RB_ASSERT(threads > 0);
+	return rows * point + (size_t)model->body_count * rollback + apart +
+	       (size_t)(pairs * (double)(pair + more));
 }
 
 /* ---- the step ---- */

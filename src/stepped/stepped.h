@@ -54,10 +54,10 @@ struct rb_stepped;
 void rb_stepped_destroy(struct rb_stepped *stepped); /* NULL is fine */
 
 /*
- * Bytes of a body that lies in a heap, beyond what it has from the start: what is there by contact
- * and by pair, while impulses are solved for.
+ * Bytes of bodies that come to lie in a heap, beyond what they have from the start: what is there by
+ * contact and by pair, while impulses are solved for.
  */
-size_t rb_stepped_heap_bytes(const struct rb_model *model);
+size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads);
 
 /*
  * Taking over after another method starts from the forces of the contacts that this has left.
