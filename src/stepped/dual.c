@@ -59,7 +59,10 @@ struct unknown {
 	rb_vec3 turn_a, turn_b;     /* spin that it makes */
 	double diagonal;            /* K_ii, softness, and compliance or damping, 1/kg */
 	double compliance;          /* 1/kg */
+	bool gives_way;             /* by that, in truth; what holds one way does not */
 	enum bound bound;
+	/* it holds one way, and others did not let it have what it wants; it is not asked again */
+	bool changed, dropped;
 };
 
 struct system {
@@ -74,6 +77,7 @@ struct system {
 	int (*pair)[2]; /* blocks that share a body that yields */
 	int pair_count;
 	rb_along_across *begun, *was; /* [rows]: impulses as it and as a round began */
+	rb_along_across *wanted;      /* [rows]: targets */
 	struct rb_solver_body *end;   /* [2 blocks]: as it began */
 	struct rb_blocks blocks;
 	double *change, *scratch; /* [6 blocks] */
@@ -88,6 +92,12 @@ static bool is_held(const struct rb_constraint *row)
 {
 	return row->set == RB_CONSTRAINT_FREE ||
 	       (row->softness == 0 && isinf(row->low) && isinf(row->high));
+}
+
+/* What holds one way, as limits and ropes do: where it holds it is as redundant as what is held. */
+static bool holds_one_way(const struct rb_constraint *row)
+{
+	return rb_constraint_side(row) != 0 && isinf(row->high - row->low);
 }
 
 static void add_unknown(struct system *s, int row_number, rb_vec3 along)
@@ -114,8 +124,9 @@ static void add_unknown(struct system *s, int row_number, rb_vec3 along)
 		u->diagonal += bodies->body[row->a].inverse_mass +
 		               bodies->body[row->b].inverse_mass;
 	RB_ASSERT_COSTLY(u->diagonal > 0);
-	if (is_held(row)) {
+	if (is_held(row) || holds_one_way(row)) {
 		u->compliance = compliance_share * u->diagonal;
+		u->gives_way = is_held(row);
 		u->diagonal += u->compliance;
 	} else {
 		u->diagonal += damping_share * u->diagonal;
@@ -211,11 +222,12 @@ static bool prepare(struct system *s)
 		return false;
 	s->begun = rb_arena_take(arena, rows, sizeof *s->begun);
 	s->was = rb_arena_take(arena, rows, sizeof *s->was);
+	s->wanted = rb_arena_take(arena, rows, sizeof *s->wanted);
 	s->end = rb_arena_take(arena, 2 * (size_t)s->block_count, sizeof *s->end);
 	s->change = rb_arena_take(arena, RB_BLOCK * (size_t)s->block_count, sizeof *s->change);
 	s->scratch = rb_arena_take(arena, RB_BLOCK * (size_t)s->block_count, sizeof *s->scratch);
 	s->least = rb_arena_take(arena, RB_BLOCK * (size_t)s->block_count, sizeof *s->least);
-	return s->begun && s->was && s->end && s->change && s->scratch && s->least &&
+	return s->begun && s->was && s->wanted && s->end && s->change && s->scratch && s->least &&
 	       rb_blocks_plan(&s->blocks, s->block_count, (const int(*)[2])s->pair, s->pair_count,
 	                      s->dual->max, arena);
 }
@@ -310,7 +322,7 @@ static double short_of(const struct system *s, const struct unknown *x)
 	const rb_vec3 begun = rb_constraint_joined(row, s->begun[x->row]);
 
 	return rb_vec3_dot(off, x->along) - row->softness * row->impulse.n -
-	       (s->stiff ? 0 : x->compliance) *
+	       (s->stiff || !x->gives_way ? 0 : x->compliance) *
 	               rb_vec3_dot(rb_vec3_sub(rb_constraint_impulse(row), begun), x->along);
 }
 
@@ -374,13 +386,15 @@ static double refine(struct system *s)
 
 /* ---- bounds ---- */
 
-/* Impulses, and velocities of what they act on, as it begins. */
+/* Impulses, targets, and velocities of what they act on, as it begins. */
 static void keep_begin(struct system *s)
 {
 	const struct rb_row_system *dense = s->dense;
 
-	for (int k = 0; k < dense->row_count; k++)
+	for (int k = 0; k < dense->row_count; k++) {
 		s->begun[k] = dense->row[k].impulse;
+		s->wanted[k] = dense->row[k].target;
+	}
 	for (int k = 0; k < s->block_count; k++)
 		for (int e = 0; e < 2; e++)
 			s->end[2 * k + e] = dense->bodies.body[s->ends[k][e]];
@@ -427,12 +441,13 @@ static bool pivot(struct system *s, struct unknown *x, double tolerance)
 	const double p = row->impulse.n;
 
 	if (x->bound == INSIDE && (p < row->low || p > row->high)) {
+		x->dropped = x->changed;
 		x->bound = p < row->low ? AT_LOW : AT_HIGH;
 		give(s, x, (p < row->low ? row->low : row->high) - p);
 		row->impulse.n = x->bound == AT_LOW ? row->low : row->high;
 		return true;
 	}
-	if (x->bound == INSIDE || row->low == row->high)
+	if (x->bound == INSIDE || x->dropped || row->low == row->high)
 		return false;
 	const double off = short_of(s, x);
 
@@ -471,7 +486,10 @@ static bool has_suspects(struct system *s)
 	return false;
 }
 
-/* Leaves out rows with bounds, or takes them as they were; whether that changes the system. */
+/*
+ * Leaves out motors, friction and springs, and what holds one way but does not now; whether that
+ * changes the system.
+ */
 static bool without_bounded(struct system *s, enum bound *bound)
 {
 	bool any = false;
@@ -480,7 +498,7 @@ static bool without_bounded(struct system *s, enum bound *bound)
 		struct unknown *const u = &s->unknown[x];
 
 		bound[x] = u->bound;
-		if (is_held(&s->dense->row[u->row]))
+		if (u->compliance > 0)
 			continue;
 		any = any || u->bound == INSIDE;
 		u->bound = AT_LOW;
@@ -508,6 +526,9 @@ static void take_target(struct system *s, const struct unknown *x)
  * answer contradictions by forces of joints against each other, a thousand million times larger.
  * Refinement that takes back what rows give way by comes to what can be done, with impulses that
  * are of no use. Which rows depend on which is not asked: it changes as a mechanism moves.
+ *
+ * What holds one way is among them while it does: a rope beside a rod, or across slides. If it
+ * would have to push all the same it is left to what others do.
  */
 static bool agree(struct system *s)
 {
@@ -523,14 +544,37 @@ static bool agree(struct system *s)
 		(void)residuals(s);
 		correct(s);
 	}
-	for (int x = 0; good && x < s->count; x++)
-		if (s->unknown[x].bound == INSIDE && !isinf(*least_of(s, x)))
-			take_target(s, &s->unknown[x]);
+	for (int x = 0; good && x < s->count; x++) {
+		struct unknown *const u = &s->unknown[x];
+
+		if (u->bound != INSIDE || isinf(*least_of(s, x)))
+			continue;
+		take_target(s, u);
+		u->changed = holds_one_way(&s->dense->row[u->row]) &&
+		             fabs(s->dense->row[u->row].target.n - s->wanted[u->row].n) >
+		                     s->dual->tolerance;
+	}
 	s->stiff = false;
 	go_back(s);
 	for (int x = 0; x < s->count; x++)
 		s->unknown[x].bound = bound[x];
 	return good && (!fewer || factor(s));
+}
+
+/* Whether targets are to agree anew: what holds one way has come or gone. */
+static bool is_to_agree(struct system *s, int round, bool *one_way)
+{
+	const bool was = *one_way;
+
+	*one_way = false;
+	for (int x = 0; x < s->count && !*one_way; x++)
+		*one_way = s->unknown[x].bound == INSIDE &&
+		           holds_one_way(&s->dense->row[s->unknown[x].row]);
+	if (round > 0 && !was && !*one_way)
+		return false;
+	for (int k = 0; k < s->dense->row_count; k++)
+		s->dense->row[k].target = s->wanted[k];
+	return has_suspects(s);
 }
 
 struct rb_dual_result rb_dual_solve(const struct rb_dual *dual)
@@ -541,14 +585,14 @@ struct rb_dual_result rb_dual_solve(const struct rb_dual *dual)
 
 	RB_ASSERT(dual->tolerance > 0);
 	if (dual->dense->row_count > 0 && prepare(&s)) {
-		bool more = true;
+		bool more = true, one_way = false;
 
 		keep_begin(&s);
 		result.tried = true;
 		for (int round = 0; more && round < ROUNDS_MAX; round++) {
 			result.steps++;
 			keep_round(&s);
-			if (!factor(&s) || (round == 0 && has_suspects(&s) && !agree(&s)) ||
+			if (!factor(&s) || (is_to_agree(&s, round, &one_way) && !agree(&s)) ||
 			    rb_interrupt_after(dual->interrupt, (uint64_t)s.blocks.work))
 				break;
 			const double left = refine(&s);

@@ -8,9 +8,9 @@
  * Rows that are at a bound are left out; which ones are is found by pivoting. Targets of rows that
  * depend on each other are changed to the nearest ones that do not contradict each other: what is
  * of second order in drift would else grow into forces of joints against each other. Rows that
- * depend on others evidently get no impulse, and hold as the others do. Rows with bounds depend on
- * nothing: several on one coordinate, as motors, friction, limits and ropes, are told apart by
- * their bounds.
+ * depend on others evidently get no impulse, and hold as the others do. So do limits and ropes
+ * while they hold. Motors and friction depend on nothing: several on one coordinate are told apart
+ * by their bounds.
  */
 #ifndef RB_STEPPED_DUAL_H
 #define RB_STEPPED_DUAL_H
