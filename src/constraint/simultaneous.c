@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/forest.h"
 #include "constraint/contact_row.h"
 #include "constraint/coulomb.h"
 #include "constraint/effective_mass.h"
@@ -501,23 +502,18 @@ static bool run_round(struct rounds *all, bool with_restitution)
 static void find_leaders(struct rounds *all)
 {
 	const struct rb_simultaneous *const joint = all->joint;
-	bool more = true;
 
 	for (int i = 0; i < joint->body_count; i++)
 		all->leader[i] = i;
-	while (more) {
-		more = false;
-		for (int k = 0; k < joint->joint_count; k++) {
-			const struct rb_constraint *const base = &joint->joint_row[k].base;
-			int *const a = &all->leader[base->a], *const b = &all->leader[base->b];
+	for (int k = 0; k < joint->joint_count; k++) {
+		const struct rb_constraint *const base = &joint->joint_row[k].base;
 
-			if (*a == *b || !rb_solver_is_dynamic(&joint->body[base->a]) ||
-			    !rb_solver_is_dynamic(&joint->body[base->b]))
-				continue;
-			*a = *b = *a < *b ? *a : *b;
-			more = true;
-		}
+		if (rb_solver_is_dynamic(&joint->body[base->a]) &&
+		    rb_solver_is_dynamic(&joint->body[base->b]))
+			rb_forest_join(all->leader, base->a, base->b, false);
 	}
+	for (int i = 0; i < joint->body_count; i++)
+		all->leader[i] = rb_forest_root(all->leader, i);
 }
 
 static bool take_rounds(struct rounds *all)
