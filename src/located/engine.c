@@ -28,6 +28,7 @@
 #include "located/external_force.h"
 #include "located/joint_rows.h"
 #include "located/resolve_contacts.h"
+#include "located/pair_impact.h"
 #include "located/resolve_impact.h"
 #include "located/drift.h"
 #include "located/transition.h"
@@ -160,7 +161,7 @@ static void touch(struct rb_located *l, int i, double t)
 	if (l->model->parts && j < l->n)
 		rb_crowd_join(l, i, j);
 	remember(l, i, j, &before);
-	if (rb_resolve_impact_of_pair(l, i, j, t)) {
+	if (rb_pair_impact(l, i, j, t)) {
 		l->generation[i]++;
 		if (j < l->n)
 			l->generation[j]++;
@@ -591,7 +592,7 @@ static void forget_arcs(struct rb_located *l)
 		if (!rb_located_driven(l, i))
 			l->piece[i].piece.n = 0;
 	for (int i = 0; i < l->n; i++)
-		l->bounces[i] = (struct rb_bounces){.partner = -1};
+		l->bounces[i] = (struct rb_bounces){.partner = -1, .met_with = -1};
 	l->merge_count = 0;
 	l->switch_next = 0;
 	l->left.count = 0;

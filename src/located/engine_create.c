@@ -75,7 +75,7 @@ static bool make_rows(struct rb_located *l)
 	for (int i = 0; i < l->n; i++) {
 		l->cluster_of[i] = l->place[i] = -1;
 		l->next[i] = (struct rb_next){.touch_s = HUGE_VAL, .wall_s = HUGE_VAL};
-		l->bounces[i] = (struct rb_bounces){.partner = -1};
+		l->bounces[i] = (struct rb_bounces){.partner = -1, .met_with = -1};
 		if (!l->top)
 			continue;
 		l->top_body[i] = rb_top_body_of(rb_model_inertia(l->model, i));

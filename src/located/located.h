@@ -208,13 +208,16 @@ struct rb_merge {
 };
 RB_FIELDS_DECLARE(rb_merge_fields);
 
-/* A body's series of bounces with another one: located/bounces. */
-#define RB_BOUNCES_FIELDS(X)                                        \
-	X(double, at_s, , "s", "the bounce before", RB_TIME)        \
-	X(double, due_s, , "s", "the next one, foreseen", RB_TIME)  \
-	X(double, limit_s, , "s", "when all will be over", RB_TIME) \
-	X(double, error_s, , "s", "that is known within", RB_TIME)  \
-	X(int, partner, , "", "body index, -1: none", RB_NONE_UP_TO(RB_LIMIT_ANY_BODY))
+/* A body's series of bounces with another one (located/bounces), and with several (located/jam). */
+#define RB_BOUNCES_FIELDS(X)                                                            \
+	X(double, at_s, , "s", "the bounce before", RB_TIME)                            \
+	X(double, due_s, , "s", "the next one, foreseen", RB_TIME)                      \
+	X(double, limit_s, , "s", "when all will be over", RB_TIME)                     \
+	X(double, error_s, , "s", "that is known within", RB_TIME)                      \
+	X(double, met_s, , "s", "its last impact of those that `met` counts", RB_TIME)  \
+	X(double, met, , "1", "impacts of late, with one body and another", RB_FINITE)  \
+	X(int, partner, , "", "body index, -1: none", RB_NONE_UP_TO(RB_LIMIT_ANY_BODY)) \
+	X(int, met_with, , "", "whom it has met last, -1: nobody", RB_NONE_UP_TO(RB_LIMIT_ANY_BODY))
 struct rb_bounces {
 	RB_BOUNCES_FIELDS(RB_FIELD_MEMBER)
 };

@@ -162,3 +162,27 @@ for _, ball in ipairs {
 end
 LUA
 ends along.lua
+
+# the same until they come to rest: series of impacts of each with each, of which one pair's begins another's anew. As a jam
+# they take 8,000 impacts, to their ends 50,000
+exits 0 run along.lua --method located --no-record --quiet --json --duration 0.04
+impacts=$(value collisions)
+[ "$impacts" -lt 20000 ] || fail "balls that jam: $impacts impacts"
+# of balls without restitution one rolls, meets its neighbour, and both begin to slide, 1e-13 s after the last time
+cat >creeps.lua <<'LUA'
+world { duration = 0.1, gravity = {0, 0, -9.81} }
+local m = material { friction = 1, restitution = 0 }
+plane { normal = {-0.47942553860420301, 0, 0.87758256189037276}, material = m }
+plane { normal = {0.87758256189037276, 0, 0.47942553860420301}, material = m,
+	point = {-0.026354241136051018, 0, -0.014397387550568316} }
+plane { normal = {-0.87758256189037276, 0, -0.47942553860420301}, material = m,
+	point = {0.026354241136051018, 0, 0.014397387550568316} }
+for _, ball in ipairs {
+	{-0.022461853226896145, -0.00063225285850628844, 0.24312499313207997, 0.13281978909130976},
+	{-0.0047942553860420263, 0.0087758256189037296, 0.32162989752805649, 0.17570721382778046},
+	{0.012756115229101658, 0.018398487093627108, -0.01039338642892056, -0.043226929956160912},
+	{-0.032608991755907007, 0.017941959629363458, 0.18235279938820242, -0.11049254778164877} } do
+	sphere { radius = 0.01, position = {ball[1], 0, ball[2]}, velocity = {ball[3], 0, ball[4]}, material = m }
+end
+LUA
+ends creeps.lua
