@@ -83,9 +83,9 @@ double rb_flight_approach(const struct rb_flight *flight, const struct rb_step_p
                           rb_vec3 normal);
 
 /*
- * Whether a point that has just been dealt with at `t` is done with: what the impact has left of its
- * approach is within `noise`, m/s, with the forces that have acted until then, which the impact
- * counts, or without them.
+ * Whether a point that has just been dealt with at `t` is done with: what the impact has left of
+ * its approach is within `noise`, m/s, with the forces that have acted until then, which the
+ * impact counts, or without them.
  */
 bool rb_flight_is_done(const struct rb_flight *flight, const struct rb_step_point *point, double t,
                        double noise);

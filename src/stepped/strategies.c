@@ -577,9 +577,9 @@ static bool sweeps_to_the_aim(const struct trial *trial)
 }
 
 /*
- * The last digit costs as much as all before: the whole tolerance will do, as the verdict sees. Large
- * groups jam: impulses creep on together until some row slips or opens, and only the way that they
- * have gathered brings that near. It is kept, as there is nothing else for them.
+ * The last digit costs as much as all before: the whole tolerance will do, as the verdict sees.
+ * Large groups jam: impulses creep on together until some row slips or opens, and only the way that
+ * they have gathered brings that near. It is kept, as there is nothing else for them.
  */
 static bool sweeps_to_the_tolerance(const struct trial *trial)
 {

@@ -46,10 +46,10 @@ bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena);
 
 /*
  * From the impulses that the rows have, which the bodies feel already. GOES_ON: as the call before
- * has left them, with the way that it has gathered. PRESSES_ON: so, and rows are led on as far as may
- * be to the end: where impulses creep on together, little changes until one of them slips or opens,
- * and what is led on by less comes to a stop before. HOLDS: what acts across the normals stays as it
- * is, and no normal impulse falls below what holds it within the cone.
+ * has left them, with the way that it has gathered. PRESSES_ON: so, and rows are led on as far as
+ * may be to the end: where impulses creep on together, little changes until one of them slips or
+ * opens, and what is led on by less comes to a stop before. HOLDS: what acts across the normals
+ * stays as it is, and no normal impulse falls below what holds it within the cone.
  */
 enum rb_wide_start { RB_WIDE_FRESH, RB_WIDE_GOES_ON, RB_WIDE_HOLDS, RB_WIDE_PRESSES_ON };
 struct rb_sweep_result rb_wide_solve(struct rb_wide *wide, double tolerance, int max,
