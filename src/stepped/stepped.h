@@ -54,8 +54,8 @@ struct rb_stepped;
 void rb_stepped_destroy(struct rb_stepped *stepped); /* NULL is fine */
 
 /*
- * Bytes of bodies that come to lie in a heap, beyond what they have from the start: what is there by
- * contact and by pair, while impulses are solved for.
+ * Bytes of bodies that come to lie in a heap, beyond what they have from the start: what is there
+ * by contact and by pair, while impulses are solved for.
  */
 size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads);
 
