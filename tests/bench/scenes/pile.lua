@@ -1,6 +1,6 @@
 -- A lattice with a jitter falls into an open box and piles up: spheres of r = 0.5 m or boxes of 1 m, spacing 1.1 m;
 -- or boxes turned at random, spacing 1.85 m, which keeps their corners apart.
-local side = param("side", 10, "bodies along x and y", {min = 1, max = 200})
+local side = param("side", 10, "bodies along x and y", {min = 1, max = 1000})
 local layers = param("layers", 10, "bodies along z", {min = 1, max = 200})
 local shape = param("shape", "sphere", "of the bodies", {choices = {"sphere", "box", "turned"}})
 local mu = param("mu", 0.5, "friction", {min = 0, max = 2})
