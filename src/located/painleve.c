@@ -8,6 +8,7 @@
 #include "located/painleve.h"
 
 #include <float.h>
+#include <string.h>
 
 #include "constraint/contact_row.h"
 #include "constraint/eccentric.h"
@@ -17,6 +18,8 @@
  * Share by which impulses may be outside of the friction cone: the forces have not quite diverged.
  */
 static const double beyond_cone = 0.01;
+/* Of impulses that balance each other, in ulp of what each does alone. */
+enum { BALANCE_ULP = 16 };
 
 /* Changes of the relative velocities of the contact points by impulses. */
 static void respond(const struct rb_painleve *painleve, const rb_vec3 *impulse, rb_vec3 *u)
@@ -43,7 +46,25 @@ static double sum_of_dots(const rb_vec3 *a, const rb_vec3 *b, int count)
 	return sum;
 }
 
-/* Impulses that stop all contact points, by conjugate gradients. */
+/* 1/kg: of the contact that yields most, by the masses alone. */
+static double largest_yield(const struct rb_painleve *painleve)
+{
+	const double *const inverse_mass = painleve->l->model->inverse_mass;
+	double max = 0;
+
+	for (int k = 0; k < painleve->count; k++) {
+		const struct rb_contact_point *const m = &painleve->contact_point[k];
+
+		max = fmax(max, inverse_mass[m->a] + inverse_mass[m->b]);
+	}
+	return max;
+}
+
+/*
+ * Impulses that stop all contact points, by conjugate gradients, until what they go along balances
+ * itself to rounding: two points of a body cannot be pushed apart, and a step that divides by the
+ * rounding of that is 1e14 times as long as what stops them.
+ */
 static void stop_points(struct rb_painleve *painleve)
 {
 	const int n = painleve->count;
@@ -56,13 +77,20 @@ static void stop_points(struct rb_painleve *painleve)
 		left[k] = rb_vec3_neg(painleve->contact_point[k].velocity);
 		along[k] = painleve->force[k];
 	}
-	const double start = sum_of_dots(left, left, n);
+	const double start = sum_of_dots(left, left, n), yield = largest_yield(painleve);
 	double square = start;
 	for (int round = 0; round < 6 * n + 8 && square > 1e-28 * start; round++) {
 		const double bend = sum_of_dots(along, image, n);
+		const bool yields = bend > BALANCE_ULP * n * DBL_EPSILON * yield *
+		                                   sum_of_dots(along, along, n);
 
-		if (!(bend > 0))
+		if (!yields && round > 0)
 			break;
+		if (!yields) { /* forces that only balance each other lead nowhere */
+			memcpy(along, left, (size_t)n * sizeof *along);
+			respond(painleve, along, image);
+			continue;
+		}
 		const double share = sum_of_dots(along, left, n) / bend;
 		for (int k = 0; k < n; k++) {
 			impulse[k] = rb_vec3_add_scaled(impulse[k], share, along[k]);
