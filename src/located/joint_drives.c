@@ -214,6 +214,26 @@ void rb_joint_drives_begin(const struct rb_joint_rows *rows, double t, bool anew
 	}
 }
 
+void rb_joint_drives_turn(struct rb_joint_rows *rows, double t, bool moved)
+{
+	bool any = false;
+
+	for (int k = 0; k < rows->joint_count && moved; k++)
+		for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
+			const int which = rows->joint[k];
+			const signed char was = *mode_of(rows, which, kind);
+
+			if (!rb_joint_rows_has_drive(rows->l, which) ||
+			    (kind == RB_DRIVE_MOTOR && rb_follow_has(rows->l, which)) ||
+			    (was != RB_DRIVE_LOW && was != RB_DRIVE_HIGH))
+				continue;
+			begin_drive(rows, which, kind, t, true);
+			any = any || *mode_of(rows, which, kind) != was;
+		}
+	if (any)
+		rb_joint_rows_fill(rows, t);
+}
+
 /*
  * rad/s or m/s: a rate from which the drive alone would come to its speed within rounding of sizes.
  */

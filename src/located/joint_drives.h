@@ -16,7 +16,13 @@
 void rb_joint_drives_begin(const struct rb_joint_rows *rows, double t, bool anew, double slack);
 
 /*
- * The same after an impact whose rebounds end: true if there are drives that hold though they are
+ * After rows were put right at velocities that have jumped (`moved`): impulses of joints may have
+ * taken a coordinate past the speed of a drive at its bound, which then pushes the other way.
+ */
+void rb_joint_drives_turn(struct rb_joint_rows *rows, double t, bool moved);
+
+/*
+ * As rb_joint_drives_begin after an impact whose rebounds end: true if there are drives that hold though they are
  * off their speed, by less than what they would take back within rounding of sizes.
  */
 bool rb_joint_drives_end(const struct rb_joint_rows *rows, double t, double slack);

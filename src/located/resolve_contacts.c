@@ -208,6 +208,7 @@ static void keep_what_lasts(struct rb_resolution *s)
 	rb_joint_drives_begin(&s->joints, s->t, s->after_impact || s->l->starting, s->slack);
 	rb_drift(&drift);
 	rb_joint_rows_correct(&s->joints, s->t, s->pose, s->after_impact || s->l->starting);
+	rb_joint_drives_turn(&s->joints, s->t, s->after_impact || s->l->starting);
 	for (int k = 0; k < s->contact_point_count; k++) {
 		rb_drift_point(s->l, s->pose, &s->contact_point[k]);
 		kept[k] = s->before[k].a < 0 || !parts(s, &s->contact_point[k]);
