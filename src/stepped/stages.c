@@ -46,7 +46,7 @@ const struct rb_method rb_method_stepped = {
 	.what = "equal steps; what touches within one is solved together, to a residual, so that "
 		"no gap closes beyond the tolerance; a step that fails is taken back and halved",
 	.good_for = "heaps, stacks, towers of any shapes and masses",
-	.mind = "impacts are at ends of steps: errors fall with the first power of time_step; "
+	.mind = "contacts act through whole steps: errors fall with the first power of time_step; "
 		"springs that a step does not resolve lose their oscillation",
 	.steps = &rb_stepper_stepped,
 	.parts = parts,
