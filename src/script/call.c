@@ -95,7 +95,25 @@ static double unsigned_nan(double x)
 	return isnan(x) ? (double)NAN : x;
 }
 
-/* Writes a list of one to four numbers as {1, 2}; false: it is none, or too long. */
+/* Writes a number, a text or a boolean of a list; false: it is none of these. */
+static bool describe_entry(lua_State *L, int index, char out[24])
+{
+	switch (lua_type(L, index)) {
+	case LUA_TNUMBER:
+		snprintf(out, 24, "%.12g", unsigned_nan(lua_tonumber(L, index)));
+		return true;
+	case LUA_TSTRING:
+		snprintf(out, 24, "'%.20s'", lua_tostring(L, index));
+		return true;
+	case LUA_TBOOLEAN:
+		snprintf(out, 24, "%s", lua_toboolean(L, index) ? "true" : "false");
+		return true;
+	default:
+		return false;
+	}
+}
+
+/* Writes a list of one to four such as {1, 2}; false: it is none, or too long. */
 static bool describe_list(lua_State *L, int index, char out[80])
 {
 	size_t used = 1;
@@ -110,15 +128,14 @@ static bool describe_list(lua_State *L, int index, char out[80])
 		return false;
 	snprintf(out, 80, "{");
 	for (lua_Unsigned i = 1; i <= count; i++) {
-		if (lua_rawgeti(L, index, (lua_Integer)i) != LUA_TNUMBER) {
-			lua_pop(L, 1);
-			return false;
-		}
-		used += (size_t)snprintf(out + used, 80 - used, "%s%.12g", i > 1 ? ", " : "",
-		                         unsigned_nan(lua_tonumber(L, -1)));
+		char entry[24];
+
+		lua_rawgeti(L, index, (lua_Integer)i);
+		const bool is = describe_entry(L, -1, entry);
 		lua_pop(L, 1);
-		if (used > 70)
+		if (!is || used + strlen(entry) > 72)
 			return false;
+		used += (size_t)snprintf(out + used, 80 - used, "%s%s", i > 1 ? ", " : "", entry);
 	}
 	snprintf(out + used, 80 - used, "}");
 	return true;

@@ -131,9 +131,15 @@ rb_vec3 rb_vector_check(lua_State *L, int index, const char *what)
 	if (!get(L, index, &v))
 		luaL_error(L, "%s: expected a vector {x, y, z} (got %s)", what,
 		           luaL_typename(L, index));
-	if (!rb_vec3_finite(v))
-		luaL_error(L, "%s: expected finite numbers (got {%f, %f, %f})", what, v.x, v.y,
-		           v.z);
+	if (!rb_vec3_finite(v)) {
+		char found[80];
+
+		/* 0/0 has a sign on some processors, which would be printed */
+		snprintf(found, sizeof found, "{%.14g, %.14g, %.14g}",
+		         isnan(v.x) ? (double)NAN : v.x, isnan(v.y) ? (double)NAN : v.y,
+		         isnan(v.z) ? (double)NAN : v.z);
+		luaL_error(L, "%s: expected finite numbers (got %s)", what, found);
+	}
 	return v;
 }
 

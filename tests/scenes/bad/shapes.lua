@@ -21,7 +21,7 @@ body { name = "none" }
 -- expect: :6: cylinder: 'length' must be finite (got inf)
 -- expect: :7: hull: 'points': 4 points that lie in a plane, to the rounding of their coordinates (wanted a body with a volume)
 -- expect: :8: hull: 'points': 3 points have no hull (wanted at least 4)
--- expect: :9: hull: 'points' must be a list of points {x, y, z} (got a table at 4)
+-- expect: :9: hull: 'points' must be a list of points {x, y, z} (got {1, 1, '1'} at 4)
 -- expect: :10: hull: 'points': point 4 is not finite
 -- expect: :11: hull: 'points' must be a list of points {{x, y, z}, ...} (got 3)
 -- expect: :12: body: 'shapes' must be a list of 1 to 65536 tables {{shape = 'box', size = {...}}, ...} (got a table)
