@@ -281,7 +281,7 @@ static enum rb_status read_energy(struct quantity *quantity, double *more, struc
 	return status;
 }
 
-/* What may have been meant: a probe, one of all bodies' sums, or a body with what is asked of it. */
+/* What may have been meant: a probe, a sum over all bodies, or a body with what is asked of it. */
 static const char *hint_of(const struct quantity *quantity, char out[96])
 {
 	static const char *const sums[] = {"energy",   "kinetic_energy",

@@ -24,8 +24,8 @@ RB_CHECKED enum rb_status rb_motion_ask_motor(const struct rb_world *world, int 
 double rb_motion_size(const struct rb_world *world, int i, bool motor);
 
 /*
- * "scene.lua:2: 'motion' of 'lid'", "scene.lua:3: 'angle' of the motor of hinge 'knee'" to begin messages with;
- * written to `out`, returned.
+ * "scene.lua:2: 'motion' of 'lid'", "scene.lua:3: 'angle' of the motor of hinge 'knee'" to begin
+ * messages with; written to `out`, returned.
  */
 enum { RB_MOTION_LABEL = 224 };
 const char *rb_motion_label(const struct rb_world *world, int i, bool motor,
