@@ -6,7 +6,7 @@
 
 ends()
 {
-	timeout "$patience" "$RBSIM" run "$1" --method located --no-record --quiet >out 2>err </dev/null || fail "$1: exit status $?"
+	timeout "$PATIENCE" "$RBSIM" run "$1" --method located --no-record --quiet >out 2>err </dev/null || fail "$1: exit status $?"
 }
 
 # one of two points of a pair begins to slip where the other slips at 1e-8 m/s and turns: its direction turns at a rate

@@ -8,7 +8,7 @@ world { duration = 0.4, gravity = {0, 0, -9.8} }
 plane {}
 cylinder { radius = 0.021, length = 0.01, position = {0, 0, 0.5}, orientation = {angle = 3, axis = {1, 0, 0}} }
 LUA
-timeout "$patience" "$RBSIM" tilted.lua --no-record --json --quiet >out 2>err </dev/null || fail "auto: exit status $?"
+timeout "$PATIENCE" "$RBSIM" tilted.lua --no-record --json --quiet >out 2>err </dev/null || fail "auto: exit status $?"
 # with other threads to the same bits
 hash=$(value state_hash)
 exits 0 tilted.lua --no-record --json --quiet --threads 3

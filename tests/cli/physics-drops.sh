@@ -5,6 +5,6 @@
 
 # planes that turn, and planes that are shaken beneath bodies that rock
 for draw in 40 52 64 79 118 197 244; do
-	timeout "$patience" "$RBSIM" "$TOP/tests/scenes/drop.lua" --param k=$draw --method located --no-record --json --quiet \
+	timeout "$PATIENCE" "$RBSIM" "$TOP/tests/scenes/drop.lua" --param k=$draw --method located --no-record --json --quiet \
 		>out 2>err </dev/null || fail "draw $draw: exit status $?"
 done

@@ -6,7 +6,7 @@
 
 run()
 {
-	timeout "$patience" "$RBSIM" "$TOP/tests/scenes/stress.lua" --no-record --json --quiet "$@" >out 2>err </dev/null
+	timeout "$PATIENCE" "$RBSIM" "$TOP/tests/scenes/stress.lua" --no-record --json --quiet "$@" >out 2>err </dev/null
 	got=$?
 	[ $got -ne 124 ] || fail "rbsim stress.lua $*: no end within 100 s"
 	[ $got -eq 0 ] || fail "rbsim stress.lua $*: exit status $got"

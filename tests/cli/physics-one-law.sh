@@ -10,7 +10,7 @@ velocities()
 {
 	method=$1 step=$2
 	shift 2
-	timeout "$patience" "$RBSIM" "$scene" --no-record --method "$method" --time-step "$step" "$@" >out 2>err </dev/null ||
+	timeout "$PATIENCE" "$RBSIM" "$scene" --no-record --method "$method" --time-step "$step" "$@" >out 2>err </dev/null ||
 		fail "$method, time step $step, $*: exit status $?"
 	cat out err | sed -n 's/.*velocity //p' | tr '\n' ' '
 	echo

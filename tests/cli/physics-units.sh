@@ -37,7 +37,7 @@ EOF
 # motion T L M, the exponents: prints what the bodies did
 motion()
 {
-	timeout "$patience" "$RBSIM" units.lua --no-record --method stepped --param t="$1" --param l="$2" --param m="$3" >out 2>&1 </dev/null ||
+	timeout "$PATIENCE" "$RBSIM" units.lua --no-record --method stepped --param t="$1" --param l="$2" --param m="$3" >out 2>&1 </dev/null ||
 		fail "units of 2^$1 s, 2^$2 m, 2^$3 kg: exit status $?"
 	sed -n 's/^at //p' out
 }

@@ -6,7 +6,7 @@
 { long_scene | sed "s/1e5/1000/"; echo 'record { ledger = false }'; } >s.lua # whose first chunks fill the file
 (
 	ulimit -f 4000 # of 512 or 1024 bytes
-	exec timeout "$patience" "$RBSIM" s.lua >out 2>err
+	exec timeout "$PATIENCE" "$RBSIM" s.lua >out 2>err
 )
 got=$?
 [ $got -eq 74 ] || fail "exit status $got, wanted 74"
@@ -21,7 +21,7 @@ exits 0 info s.h5 --json
 for limit in 100 400; do
 	(
 		ulimit -f $limit
-		exec timeout "$patience" "$RBSIM" s.lua -o little.h5 >out 2>err
+		exec timeout "$PATIENCE" "$RBSIM" s.lua -o little.h5 >out 2>err
 	)
 	got=$?
 	[ $got -eq 73 ] || [ $got -eq 74 ] || fail "exit status $got, wanted 73 or 74"

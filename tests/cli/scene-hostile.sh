@@ -45,7 +45,7 @@ ask()
 	esac
 	name=$1 pattern=$2
 	shift 2
-	timeout "$patience" "$RBSIM" "$@" >out 2>err </dev/null
+	timeout "$PATIENCE" "$RBSIM" "$@" >out 2>err </dev/null
 	got=$?
 	if [ $got -ne 65 ] || ! grep -Eq -- "$pattern" err || grep -q "can't be stopped" err; then
 		through=$((through + 1))

@@ -15,7 +15,7 @@ late()
 {
 	status=$1
 	shift
-	timeout "$patience" "$RBSIM" "$@" >out 2>err </dev/null
+	timeout "$PATIENCE" "$RBSIM" "$@" >out 2>err </dev/null
 	got=$?
 	[ $got -eq "$status" ] || fail "rbsim $*: exit status $got, wanted $status"
 	says err "$LATE"

@@ -90,7 +90,7 @@ FILENAME == "values" { value[++values] = $0; next }
 tried=0
 while read -r file; do
 	tried=$((tried + 1))
-	timeout "$patience" "$RBSIM" check "$file" >out 2>err </dev/null
+	timeout "$PATIENCE" "$RBSIM" check "$file" >out 2>err </dev/null
 	case $? in
 	0) ;;
 	65) grep -q "^$file:" err || fail "$file is refused without its name: $(tail -n 1 "$file")" ;;
