@@ -414,7 +414,7 @@ const struct rb_method rb_method_classic = {
 	.good_for = "lectures; a baseline for every other method",
 	.mind = "errors fall with the first power of time_step; heaps cost much; contacts of "
 		"spheres and planes only; no joints, springs, drag, fields, gravitation or driven "
-                "bodies",
+		"bodies",
 	.steps = &steps,
 	.lacks = RB_FEATURES_VARIED | RB_FEATURE_DRIVEN | RB_FEATURE_JOINTS,
 	.round_only = true,
