@@ -174,3 +174,56 @@ for tilt in 1e-12 1e-10; do
 done
 # two of their edges cross so nearly parallel that they have no normal but the flank's
 answers wedges.lua -p turn=0.7 -p tilt=1e-10
+
+# a ladder slides off a wall, all smooth: it leaves the wall at two thirds of its height; its speed along the floor is largest there
+cat >ladder.lua <<'LUA'
+local l, r, g, t0 = 2, 0.02, 9.81, 1.2
+world { duration = 0.75, gravity = {0, 0, -g} }
+local m = material { friction = 0, restitution = 0 }
+plane { material = m }
+local wall = plane { normal = {1, 0, 0}, material = m }
+local ladder = capsule { radius = r, length = l, material = m, orientation = {axis = {0, 1, 0}, angle = t0 - math.pi / 2},
+	position = {r + l / 2 * math.cos(t0), 0, r + l / 2 * math.sin(t0)} }
+on_transition(function(c)
+	if c.kind == "lift" and (c.a == wall or c.b == wall) then state.height = state.height or ladder.position.z - r end
+end)
+local s = math.sin(t0)
+local k = ladder.mass * g * (l / 2) / (ladder.mass * l * l / 4 + ladder.inertia[1][1])
+expect("it leaves the wall", function() return math.abs(state.height / (l / 2 * s) - 2 / 3), 1e-11 end)
+expect("it goes on", function() return math.abs(ladder.velocity.x / (l / 3 * s * math.sqrt(2 * k * s / 3)) - 1), 1e-13 end)
+LUA
+located ladder.lua
+
+# beads in a row, on slack ropes, of which the first is pulled with F: a rope that comes taut takes half of what the pull gives
+# beyond the momentum, P^2 = F d m n (n - 1) when the last of n is on its way, d the slack
+cat >row.lua <<'LUA'
+local n, d, F, m, g = 8, 0.2, 12, 0.5, 0.1
+world { duration = 1 }
+local beads, taut = {}, 0
+for k = 1, n do
+	beads[k] = sphere { radius = 0.02, mass = m, position = {-(k - 1) * g, 0, 0}, forces = k == 1 and {{vector = {F, 0, 0}}} or nil }
+	if k > 1 then joint { kind = "rope", a = beads[k - 1], b = beads[k], length = g + d } end
+end
+on_collision(function(c) taut = taut + 1; state.t = c.time end)
+expect("each rope once", function() return taut == n - 1 end)
+expect("the last", function() return math.abs((F * state.t)^2 / (F * d * m * n * (n - 1)) - 1), 1e-13 end)
+expect("all go on as one", function() return math.abs(beads[n].velocity.x / (F / (n * m)) - 1), 1e-14 end)
+LUA
+located row.lua
+
+# a cut shot: of equal smooth balls the cue ball keeps its spin, and when it rolls again it has 5/7 of what the impact has left
+# of its velocity and 2/7 of what it had before
+cat >cut.lua <<'LUA'
+local R, v, e, phi = 0.03, 2, 0.95, 0.6
+world { duration = 2.5, gravity = {0, 0, -9.81} }
+local ball, cloth = material { friction = 0, restitution = e }, material { friction = 0.2, restitution = 0 }
+contact_pair(ball, cloth, { friction = 0.2, restitution = 0 })
+plane { material = cloth }
+local n = vec3(math.cos(phi), math.sin(phi), 0)
+local cue = sphere { radius = R, material = ball, position = {0, 0, R}, velocity = {v, 0, 0}, angular_velocity = {0, v / R, 0} }
+local other = sphere { radius = R, material = ball, position = vec3(0.3, 0, R) + n * (2 * R) }
+local given = n * (v * math.cos(phi) * (1 + e) / 2)
+expect("the cue ball", function() return (cue.velocity - vec3(v, 0, 0) + given * (5 / 7)):length(), 1e-14 end)
+expect("the other ball", function() return (other.velocity - given * (5 / 7)):length(), 1e-14 end)
+LUA
+located cut.lua
