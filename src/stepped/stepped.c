@@ -242,7 +242,13 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads)
 	                                       (divides ? sizeof(struct rb_step_point) +
 	                                                          2 * sizeof(struct rb_contact)
 	                                                : 0);
-	const size_t scratch = rb_wide_row_bytes(central, tensors) + sizeof(struct rb_kept_row);
+	/*
+	 * of what turns, factors too, by blocks of 6 by 6: about as many as points, of bodies, of
+	 * pairs that touch, and of what is filled in
+	 */
+	const size_t factors = central ? 0 : 4 * sizeof(rb_mat3);
+	const size_t scratch = rb_wide_row_bytes(central, tensors) + sizeof(struct rb_kept_row) +
+	                       factors;
 	const size_t point = sizeof(struct rb_step_point) + sizeof(struct rb_constraint) +
 	                     2 * sizeof(int) + contact + again + scratch;
 	const size_t pair = sizeof(struct rb_pair) + sizeof(double) + sizeof(uint32_t) +
