@@ -8,8 +8,10 @@
 
 #include <math.h>
 
+#include "located/crowd.h"
+
 /* Bodies of crowds that a body's way by its own size allows: each, and the fastest beside. */
-enum { PACE_BODY = 2, PACE_WORLD = 128, PACE_FEW = 8, PACE_RUN = 128 };
+enum { PACE_BODY = 1, PACE_WORLD = 128, PACE_FEW = 4, PACE_RUN = 128 };
 
 /* A number rounded down to eight bits: sums of such are the same in any order. */
 static double eight_bits(double number)
@@ -89,6 +91,8 @@ double rb_located_pace(const struct rb_located *l)
 	}
 	const double few = l->n > PACE_FEW ? (double)PACE_FEW / l->n : 1;
 
-	return max > 0 ? PACE_BODY * sum + PACE_WORLD * few * max
-	               : PACE_RUN * (PACE_BODY * (double)l->n + PACE_WORLD) / l->end_s;
+	const double paid = max > 0 ? PACE_BODY * sum + PACE_WORLD * few * max
+	                            : PACE_RUN * (PACE_BODY * (double)l->n + PACE_WORLD) / l->end_s;
+
+	return (double)rb_located_worth(l) * paid;
 }

@@ -9,6 +9,8 @@
  */
 #include "located/approach.h"
 
+#include "located/crowd.h"
+
 #include "base/error.h"
 
 #include <float.h>
@@ -708,12 +710,8 @@ static uint64_t turning_cost(const struct rb_located *l, int i, double t)
 /* Advances until a touch is found, nothing can touch before `until`, or steps run out. */
 static void search(struct course *c, double from, double until, struct rb_approach *found)
 {
-	const struct rb_model *model = c->l->model;
 	/* of a terrain few are near enough to be looked at */
-	const int of_b = rb_model_parts(model, c->pair.b)->terrain
-	                         ? FACETS_NEAR
-	                         : rb_model_parts(model, c->pair.b)->count;
-	const uint64_t parts = (uint64_t)rb_model_parts(model, c->pair.a)->count * (uint64_t)of_b;
+	const uint64_t look = rb_crowd_look(c->l, c->pair.a, c->pair.b, FACETS_NEAR);
 	/*
 	 * no farther ahead than rotation is followed soon: what spins a million times is asked
 	 * again
@@ -729,10 +727,11 @@ static void search(struct course *c, double from, double until, struct rb_approa
 		double s = from_afar(c);
 		if (s < 0) {
 			s = safe_bodies(c, &gap);
-			found->products += RB_LOCATED_SEARCH * parts;
+			found->products += look;
 			if (gap <= c->band) {
 				const enum what now = touching(c->l, &c->pair);
 
+				found->products += look;
 				found->touching = found->touching || t == from;
 				/*
 				 * bodies that begin to rest on each other may share a load:

@@ -2,6 +2,7 @@
 #include "located/crowd.h"
 
 #include "base/forest.h"
+#include "model/parts.h"
 
 /*
  * Bodies that may be counted beyond those that time allows. By a crowd: so many for each of its
@@ -13,15 +14,38 @@
 enum { CROWD_BODY = 4, CROWD_MORE = 8, CROWD_SHARE = 128, FEW_SHARE = 128 };
 enum { WORLD_BODY = 2, WORLD_MORE = 256 };
 
-uint64_t rb_crowd_world_max(int bodies)
+uint64_t rb_crowd_world_max(const struct rb_located *l)
 {
-	return WORLD_BODY * (uint64_t)bodies + WORLD_MORE;
+	return rb_located_worth(l) * (WORLD_BODY * (uint64_t)l->n + WORLD_MORE);
 }
 
 static uint64_t crowd_max(const struct rb_located *l, int bodies)
 {
-	return CROWD_BODY * (uint64_t)bodies + CROWD_MORE + CROWD_SHARE / (uint64_t)bodies +
-	       FEW_SHARE / (uint64_t)l->n;
+	return rb_located_worth(l) * (CROWD_BODY * (uint64_t)bodies + CROWD_MORE +
+	                              CROWD_SHARE / (uint64_t)bodies + FEW_SHARE / (uint64_t)l->n);
+}
+
+/* Has the body a rim, on which the nearest point is looked for? */
+static bool has_rim(const struct rb_body_parts *parts)
+{
+	for (int k = 0; k < parts->count && !parts->terrain; k++)
+		if (parts->part[k].core.kind == RB_CORE_CYLINDER)
+			return true;
+	return false;
+}
+
+uint64_t rb_crowd_look(const struct rb_located *l, int i, int j, int facets)
+{
+	enum { SOLIDS = 3, RIMS = 10 };
+	const struct rb_body_parts *const a = rb_model_parts(l->model, i);
+	const struct rb_body_parts *const b = rb_model_parts(l->model, j);
+	const int of_b = b->terrain ? facets : b->count;
+	const uint64_t all = RB_LOCATED_SEARCH * (uint64_t)a->count * (uint64_t)of_b;
+
+	if (a->part[0].core.kind == RB_CORE_HALF_SPACE ||
+	    b->part[0].core.kind == RB_CORE_HALF_SPACE)
+		return all;
+	return all * (has_rim(a) || has_rim(b) ? RIMS : SOLIDS);
 }
 
 /* ---- steps ---- */

@@ -10,8 +10,37 @@
 
 #include "located/located.h"
 
+/*
+ * How many times as much as others a mechanism may take that nothing touches: its motion is smooth,
+ * and whether it closes after a turn is what one looks at.
+ */
+enum { RB_MECHANISM_WORTH = 8 };
+
+static inline uint64_t rb_located_worth(const struct rb_located *l)
+{
+	return l->model->features & RB_FEATURE_CONTACT ? 1 : RB_MECHANISM_WORTH;
+}
+
+/*
+ * Whether spheres that fly and collide count what it takes to find that: few are followed however
+ * often they do.
+ */
+static inline bool rb_crowd_counts_spheres(const struct rb_located *l)
+{
+	enum { FEW = 8 };
+
+	return l->model->parts || l->n > FEW;
+}
+
 /* Bodies that a world may count in all, beyond those that time allows. */
-uint64_t rb_crowd_world_max(int bodies);
+uint64_t rb_crowd_world_max(const struct rb_located *l);
+
+/*
+ * Products that a look at two solids in flight counts for: above a plane it is a closed form, for
+ * each pair of other parts a search for their distance, and for faces, edges and rims along it. Of
+ * a terrain so many `facets` are looked at.
+ */
+uint64_t rb_crowd_look(const struct rb_located *l, int i, int j, int facets);
 
 /* Counts what a step has cost: `before` are the world's counts before it. */
 void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *before);

@@ -169,7 +169,7 @@ static void touch(struct rb_located *l, int i, double t)
 		if (on_pieces)
 			restart_pieces(l, (int[]){i, j}, t);
 		/* two spheres are no crowd on pieces either */
-		l->products = l->model->parts ? l->products : products;
+		l->products = rb_crowd_counts_spheres(l) ? l->products : products;
 		if (l->status != RB_OK)
 			return;
 		int others = rb_predict(l, i, t, j);

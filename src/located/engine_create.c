@@ -123,9 +123,10 @@ enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world
 	l->arena = &world->arena[0];
 	l->end_s = world->model->duration_s;
 	l->decays = rb_external_drag_is_linear(l->model);
-	/* mechanisms on their own have no crowds: they are followed at any cost, if they can be */
-	l->world_max = rb_located_can_be_stepped(l) && (l->model->features & RB_FEATURE_CONTACT)
-	                       ? rb_crowd_world_max(l->n)
+	/* what neither touches nor is joined has no crowds: it is followed at any cost */
+	l->world_max = rb_located_can_be_stepped(l) && (l->model->features &
+	                                                (RB_FEATURE_CONTACT | RB_FEATURE_JOINTS))
+	                       ? rb_crowd_world_max(l)
 	                       : UINT64_MAX;
 	l->crowd_max = l->world_max;
 	l->weight = rb_vec3_length(world->model->scene->world.gravity) +

@@ -12,6 +12,7 @@
 #include <float.h>
 
 #include "located/approach.h"
+#include "located/crowd.h"
 #include "math/decay.h"
 #include "math/quartic.h"
 
@@ -355,7 +356,6 @@ static bool is_interrupted(struct seer *s)
 	return true;
 }
 
-/* Whether the body is in contact: spheres that fly are no crowd, however often looked at. */
 static bool in_contact(const struct rb_located *l, int i)
 {
 	return i < l->n && l->cluster_of[i] >= 0 && l->cluster[l->cluster_of[i]].held_count > 0;
@@ -395,7 +395,7 @@ static void see_body(struct seer *s, int j)
 		flight.products += RB_LOCATED_SEARCH;
 	}
 	const double t = rb_pair_contact_time(l, s->i, j, s->now, until, &flight);
-	if (l->model->parts || in_contact(l, s->i) || in_contact(l, j))
+	if (rb_crowd_counts_spheres(l) || in_contact(l, s->i) || in_contact(l, j))
 		s->l->products += flight.products;
 	see(s, j, t, flight.again);
 }
