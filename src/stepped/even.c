@@ -360,7 +360,7 @@ static bool eliminate_one(struct motions *motions, int done)
 
 /* Spans what motions that joints allow make of the normals; false: too much work, or no memory. */
 static bool span_allowed(const struct rb_row_system *rows, struct rb_constraint *const *taken,
-                         struct span *span, double most, struct rb_arena *arena)
+                         struct span *span, double max, struct rb_arena *arena)
 {
 	struct motions motions = {.n = span->n};
 	int done = 0;
@@ -371,7 +371,7 @@ static bool span_allowed(const struct rb_row_system *rows, struct rb_constraint 
 	list_bodies(rows, &motions);
 	const int width = motions.held + motions.n;
 	const double size = (double)motions.count * (double)width;
-	if (size * fmin((double)motions.count, (double)motions.held) > most)
+	if (size * fmin((double)motions.count, (double)motions.held) > max)
 		return false;
 	motions.row = rb_arena_take(arena, (size_t)motions.count * (size_t)width,
 	                            sizeof *motions.row);

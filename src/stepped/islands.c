@@ -390,7 +390,7 @@ static bool resolves(const struct rb_solver *solver, const struct rb_world *worl
 	const struct rb_elements *springs = rb_model_elements(world->model, &rb_force_spring);
 	const struct rb_constraint *held[SPRING_HELD_MAX];
 	const double h = solver->h_s, stiff = h * (h * spring->stiffness + spring->damping);
-	int rows = 0, most = 1;
+	int rows = 0, count_max = 1;
 
 	if (spring->resolved || !world->model->joints)
 		return spring->resolved;
@@ -400,10 +400,10 @@ static bool resolves(const struct rb_solver *solver, const struct rb_world *worl
 		if (!is_dynamic(solver, i))
 			continue;
 		rows = add_held_rows(solver, world, i, held, rows);
-		if (springs->first[i + 1] - springs->first[i] > most)
-			most = springs->first[i + 1] - springs->first[i];
+		if (springs->first[i + 1] - springs->first[i] > count_max)
+			count_max = springs->first[i + 1] - springs->first[i];
 	}
-	return rows > 0 && stiff * most * rb_step_spring_yield(query, spring, held, rows) <= 1;
+	return rows > 0 && stiff * count_max * rb_step_spring_gives(query, spring, held, rows) <= 1;
 }
 
 static void fill_springs(struct rb_solver *solver, const struct rb_world *world)

@@ -74,33 +74,33 @@ void rb_step_spring_fill(const struct rb_spring_query *query, const struct rb_st
 enum { HELD_MAX = 24 };
 
 /* What a unit impulse does: on the two bodies of its row, and what that makes of them. */
-struct pull {
+struct unit {
 	int body[2];
 	rb_vec3 force[2], torque[2], turn[2];
 };
 
-static struct pull pull_of(const struct rb_spring_query *query, const struct rb_constraint *row,
+static struct unit unit_of(const struct rb_spring_query *query, const struct rb_constraint *row,
                            rb_vec3 along)
 {
-	struct pull pull = {.body = {row->a, row->b}};
+	struct unit unit = {.body = {row->a, row->b}};
 
 	for (int e = 0; e < 2; e++) {
 		const rb_vec3 on = e == 0 ? rb_vec3_neg(along) : along;
 		const rb_vec3 arm = e == 0 ? rb_constraint_arm_a(row) : rb_constraint_arm_b(row);
-		const struct rb_solver_body *body = &query->bodies->body[pull.body[e]];
+		const struct rb_solver_body *body = &query->bodies->body[unit.body[e]];
 
-		pull.force[e] = row->couple ? (rb_vec3){0, 0, 0} : on;
-		pull.torque[e] = row->couple ? rb_vec3_scale(row->arm_a.x, on)
+		unit.force[e] = row->couple ? (rb_vec3){0, 0, 0} : on;
+		unit.torque[e] = row->couple ? rb_vec3_scale(row->arm_a.x, on)
 		                             : rb_vec3_cross(arm, on);
 		if (body->inverse_inertia != 0)
-			pull.turn[e] = rb_solver_turn(query->bodies, pull.body[e], pull.torque[e]);
+			unit.turn[e] = rb_solver_turn(query->bodies, unit.body[e], unit.torque[e]);
 	}
-	return pull;
+	return unit;
 }
 
 /* 1/kg: what a unit of one makes along the other. */
-static double answer(const struct rb_spring_query *query, const struct pull *x,
-                     const struct pull *y)
+static double answer(const struct rb_spring_query *query, const struct unit *x,
+                     const struct unit *y)
 {
 	double sum = 0;
 
@@ -113,13 +113,13 @@ static double answer(const struct rb_spring_query *query, const struct pull *x,
 	return sum;
 }
 
-double rb_step_spring_yield(const struct rb_spring_query *query,
+double rb_step_spring_gives(const struct rb_spring_query *query,
                             const struct rb_step_spring *spring,
                             const struct rb_constraint *const *held, int held_count)
 {
 	static const rb_vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 	const struct rb_constraint own_row = row_of(query, spring, spring->along);
-	struct pull pull[HELD_MAX + 1];
+	struct unit unit[HELD_MAX + 1];
 	double g[HELD_MAX + 1][HELD_MAX + 1], own[HELD_MAX + 1];
 	int count = 0;
 
@@ -127,13 +127,13 @@ double rb_step_spring_yield(const struct rb_spring_query *query,
 		const int size = held[k]->set == RB_CONSTRAINT_FREE ? 3 : 1;
 
 		for (int c = 0; c < size && count < HELD_MAX; c++)
-			pull[count++] = pull_of(query, held[k],
+			unit[count++] = unit_of(query, held[k],
 			                        size == 3 ? axis[c] : held[k]->normal);
 	}
-	pull[count] = pull_of(query, &own_row, own_row.normal);
+	unit[count] = unit_of(query, &own_row, own_row.normal);
 	for (int i = 0; i <= count; i++) {
 		for (int j = 0; j <= i; j++)
-			g[i][j] = answer(query, &pull[i], &pull[j]);
+			g[i][j] = answer(query, &unit[i], &unit[j]);
 		own[i] = g[i][i];
 	}
 	for (int k = 0; k < count; k++)

@@ -70,7 +70,7 @@ struct rb_spring_query {
  * joints of its two bodies, leave. Others are taken to be free: a bound of how they yield in the
  * group.
  */
-double rb_step_spring_yield(const struct rb_spring_query *query,
+double rb_step_spring_gives(const struct rb_spring_query *query,
                             const struct rb_step_spring *spring,
                             const struct rb_constraint *const *held, int count);
 
