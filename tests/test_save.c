@@ -99,7 +99,6 @@ static void stepped(struct lab *lab)
 {
 	drop(lab, RB_ROLLBACK_SELECTIVE);
 	lab->scene.world.method = RB_METHOD_STEPPED;
-	lab->scene.world.tolerance_m = 1e-7; /* so close that overlaps are closed */
 }
 
 /* A stack that stands, one box that slides and tips, one that tumbles: several points a pair, under the integrator. */
@@ -179,6 +178,7 @@ static void tables_stepped(struct lab *lab)
 {
 	lab_open(lab, 0.4, 20);
 	lab->scene.world.method = RB_METHOD_STEPPED;
+	lab->scene.world.tolerance_m = 1e-7; /* so close that overlaps are closed */
 	tables(lab);
 }
 

@@ -531,7 +531,8 @@ void rb_flight_turn(const struct rb_flight *flight, struct rb_step_point *point,
 {
 	const struct rb_world *world = flight->world;
 	const int of[2] = {point->a, point->b};
-	const bool joins = rb_stepped_joins_arms(world, point->b);
+	/* arms are of where the step began: whatever else holds bodies, both get one impulse */
+	const bool joins = rb_stepped_is_dynamic(world, point->b);
 	const rb_vec3 d = joins ? lever_at(flight, point, t) : (rb_vec3){0, 0, 0};
 	const double gap = rb_flight_gap(flight, point, t, &point->normal);
 	double half = 0;

@@ -16,7 +16,8 @@
 
 /*
  * Whether only contacts could change the angular momentum: joints and attraction leave it, and
- * nothing stands still or is driven. Elsewhere gaps leave two points, a matter of the tolerance.
+ * nothing stands still or is driven. Elsewhere gaps leave two points, a matter of tolerance; not
+ * so impacts in their time (stepped/flight), as whose step begins bodies are far apart.
  */
 bool rb_levers_matter(const struct rb_model *model);
 

@@ -306,3 +306,18 @@ local moved, free = pair(0, {motor = {speed = 1.3, torque = weak}, friction = we
 expect("the motor has done next to nothing", function() return math.abs(moved.speed - free.speed), 2 * 2 * weak * 0.01 / 0.087 + 1e-12 end)
 LUA
 exits 0 run past.lua --no-record --quiet
+
+# two that meet far above a plane keep their angular momentum: arms were those of where the step began (1.3e-3)
+cat >above.lua <<'EOF'
+world { duration = 0.5, frame_rate = 20, time_step = 0.01 }
+record { ledger = true }
+local m = material { friction = 0.5, restitution = 1, density = 1000 }
+plane { material = m, point = {0, 0, -50} }
+box { size = {0.3, 0.2, 0.15}, material = m, position = {3, 1, 0.6}, velocity = {1, 0.5, -3}, angular_velocity = {1, 2, 3},
+	orientation = {axis = {1, 2, 0.5}, angle = 0.7} }
+box { size = {0.3, 0.2, 0.15}, material = m, position = {3.5, 1.23, -0.4}, velocity = {0, 0.1, 0}, angular_velocity = {3, 2, -3},
+	orientation = {axis = {1, 3, 0.5}, angle = 0.3} }
+EOF
+exits 0 above.lua --no-record --json --method stepped
+[ "$(value collisions)" -ge 1 ] || fail "they do not meet"
+value angular_momentum_share | awk '{exit !($1 >= 0 && $1 < 1e-12)}' || fail "angular momentum above a plane: $(value angular_momentum_share) unexplained"
