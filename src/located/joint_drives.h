@@ -22,8 +22,8 @@ void rb_joint_drives_begin(const struct rb_joint_rows *rows, double t, bool anew
 void rb_joint_drives_turn(struct rb_joint_rows *rows, double t, bool moved);
 
 /*
- * As rb_joint_drives_begin after an impact whose rebounds end: true if there are drives that hold though they are
- * off their speed, by less than what they would take back within rounding of sizes.
+ * As rb_joint_drives_begin after an impact whose rebounds end: true if there are drives that hold
+ * though they are off their speed, by less than what they would take back within rounding of sizes.
  */
 bool rb_joint_drives_end(const struct rb_joint_rows *rows, double t, double slack);
 

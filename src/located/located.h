@@ -208,7 +208,10 @@ struct rb_merge {
 };
 RB_FIELDS_DECLARE(rb_merge_fields);
 
-/* A body's series of bounces with another one (located/bounces), and with several (located/jam). */
+/*
+ * A body's series of bounces with another one (located/bounces), and of impacts with several
+ * (located/interleaved).
+ */
 #define RB_BOUNCES_FIELDS(X)                                                            \
 	X(double, at_s, , "s", "the bounce before", RB_TIME)                            \
 	X(double, due_s, , "s", "the next one, foreseen", RB_TIME)                      \

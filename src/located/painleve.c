@@ -46,8 +46,8 @@ static double sum_of_dots(const rb_vec3 *a, const rb_vec3 *b, int count)
 	return sum;
 }
 
-/* 1/kg: of the contact that yields most, by the masses alone. */
-static double largest_yield(const struct rb_painleve *painleve)
+/* 1/kg: of the contact that moves most, by the masses alone. */
+static double largest_inverse_mass(const struct rb_painleve *painleve)
 {
 	const double *const inverse_mass = painleve->l->model->inverse_mass;
 	double max = 0;
@@ -77,16 +77,17 @@ static void stop_points(struct rb_painleve *painleve)
 		left[k] = rb_vec3_neg(painleve->contact_point[k].velocity);
 		along[k] = painleve->force[k];
 	}
-	const double start = sum_of_dots(left, left, n), yield = largest_yield(painleve);
+	const double start = sum_of_dots(left, left, n),
+		     inverse_mass_max = largest_inverse_mass(painleve);
 	double square = start;
 	for (int round = 0; round < 6 * n + 8 && square > 1e-28 * start; round++) {
 		const double bend = sum_of_dots(along, image, n);
-		const bool yields = bend > BALANCE_ULP * n * DBL_EPSILON * yield *
-		                                   sum_of_dots(along, along, n);
+		const bool moves = bend > BALANCE_ULP * n * DBL_EPSILON * inverse_mass_max *
+		                                  sum_of_dots(along, along, n);
 
-		if (!yields && round > 0)
+		if (!moves && round > 0)
 			break;
-		if (!yields) { /* forces that only balance each other lead nowhere */
+		if (!moves) { /* forces that only balance each other lead nowhere */
 			memcpy(along, left, (size_t)n * sizeof *along);
 			respond(painleve, along, image);
 			continue;

@@ -11,7 +11,7 @@
 #include "located/bounces.h"
 #include "located/event_records.h"
 #include "located/external_force.h"
-#include "located/jam.h"
+#include "located/interleaved.h"
 #include "located/mechanics.h"
 #include "located/work.h"
 
@@ -71,10 +71,10 @@ static double turn_inverse_mass(const struct rb_located *l, int i)
 }
 
 /* Counts the impact; true if its rebound is as slow as rest in the jam that it is part of. */
-static bool ends_in_jam(struct rb_located *l, const struct rb_contact_point *m,
-                        double target_velocity, double t)
+static bool ends_among_others(struct rb_located *l, const struct rb_contact_point *m,
+                              double target_velocity, double t)
 {
-	return target_velocity <= rb_jam_speed(l, m, rb_jam_note(l, m, t, false));
+	return target_velocity <= rb_interleaved_speed(l, m, rb_interleaved_note(l, m, t, false));
 }
 
 /* ---- one pair in flight ---- */
@@ -131,7 +131,7 @@ static bool collide_in_flight(struct rb_located *l, int a, int b, double t)
 	    !(target_velocity * target_velocity > DBL_EPSILON * rb_vec3_dot(w, w)))
 		return false;
 	const struct rb_contact_point bodies = {.a = a, .b = b};
-	if (l->weight > 0 && ends_in_jam(l, &bodies, target_velocity, t))
+	if (l->weight > 0 && ends_among_others(l, &bodies, target_velocity, t))
 		return false;
 	const double inverse_a = model->inverse_mass[a];
 	const double inverse_b = fixed ? 0 : model->inverse_mass[b];
@@ -197,7 +197,7 @@ bool rb_pair_impact(struct rb_located *l, int a, int b, double t)
 		return false;
 	const double closing = rb_bounces_closing(l, &m, t);
 	if (rb_pair_impact_ends(l, &m, target_velocity, closing) ||
-	    ends_in_jam(l, &m, target_velocity, t))
+	    ends_among_others(l, &m, target_velocity, t))
 		return false;
 	if ((rb_located_on_piece(l, a) || rb_located_on_piece(l, b)) &&
 	    (rb_set_touches_another(l, a, b, t) || rb_set_touches_another(l, b, a, t)))

@@ -16,7 +16,7 @@
 #include "constraint/contact_row.h"
 #include "located/account.h"
 #include "located/bounces.h"
-#include "located/jam.h"
+#include "located/interleaved.h"
 #include "located/pair_impact.h"
 #include "located/joint_stops.h"
 #include "located/mechanics.h"
@@ -516,7 +516,7 @@ static bool solve_impact(struct impact *s, int *rounds)
 }
 
 /* m/s of each contact: what counts as rest for it, because its bodies are in a jam. */
-static bool note_jam(struct impact *s, double *speed)
+static bool note_interleaved(struct impact *s, double *speed)
 {
 	const struct rb_contact_point *const first = s->contact_point;
 	bool many = false;
@@ -526,14 +526,15 @@ static bool note_jam(struct impact *s, double *speed)
 		many = many || first[k].a != first->a || first[k].b != first->b;
 	for (int k = 0; k < s->contact_point_count; k++)
 		if (s->joint.contact[k].approach > 0)
-			met = fmax(met, rb_jam_note(s->l, &s->contact_point[k], s->t, many));
+			met = fmax(met,
+			           rb_interleaved_note(s->l, &s->contact_point[k], s->t, many));
 	for (int k = 0; k < s->contact_point_count; k++)
-		speed[k] = rb_jam_speed(s->l, &s->contact_point[k], met);
+		speed[k] = rb_interleaved_speed(s->l, &s->contact_point[k], met);
 	return s->contact_point_count > 0 && speed[0] > 0;
 }
 
 /* Ends what is left of a jam: what is as slow as rest in it stands still from here. */
-static void end_jam(struct impact *s)
+static void end_interleaved(struct impact *s)
 {
 	struct rb_located *l = s->l;
 	const size_t count = (size_t)s->contact_point_count + 1;
@@ -546,7 +547,7 @@ static void end_jam(struct impact *s)
 		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a contact");
 		return;
 	}
-	if (!note_jam(s, rest))
+	if (!note_interleaved(s, rest))
 		return;
 	drift.before = before;
 	for (int k = 0; k < s->contact_point_count; k++) {
@@ -588,7 +589,7 @@ static void collide(struct impact *s)
 	record_ends(s);
 	end_accumulations(s);
 	if (l->status == RB_OK)
-		end_jam(s);
+		end_interleaved(s);
 	for (int k = 0; k < l->set_count; k++) {
 		const int i = l->set[k];
 

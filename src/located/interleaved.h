@@ -13,8 +13,8 @@
  *
  * Simulator's thread.
  */
-#ifndef RB_LOCATED_JAM_H
-#define RB_LOCATED_JAM_H
+#ifndef RB_LOCATED_INTERLEAVED_H
+#define RB_LOCATED_INTERLEAVED_H
 
 #include "located/contact_point.h"
 #include "located/located.h"
@@ -23,9 +23,11 @@
  * Counts an impact at t for both bodies, with others at that moment or without; returns the larger
  * of their counts.
  */
-double rb_jam_note(struct rb_located *l, const struct rb_contact_point *m, double t, bool others);
+double rb_interleaved_note(struct rb_located *l, const struct rb_contact_point *m, double t,
+                           bool others);
 
 /* m/s: what is no faster is at rest after so many impacts; 0: nothing but rounding is. */
-double rb_jam_speed(const struct rb_located *l, const struct rb_contact_point *m, double met);
+double rb_interleaved_speed(const struct rb_located *l, const struct rb_contact_point *m,
+                            double met);
 
 #endif

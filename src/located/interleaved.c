@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "located/jam.h"
+#include "located/interleaved.h"
 
 #include "base/error.h"
 
@@ -28,7 +28,8 @@ static double note(struct rb_located *l, int i, int with, double natural_s, doub
 	return series->met;
 }
 
-double rb_jam_note(struct rb_located *l, const struct rb_contact_point *m, double t, bool others)
+double rb_interleaved_note(struct rb_located *l, const struct rb_contact_point *m, double t,
+                           bool others)
 {
 	double met = 0;
 
@@ -44,7 +45,8 @@ double rb_jam_note(struct rb_located *l, const struct rb_contact_point *m, doubl
 	return met;
 }
 
-double rb_jam_speed(const struct rb_located *l, const struct rb_contact_point *m, double met)
+double rb_interleaved_speed(const struct rb_located *l, const struct rb_contact_point *m,
+                            double met)
 {
 	if (!(met > from))
 		return 0;
