@@ -16,7 +16,7 @@ for way in '' '--listen s'; do
 	k=1 fine=0
 	while [ $((fine * every)) -lt 20 ]; do
 		# shellcheck disable=SC2086
-		RBSIM_FAIL_ALLOCATION=$k timeout -s KILL "$patience" "$RBSIM" s.lua -q --duration 0.1 --no-record $way --commands commands \
+		RBSIM_FAIL_ALLOCATION=$k timeout -s KILL "$PATIENCE" "$RBSIM" s.lua -q --duration 0.1 --no-record $way --commands commands \
 			>out 2>err </dev/null
 		got=$?
 		[ ! -e s ] || fail "allocation $k: the socket is still there"
