@@ -210,6 +210,12 @@ bool rb_crowd_complete(struct rb_located *l)
 	return true;
 }
 
+void rb_crowd_shorten(struct rb_located *l)
+{
+	for (int i = 0; i < l->n; i++)
+		l->crowd_of[i].parent = root_of(l, i);
+}
+
 /* The crowd, after time has paid for what it has counted. */
 static struct rb_crowd_of *paid(struct rb_located *l, int root)
 {

@@ -57,6 +57,12 @@ void rb_crowd_end(struct rb_located *l);
 /* What is loaded: false if that is no forest. */
 RB_CHECKED bool rb_crowd_complete(struct rb_located *l);
 
+/*
+ * Lets each name its root: how long the ways to roots are depends on who has been asked for, and
+ * what is saved must not.
+ */
+void rb_crowd_shorten(struct rb_located *l);
+
 /* These two deal with each other; fixed bodies with nobody. */
 void rb_crowd_join(struct rb_located *l, int i, int j);
 
