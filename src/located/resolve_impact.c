@@ -533,32 +533,49 @@ static bool note_interleaved(struct impact *s, double *speed)
 	return s->contact_point_count > 0 && speed[0] > 0;
 }
 
-/* Ends what is left of a jam: what is as slow as rest in it stands still from here. */
+/*
+ * Ends what is left of a jam: what is as slow as rest in it stands still from here. Not at any
+ * price, as above: a ball that slides over a fold of the floor would stop there.
+ */
 static void end_interleaved(struct impact *s)
 {
 	struct rb_located *l = s->l;
 	const size_t count = (size_t)s->contact_point_count + 1;
+	const size_t members = (size_t)l->set_count;
 	bool *const ends = rb_arena_take(l->arena, count, sizeof *ends);
 	double *const rest = rb_arena_take(l->arena, count, sizeof *rest);
-	struct rb_held *const before = rb_arena_take(l->arena, count, sizeof *before);
+	struct rb_held *const held = rb_arena_take(l->arena, count, sizeof *held);
+	struct rb_solver_body *const before = rb_arena_take(l->arena, members, sizeof *before);
 	struct rb_drift drift = drift_of(s, ends);
+	double stopped = 0;
 
-	if (!ends || !rest || !before) {
+	if (!ends || !rest || !held || !before) {
 		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a contact");
 		return;
 	}
 	if (!note_interleaved(s, rest))
 		return;
-	drift.before = before;
+	drift.before = held;
+	drift.tries = true;
 	for (int k = 0; k < s->contact_point_count; k++) {
 		const struct rb_solver_contact *c = &s->joint.contact[k];
 		const rb_vec3 v = velocity_after(s, k);
 		const double slip = rb_vec3_length(rb_vec3_reject(v, c->normal));
 
 		ends[k] = fabs(rb_vec3_dot(v, c->normal)) <= rest[k];
-		before[k] = (struct rb_held){.slipping = !(c->friction > 0 && slip <= rest[k])};
+		held[k] = (struct rb_held){.slipping = !(c->friction > 0 && slip <= rest[k])};
+		if (ends[k] && !held[k].slipping)
+			stopped = fmax(stopped, slip);
 	}
-	stop_from(s, &drift, s->joint.body);
+	stopped = fmax(stopped, largest_rebound(s, ends));
+	memcpy(before, s->joint.body, members * sizeof *before);
+	stop_from(s, &drift, before);
+	if (!(largest_change(s, before) <= dear * stopped)) {
+		memcpy(s->joint.body, before, members * sizeof *before);
+	} else if (l->account_s) { /* repeated with ledger entries */
+		drift.tries = false;
+		stop_from(s, &drift, before);
+	}
 }
 
 /* Solves the impact, ends series, anchors the members. */

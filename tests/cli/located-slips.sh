@@ -187,6 +187,23 @@ end
 LUA
 ends creeps.lua
 
+# a ball that rattles between two walls goes on over a fold of the floor by 1e-5 rad: where it meets with the second side in a jam,
+# next to nothing parts from the first one, and only rest would stop both
+cat >fold.lua <<'LUA'
+local R, w = 0.05, 1e-3
+world { duration = 0.12, frame_rate = 100, gravity = {0, 0, -9.81} }
+local m, hard = material { friction = 0, restitution = 0 }, material { friction = 0, restitution = 1 }
+contact_pair(m, hard, { friction = 0, restitution = 1 })
+plane { material = m, point = {0, 0, -R} }
+plane { material = m, normal = {-1e-5, 0, 1}, point = {0, 0, -R} }
+plane { material = hard, normal = {0, 1, 0}, point = {0, -R - w, 0} }
+plane { material = hard, normal = {0, -1, 0}, point = {0, R + w, 0} }
+local ball = sphere { radius = R, material = m, position = {-0.1, 0, 0}, velocity = {1, 30, 0} }
+expect("it goes on", function() return math.abs(ball.velocity.x - 1), 1e-5 end)
+expect("it rattles on", function() return math.abs(math.abs(ball.velocity.y) - 30), 1e-12 end)
+LUA
+ends fold.lua
+
 # two points of a cylinder jam in a crease: impulses that stop both cannot push them apart, and grew to 1e15 N s against each other,
 # whose rounding was 2e-3 of the momentum
 cat >crease.lua <<'LUA'
