@@ -154,7 +154,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(pieces_are_aligned_and_do_not_overlap),
 		cmocka_unit_test(a_piece_costs_its_size_rounded_up_to_lines),
-		cmocka_unit_test(a_reset_makes_room_for_a_quarter_more_than_was_used_or_twice_as_much),
+		cmocka_unit_test(
+			a_reset_makes_room_for_a_quarter_more_than_was_used_or_twice_as_much),
 		cmocka_unit_test(after_a_reset_the_same_step_allocates_nothing),
 		cmocka_unit_test(going_back_to_a_mark_gives_the_same_place_again),
 		cmocka_unit_test(a_mark_before_everything_empties_the_arena),

@@ -145,8 +145,7 @@ void rb_arena_reset(struct rb_arena *arena)
 	 * Somewhat more than was needed: the next steps resemble the last ones, but are not equal
 	 * to them.
 	 */
-	const size_t more = arena->high_water < ROOMY ? arena->high_water / 4
-	                                              : arena->high_water;
+	const size_t more = arena->high_water < ROOMY ? arena->high_water / 4 : arena->high_water;
 	const size_t wanted = (arena->high_water + more + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 	unsigned char *block = rb_memory_take(wanted, 1);
 	if (!block)

@@ -711,7 +711,7 @@ static uint64_t turning_cost(const struct rb_located *l, int i, double t)
 static void search(struct course *c, double from, double until, struct rb_approach *found)
 {
 	/* of a terrain few are near enough to be looked at */
-	const uint64_t look = rb_crowd_look(c->l, c->pair.a, c->pair.b, FACETS_NEAR);
+	const uint64_t inspection = rb_crowd_inspection(c->l, c->pair.a, c->pair.b, FACETS_NEAR);
 	/*
 	 * no farther ahead than rotation is followed soon: what spins a million times is asked
 	 * again
@@ -727,11 +727,11 @@ static void search(struct course *c, double from, double until, struct rb_approa
 		double s = from_afar(c);
 		if (s < 0) {
 			s = safe_bodies(c, &gap);
-			found->products += look;
+			found->products += inspection;
 			if (gap <= c->band) {
 				const enum what now = touching(c->l, &c->pair);
 
-				found->products += look;
+				found->products += inspection;
 				found->touching = found->touching || t == from;
 				/*
 				 * bodies that begin to rest on each other may share a load:

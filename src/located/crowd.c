@@ -34,7 +34,7 @@ static bool has_rim(const struct rb_body_parts *parts)
 	return false;
 }
 
-uint64_t rb_crowd_look(const struct rb_located *l, int i, int j, int facets)
+uint64_t rb_crowd_inspection(const struct rb_located *l, int i, int j, int facets)
 {
 	enum { SOLIDS = 3, RIMS = 10 };
 	const struct rb_body_parts *const a = rb_model_parts(l->model, i);

@@ -40,7 +40,7 @@ uint64_t rb_crowd_world_max(const struct rb_located *l);
  * each pair of other parts a search for their distance, and for faces, edges and rims along it. Of
  * a terrain so many `facets` are looked at.
  */
-uint64_t rb_crowd_look(const struct rb_located *l, int i, int j, int facets);
+uint64_t rb_crowd_inspection(const struct rb_located *l, int i, int j, int facets);
 
 /* Counts what a step has cost: `before` are the world's counts before it. */
 void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *before);

@@ -789,23 +789,3 @@ void rb_impacts_seen(const struct rb_stepped *s, struct rb_step_point *point)
 		point->approach += e == 0 ? more : -more;
 	}
 }
-
-void rb_impacts_blame(struct rb_stepped *s, const struct rb_world *world,
-                      const struct rb_cohort *cohort)
-{
-	bool more = s->bad_count > 0;
-
-	while (more) {
-		more = false;
-		for (size_t k = 0; k < cohort->hit_count; k++) {
-			const int a = cohort->hit[k].a, b = cohort->hit[k].b;
-
-			if (cohort->hit[k].crowded || !rb_stepped_is_dynamic(world, b) ||
-			    s->bad[a] == s->bad[b])
-				continue;
-			rb_stepped_blame(s, a);
-			rb_stepped_blame(s, b);
-			more = true;
-		}
-	}
-}

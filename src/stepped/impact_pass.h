@@ -31,10 +31,6 @@ RB_CHECKED enum rb_status rb_impacts_resolve(struct rb_world *world, struct rb_c
 /* The approach of a point that was found later becomes that after the impacts. */
 void rb_impacts_seen(const struct rb_stepped *stepped, struct rb_step_point *point);
 
-/* Who has had an impact with one for which the try is bad: it is bad for both. */
-void rb_impacts_blame(struct rb_stepped *stepped, const struct rb_world *world,
-                      const struct rb_cohort *cohort);
-
 /* rad/s: what impacts have added to a body's. */
 static inline rb_vec3 rb_impacts_spin(const struct rb_stepped *stepped, int i)
 {

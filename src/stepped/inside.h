@@ -130,7 +130,7 @@ struct rb_stepped {
 	double *varied; /* owned: [3 bodies] m/s by forces that vary within a step; NULL: none do */
 	/* owned: [bodies] what drag leaves of a velocity in the step; NULL: there is none */
 	double *undragged;
-	struct rb_kicks kicks; /* of the try */
+	struct rb_kicks kicks;   /* of the try */
 	struct rb_nets *nets;    /* of the try, in the arena; NULL: none */
 	struct rb_due_queue due; /* scratch of stepped/impact_pass */
 	unsigned char *bad;      /* owned: [bodies] 1: the try has failed for it */

@@ -141,7 +141,7 @@ struct rb_solver {
 	const struct rb_state
 		*before; /* borrowed: at the beginning of the step; NULL: positions are closed */
 	const struct rb_kicks *kicks; /* borrowed; NULL: there have been no impacts */
-	double h_s, tolerance;      /* of the step; m/s */
+	double h_s, tolerance;        /* of the step; m/s */
 	double whole_s;  /* of the step that was tried first, set by the caller; 0: of this one */
 	bool divides;    /* groups for which a step fails take shorter ones on their own */
 	double external; /* m^2/s^2: the most that its forces change a velocity by, squared */

@@ -3,7 +3,7 @@
  * Verdict on a try of a step, in order of cost: values that are not finite, residuals of the
  * solver, bodies that impacts have thrown too far, then overlaps, which are measured only where the
  * rest is good or where other bodies keep the step. An impact shares its verdict between both
- * bodies (rb_impacts_blame), since taking back one of them would lose momentum.
+ * bodies (blame_both), since taking back one of them would lose momentum.
  *
  * Overlap is the last criterion and the only one that is mended rather than judged: the projection
  * moves positions first.
@@ -149,6 +149,27 @@ static void restore_bad(struct rb_world *world, const struct rb_cohort *cohort)
 			rb_state_copy_rows(&world->state, &world->mark, &cohort->body[k], 1);
 }
 
+/* Who has had an impact with one for which the try is bad: it is bad for both. */
+static void blame_both(struct rb_stepped *s, const struct rb_world *world,
+                       const struct rb_cohort *cohort)
+{
+	bool more = s->bad_count > 0;
+
+	while (more) {
+		more = false;
+		for (size_t k = 0; k < cohort->hit_count; k++) {
+			const int a = cohort->hit[k].a, b = cohort->hit[k].b;
+
+			if (cohort->hit[k].crowded || !rb_stepped_is_dynamic(world, b) ||
+			    s->bad[a] == s->bad[b])
+				continue;
+			rb_stepped_blame(s, a);
+			rb_stepped_blame(s, b);
+			more = true;
+		}
+	}
+}
+
 enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double h,
                         struct rb_attempt_outcome *outcome, struct rb_error *err)
 {
@@ -180,7 +201,7 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 		return RB_OK;
 	if (glance.thrown)
 		blame_thrown(world, cohort);
-	rb_impacts_blame(s, world, cohort);
+	blame_both(s, world, cohort);
 	if (s->bad_count > 0 && !cohort->divides)
 		return RB_OK;
 	if (s->bad_count > 0)
@@ -199,7 +220,7 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 	if (status != RB_OK)
 		return status;
 	rb_joints_blame(world, cohort, outcome); /* what has been closed may have been joined */
-	rb_impacts_blame(s, world, cohort);
+	blame_both(s, world, cohort);
 	outcome->overlap = found.max;
 	for (size_t k = 0; k < found.deep_count; k++)
 		if (found.deep[k].depth > outcome->overlap) {

@@ -260,13 +260,13 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads)
 	/* what further threads look at, or solve of groups that are not shared */
 	const size_t rows = (size_t)points * (size_t)model->body_count;
 	const size_t group = rows < RB_STRATEGY_LARGE_ROWS ? rows : RB_STRATEGY_LARGE_ROWS;
-	const size_t apart = (size_t)(threads - 1) * group *
-	                     (sizeof(struct rb_step_point) + scratch);
+	const size_t others = (size_t)(threads - 1) * group *
+	                      (sizeof(struct rb_step_point) + scratch);
 	const size_t rollback = divides ? rb_local_rollback_body_bytes(model) : 0;
 	const size_t more = divides ? rb_local_rollback_pair_bytes() : 0;
 
 	RB_ASSERT(threads > 0);
-	return rows * point + (size_t)model->body_count * rollback + apart +
+	return rows * point + (size_t)model->body_count * rollback + others +
 	       (size_t)(pairs * (double)(pair + more));
 }
 

@@ -16,7 +16,7 @@ enum { SWEEPS_FIRST = 200, SWEEPS_MAX = 1000, SWEEPS_CLOSE = 64 };
 /* The same where rows are in packs, and may be held; most of spheres that stall are held sooner. */
 enum { WIDE_FIRST = 60, WIDE_MAX = 400, CENTRAL_MAX = 140, WIDE_HOLD = 100 };
 /* Of large groups, of which a lost step costs as much. */
-enum { JAMMED_MAX = 800 };
+enum { LARGE_MAX = 800 };
 /* Rounds of normal impulses and friction before a group is given up; sweeps of both in each. */
 enum { TURNS_MAX = 6, TURN_SWEEPS = 100 };
 /* Times that open normal impulses are made even, with sweeps after each. */
@@ -586,10 +586,10 @@ static bool sweeps_to_the_tolerance(const struct trial *trial)
 	const double tolerance = trial->solver->tolerance / sweep_share;
 	struct rb_sweeper *const sweeper = trial->sweeper;
 	const double slack = sweeper->central ? hold_slack : 0; /* the rest is held */
-	const bool jams = is_large(trial) && !sweeper->central;
+	const bool presses = is_large(trial) && !sweeper->central;
 	return end_sweeps(trial->solver, sweeper, trial->island, tolerance,
-	                  jams ? rb_sweeper_press_on(sweeper, tolerance, JAMMED_MAX)
-	                       : rb_sweeper_go_on(sweeper, tolerance, max_of(sweeper), slack));
+	                  presses ? rb_sweeper_press_on(sweeper, tolerance, LARGE_MAX)
+	                          : rb_sweeper_go_on(sweeper, tolerance, max_of(sweeper), slack));
 }
 
 static bool factors_after_stalling(const struct trial *trial)
