@@ -8,7 +8,7 @@
 enum { REST_S = 2, AFTER_S = 1, FRAME_RATE = 10 };
 
 /* Unit cubes, each let fall by a millimetre more than the one below, shifted by up to 2 mm. */
-static void lay(struct lab *lab, int count, double rate, double tolerance_m)
+static void lay(struct lab *lab, uint64_t seed, int count, double rate, double tolerance_m)
 {
 	lab_open(lab, REST_S + AFTER_S, FRAME_RATE);
 	lab->scene.world.method = RB_METHOD_STEPPED;
@@ -24,8 +24,8 @@ static void lay(struct lab *lab, int count, double rate, double tolerance_m)
 		def.shape.kind = RB_SHAPE_BOX;
 		rb_vec3_to(def.shape.size, (rb_vec3){1, 1, 1});
 		def.mass = 1000;
-		def.position = (rb_vec3){0.002 * rb_random_unit(3, 1, (uint64_t)i),
-		                         0.002 * rb_random_unit(3, 2, (uint64_t)i),
+		def.position = (rb_vec3){0.002 * rb_random_unit(seed, 1, (uint64_t)i),
+		                         0.002 * rb_random_unit(seed, 2, (uint64_t)i),
 		                         0.5 + i + 0.001 * (i + 1)};
 		(void)lab_add(lab, &def);
 	}
@@ -33,11 +33,11 @@ static void lay(struct lab *lab, int count, double rate, double tolerance_m)
 }
 
 /* It stands after two seconds: nothing moves, nothing is solved, no contact is too deep. */
-static void assert_comes_to_stand(int count, double rate, double tolerance_m)
+static void assert_comes_to_stand(uint64_t seed, int count, double rate, double tolerance_m)
 {
 	struct lab lab;
 
-	lay(&lab, count, rate, tolerance_m);
+	lay(&lab, seed, count, rate, tolerance_m);
 	for (int k = 0; k < REST_S * FRAME_RATE; k++)
 		lab_step(&lab);
 	const struct rb_world_work then = rb_world_work(lab.world);
@@ -62,16 +62,19 @@ static void a_stack_of_twenty_comes_to_stand_at_every_tolerance(void **slot)
 
 	(void)slot;
 	for (int k = 0; k < 3; k++) {
-		assert_comes_to_stand(20, 60, tolerance_m[k]);
-		assert_comes_to_stand(20, 240, tolerance_m[k]);
+		assert_comes_to_stand(3, 20, 60, tolerance_m[k]);
+		assert_comes_to_stand(3, 20, 240, tolerance_m[k]);
 	}
+	assert_comes_to_stand(13, 20, 60, 5e-5);
 }
 
 static void so_does_a_tower_of_fifty(void **slot)
 {
 	(void)slot;
-	assert_comes_to_stand(50, 60, 5e-5);
-	assert_comes_to_stand(50, 240, 5e-3);
+	assert_comes_to_stand(3, 50, 60, 5e-5);
+	assert_comes_to_stand(3, 50, 240, 5e-3);
+	/* swayed on: factors had left more than the sweeps before them */
+	assert_comes_to_stand(14, 50, 240, 5e-3);
 }
 
 /* What has borne nothing yet does not hover, although it is nearer than the tolerance. */

@@ -554,6 +554,9 @@ static struct rb_direct_result solve(struct newton *s)
 		result.residual = fmax(fmax(balance, off.shifted), fmax(off.closed, off.joined));
 		if (balance <= tolerance && open <= 1 && off.shifted <= s->direct->slip_tolerance)
 			break;
+		if (s->direct->steps_few > 0 && result.steps >= s->direct->steps_few &&
+		    result.residual <= s->direct->enough)
+			break;
 		if (open > 1 && open > 0.1 * before && grown < weight_max * s->ratio) {
 			grown *= weight_growth;
 			for (int k = 0; k < s->dense->row_count; k++)

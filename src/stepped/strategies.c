@@ -60,17 +60,19 @@ static void apply_again(const struct rb_solver *solver, const struct rb_island *
 }
 
 /*
- * Factors; false where they are too many or do not come to an end: where sweeps stalled, the
+ * Factors; false where they are too many or do not come to `left`, m/s: but for stiff groups, the
  * impulses are then as they were.
  */
 static bool try_factors(const struct rb_solver *solver, struct rb_island *island,
-                        const struct rb_row_system *dense, enum purpose purpose,
+                        const struct rb_row_system *dense, enum purpose purpose, double left,
                         struct rb_arena *arena)
 {
 	static const int steps_max[] = {[STIFF] = FACTORS_STIFF,
 	                                [AT_REST] = FACTORS_AT_REST,
 	                                [STALLED] = FACTORS_STALLED,
 	                                [CLOSE] = FACTORS_CLOSE};
+	/* sweeps would set towers swaying: factors go on until what they leave will do */
+	const bool tower = purpose == AT_REST && dense->row_count < RB_STRATEGY_HEAP_ROWS;
 	const double share = purpose == STALLED && dense->row_count >= RB_WIDE_ROWS ? stalled_share
 	                                                                            : factor_share;
 	/* errors of what stands on each other add up: to n^2 / 2 of them at the top of n bodies */
@@ -87,7 +89,9 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 		.tolerance = (purpose == CLOSE || purpose == AT_REST ? close : direct_share) *
 	                     solver->tolerance,
 		.holds = purpose == AT_REST,
-		.steps_max = steps_max[purpose],
+		.steps_max = tower ? FACTORS_STIFF : steps_max[purpose],
+		.steps_few = tower ? steps_max[purpose] : 0,
+		.enough = left,
 		.slip_tolerance = solver->tolerance,
 		.joint_tolerance = is_polished ? solver->tolerance : 0,
 		.max = fmin(share * (double)dense->row_count, factors_max),
@@ -101,12 +105,12 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 		kept[k] = dense->row[k].impulse;
 	const struct rb_direct_result result = rb_direct_solve(&direct);
 	island->factors += result.steps;
-	if (result.tried && result.residual <= solver->tolerance) {
+	if (result.tried && result.residual <= left) {
 		island->residual = result.residual;
 		return true;
 	}
 	/* of stiff groups, what factors have come to is better than what there was */
-	if (!result.tried || (purpose != STALLED && purpose != AT_REST))
+	if (!result.tried || purpose == STIFF)
 		return false;
 	for (int k = 0; k < dense->row_count; k++)
 		dense->row[k].impulse = kept[k];
@@ -392,7 +396,7 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 	else if (!sweep_more(solver, &sweeper, island, aim_of(solver, island, &sweeper),
 	                     SWEEPS_CLOSE) &&
 	         !(island->residual <= solver->tolerance))
-		(void)try_factors(solver, island, dense, STALLED, arena);
+		(void)try_factors(solver, island, dense, STALLED, solver->tolerance, arena);
 	const struct rb_energy least = rb_energy_of(solver, island, team, arena);
 	const bool gains = rb_energy_gain(&least) > least.noise;
 	const double share = gains || !solved ? 0
@@ -559,14 +563,19 @@ static bool is_narrow(const struct trial *trial)
 	return !trial->sweeper->wide;
 }
 
+/* What stands is not to be thrown about by as much as a large tolerance is in one step. */
 static bool factors_at_rest(const struct trial *trial)
 {
-	return try_factors(trial->solver, trial->island, trial->rows, AT_REST, trial->arena);
+	const double left = fmin(aim_of(trial->solver, trial->island, trial->sweeper),
+	                         trial->solver->tolerance);
+
+	return try_factors(trial->solver, trial->island, trial->rows, AT_REST, left, trial->arena);
 }
 
 static bool factors_of_unequal_masses(const struct trial *trial)
 {
-	return try_factors(trial->solver, trial->island, trial->rows, STIFF, trial->arena);
+	return try_factors(trial->solver, trial->island, trial->rows, STIFF,
+	                   trial->solver->tolerance, trial->arena);
 }
 
 static bool sweeps_to_the_aim(const struct trial *trial)
@@ -594,7 +603,8 @@ static bool sweeps_to_the_tolerance(const struct trial *trial)
 
 static bool factors_after_stalling(const struct trial *trial)
 {
-	return try_factors(trial->solver, trial->island, trial->rows, STALLED, trial->arena);
+	return try_factors(trial->solver, trial->island, trial->rows, STALLED,
+	                   trial->solver->tolerance, trial->arena);
 }
 
 static bool normals_and_friction_in_turns(const struct trial *trial)
@@ -659,7 +669,8 @@ static void solve_closely(const struct trial *trial)
 	    (hardly_moves(solver, island, false) ||
 	     (!trial->sweeper->wide && goes_along(solver, island, trial->rows))) &&
 	    (trial->stiff || !sweep_more(solver, trial->sweeper, island, close, SWEEPS_CLOSE)))
-		(void)try_factors(solver, island, trial->rows, CLOSE, trial->arena);
+		(void)try_factors(solver, island, trial->rows, CLOSE, island->residual,
+		                  trial->arena);
 }
 
 void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *island,
