@@ -77,6 +77,12 @@ static void so_does_a_tower_of_fifty(void **slot)
 	assert_comes_to_stand(14, 50, 240, 5e-3);
 }
 
+static void nor_does_rounding_keep_a_tower_from_standing(void **slot)
+{
+	(void)slot;
+	assert_comes_to_stand(1, 50, 60, 5e-7);
+}
+
 /* What has borne nothing yet does not hover, although it is nearer than the tolerance. */
 static void what_is_let_go_within_the_tolerance_falls(void **slot)
 {
@@ -110,6 +116,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_stack_of_twenty_comes_to_stand_at_every_tolerance),
 		cmocka_unit_test(so_does_a_tower_of_fifty),
+		cmocka_unit_test(nor_does_rounding_keep_a_tower_from_standing),
 		cmocka_unit_test(what_is_let_go_within_the_tolerance_falls),
 	};
 

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "stepped/blocks.h"
 
-enum { OUTER_MAX = 30, INNER_MAX = 20, HALVINGS_MAX = 20, NOISE_ULP = 16 };
+enum { OUTER_MAX = 30, INNER_MAX = 20, HALVINGS_MAX = 20 };
 /* Multiplications of a row in a step beside the factorization, about. */
 enum { ROW_WORK = 512 };
 
@@ -512,7 +512,7 @@ static double noise_of(const struct newton *s)
 
 	for (int k = 0; k < s->dense->row_count; k++)
 		max = fmax(max, s->dense->row[k].inverse_mass_n * rb_vec3_max_abs(s->face[k].now));
-	return NOISE_ULP * DBL_EPSILON * max;
+	return RB_DIRECT_NOISE_ULP * DBL_EPSILON * max;
 }
 
 static struct rb_direct_result solve(struct newton *s)

@@ -17,6 +17,9 @@
 #include "base/interrupt.h"
 #include "constraint/row.h"
 
+/* Units in the last place of impulses that rounding spoils: closer there is nothing to be had. */
+enum { RB_DIRECT_NOISE_ULP = 16 };
+
 struct rb_direct {
 	const struct rb_row_system *dense;
 	const struct rb_solver_body *free; /* by body: velocities without any impulse of the rows */

@@ -12,6 +12,9 @@
 /* The same of groups that are solved closely. */
 #define RB_STRATEGY_CLOSE_SHARE 1e-7
 
+/* Rows from which on a group is a heap: it would be a stack of a hundred boxes and more. */
+enum { RB_STRATEGY_HEAP_ROWS = 512 };
+
 /* m/s: a group that is no faster, before the step and after it, is at rest. */
 static inline double rb_stillness_speed(const struct rb_solver *solver)
 {

@@ -24,11 +24,8 @@
 
 #include "stepped/stillness.h"
 
-/*
- * Rows from which on a group is solved by all workers; from which on it is taken for a heap: it
- * would be a stack of a hundred boxes and more.
- */
-enum { RB_STRATEGY_LARGE_ROWS = 2048, RB_STRATEGY_HEAP_ROWS = 512 };
+/* Rows from which on a group is solved by all workers. */
+enum { RB_STRATEGY_LARGE_ROWS = 2048 };
 
 /*
  * Impulses of the group's rows and velocities of its bodies, from warm impulses; `residual`,
