@@ -341,6 +341,63 @@ static void packs_in_32_bits_leave_whole_impulses_of_any_masses(void **slot)
 	unmake(close);
 }
 
+/* The first ball gives no way, as what is not moved while overlaps are closed. */
+static struct heap *make_held(int filling)
+{
+	struct heap *heap = make(0.1);
+	const size_t bytes = (size_t)1 << 21;
+	int kept = 0;
+
+	/* what has been in its block before is nobody's business */
+	for (int k = 0; k < 2; k++) {
+		void *before = rb_arena_take(&heap->arena, bytes, 1);
+
+		assert_non_null(before);
+		memset(before, filling, bytes);
+		rb_arena_reset(&heap->arena);
+	}
+	spoil(heap);
+	heap->body[0] = heap->free[0] = (struct rb_solver_body){.inverse_mass = 0};
+	heap->local[0] = -1;
+	for (int k = 0; k < heap->dense.row_count; k++) {
+		struct rb_constraint *row = &heap->row[k];
+
+		if (row->a == 0 && row->b == BODIES)
+			continue;
+		heap->row[kept] = *row;
+		kept++;
+	}
+	heap->dense.row_count = kept;
+	return heap;
+}
+
+static void what_gives_no_way_stands_in_packs_of_32_bits(void **slot)
+{
+	struct heap *zeros = make_held(0), *others = make_held(0x41);
+	struct heap *const both[2] = {zeros, others};
+
+	(void)slot;
+	for (int h = 0; h < 2; h++) {
+		struct rb_sweeper sweeper = {.dense = &both[h]->dense,
+		                             .fixed = BODIES,
+		                             .member = both[h]->member + 1,
+		                             .member_count = BODIES - 1,
+		                             .local = both[h]->local};
+
+		assert_true(rb_sweeper_take(&sweeper, &both[h]->arena));
+		assert_true(rb_sweeper_run(&sweeper, 1e-4, 1000).residual <= 1e-4);
+		assert_true(sweeper.many.single);
+	}
+	for (int i = 0; i < BODIES; i++) {
+		const rb_vec3 v = rb_vec3_sub(zeros->body[i].linear, others->body[i].linear);
+
+		assert_true(rb_vec3_length(v) == 0);
+	}
+	assert_true(rb_vec3_length(zeros->body[0].linear) == 0);
+	unmake(zeros);
+	unmake(others);
+}
+
 static void packs_carry_a_heap_at_rest_as_single_rows_do(void **slot)
 {
 	struct heap *packs = make(0), *rows = make(0);
@@ -566,6 +623,7 @@ int main(void)
 		cmocka_unit_test(packs_of_any_shape_end_where_single_rows_do),
 		cmocka_unit_test(packs_of_one_moment_are_as_those_of_its_tensor),
 		cmocka_unit_test(packs_in_32_bits_leave_whole_impulses_of_any_masses),
+		cmocka_unit_test(what_gives_no_way_stands_in_packs_of_32_bits),
 		cmocka_unit_test(packs_carry_a_heap_at_rest_as_single_rows_do),
 		cmocka_unit_test(any_number_of_workers_leaves_the_same_bits),
 		cmocka_unit_test(taking_makes_the_velocities_of_the_impulses_if_asked),
