@@ -2,9 +2,10 @@
 #include "stepped/wide.h"
 
 #include <float.h>
+#include <stdint.h>
 #include <string.h>
 
-/* Packs that are one piece of work: as long as what the threads take to part and meet, or more. */
+/* Packs that are one piece of work at most: several times what threads take to part and meet. */
 enum { BLOCK_CENTRAL_PACKS = 32, BLOCK_PACKS = 12 };
 
 /*
@@ -75,19 +76,36 @@ static double larger(double a, double b)
 	return a > b ? a : b;
 }
 
-static int block_packs(const struct rb_wide *wide, const struct rb_packs *packs, int colour)
+/* Packs of a colour. */
+static int packs_of(const struct rb_packs *packs, int colour)
 {
-	return is_tail(wide, colour) ? packs->first[colour + 1] - packs->first[colour]
-	       : wide->central       ? BLOCK_CENTRAL_PACKS
-	                             : BLOCK_PACKS;
+	return packs->first[colour + 1] - packs->first[colour];
+}
+
+/*
+ * Blocks of a colour: one, or an even number of about the same length, or threads would wait for
+ * the one that has the last of three, or the longer of two.
+ */
+static int blocks_of(const struct rb_wide *wide, const struct rb_packs *packs, int colour)
+{
+	const int max = wide->central ? BLOCK_CENTRAL_PACKS : BLOCK_PACKS;
+	const int count = packs_of(packs, colour), least = (count + max - 1) / max;
+
+	return is_tail(wide, colour) ? count > 0 : least <= 1 ? least : least + least % 2;
+}
+
+/* The first pack of a block of a colour. */
+static int first_of(const struct rb_packs *packs, int colour, int block)
+{
+	const int blocks = packs->first_block[colour + 1] - packs->first_block[colour];
+
+	return packs->first[colour] + (int)((int64_t)packs_of(packs, colour) * block / blocks);
 }
 
 static void run_colour(const struct work *work, int c, int block, double lead)
 {
 	const struct rb_packs *const packs = work->packs;
-	const int max = block_packs(work->wide, packs, c);
-	const int first = packs->first[c] + block * max;
-	const int end = first + max < packs->first[c + 1] ? first + max : packs->first[c + 1];
+	const int first = first_of(packs, c, block), end = first_of(packs, c, block + 1);
 
 	if (work->task != RB_PACK_SWEEP) {
 		carry_packs(work, c, first, end);
@@ -210,7 +228,7 @@ static bool take_packs(const struct rb_wide *wide, const struct rb_pack_kernel *
 		packs->first[c] = count;
 		packs->first[c + 1] = count + more;
 		packs->first_block[c] = blocks;
-		blocks += more == 0 ? 0 : (more - 1) / block_packs(wide, packs, c) + 1;
+		blocks += blocks_of(wide, packs, c);
 		count += more;
 	}
 	packs->first[colours] = count;
