@@ -371,11 +371,35 @@ static enum rb_status record_hits(struct rb_world *world, const struct rb_cohort
 	return status;
 }
 
+/* Of chosen points, whether their pairs were in contact before the step. */
+struct lookup {
+	const struct rb_step_points *points;
+	const struct rb_contacts *before;
+	bool *known; /* [chosen]: of the first one of each pair */
+};
+
+static void look_up(void *user, size_t first, size_t end)
+{
+	const struct lookup *lookup = user;
+	const struct rb_step_points *points = lookup->points;
+
+	for (size_t c = first; c < end; c++) {
+		const struct rb_step_point *point = &points->row[points->chosen[c]];
+		const int a = point->a, b = point->b;
+
+		if (c > 0 && points->row[points->chosen[c - 1]].a == a &&
+		    points->row[points->chosen[c - 1]].b == b)
+			continue;
+		lookup->known[c] = rb_contacts_find(lookup->before, a < b ? a : b, a < b ? b : a);
+	}
+}
+
 enum rb_status rb_record_impacts(struct rb_world *world, struct rb_cohort *cohort, double time,
                                  const struct rb_contacts *before, const unsigned char *skip,
                                  struct rb_error *err)
 {
 	struct rb_step_points *points = &cohort->points;
+	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
 	enum rb_status status = record_hits(world, cohort, time, skip, err);
 	size_t end = 0;
 
@@ -383,6 +407,14 @@ enum rb_status rb_record_impacts(struct rb_world *world, struct rb_cohort *cohor
 	if (status == RB_OK)
 		status = rb_step_points_choose(points, world, world->stepped->solver.tolerance,
 		                               err);
+	if (status != RB_OK)
+		return status;
+	struct lookup lookup = {
+		points, before,
+		rb_arena_take(&world->arena[0], points->chosen_count + 1, sizeof *lookup.known)};
+	if (!lookup.known)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+	rb_team_share(world->team, points->chosen_count, RECORDS_PER_BLOCK, look_up, &lookup);
 	for (size_t c = 0; status == RB_OK && c < points->chosen_count; c++) {
 		size_t k = (size_t)points->chosen[c];
 		const int i = points->row[k].a, j = points->row[k].b;
@@ -393,7 +425,7 @@ enum rb_status rb_record_impacts(struct rb_world *world, struct rb_cohort *cohor
 		while (k > end && points->row[k - 1].a == i && points->row[k - 1].b == j)
 			k--;
 		end = k + pair_length(points, k);
-		if ((skip && skip[i]) || rb_contacts_find(before, i < j ? i : j, i < j ? j : i) ||
+		if ((skip && skip[i]) || lookup.known[c] ||
 		    !is_impact(world, cohort, k, end - k, &event))
 			continue;
 		for (size_t p = k; p < end; p++)
@@ -401,6 +433,7 @@ enum rb_status rb_record_impacts(struct rb_world *world, struct rb_cohort *cohor
 		event.time_s = time;
 		status = add_recorded(world, event, err);
 	}
+	rb_arena_back(&world->arena[0], here);
 	return status;
 }
 
