@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/forest.h"
 #include "base/memory.h"
+#include "base/team.h"
 #include "stepped/energy.h"
 #include "stepped/tally.h"
 
@@ -24,6 +25,8 @@
  * metric for d = torque of closing (TURN_*) and d = displacement of closing.
  */
 enum { RISE, KINETIC, TURN_MIXED, TURN_SQUARE, MIXED, SQUARE, SUMS };
+
+enum { BODIES_PER_BLOCK = 128 };
 
 /*
  * Energy that contacts with an initial overlap have missed: gap times force. Rising again by that
@@ -339,21 +342,66 @@ static double rise_of(const struct rb_world *world, int i, rb_vec3 way)
 	return rise - mass * rb_vec3_dot(rb_gravitation_found(world->gravitation, i), way);
 }
 
-/* Adds one body to the sums of its group. */
-static void add_up(struct rb_lift *lift, const struct rb_world *world, int i)
+/* What one body adds to the sums of its group: by its way, then by its turns. */
+struct addend {
+	double way[SUMS], turn[SUMS];
+};
+
+struct addends {
+	const struct rb_lift *lift;
+	const struct rb_world *world;
+	struct addend *of; /* [members of the step] */
+};
+
+static struct addend addend_of(const struct rb_lift *lift, const struct rb_world *world, int i)
 {
 	const rb_vec3 way = rb_vec3_from(lift->way + 6 * (size_t)i);
 	const double mass = world->model->mass[i];
-	double *const sum = lift->sum + SUMS * (size_t)rb_forest_root(lift->parent, i);
+	struct addend more = {.way = {0}};
 
-	sum[KINETIC] += rb_world_kinetic_energy(world, world->model->id_of[i]);
+	more.way[KINETIC] = rb_world_kinetic_energy(world, world->model->id_of[i]);
 	if (!lift->moved[i])
-		return;
-	sum[RISE] += rise_of(world, i, way);
-	sum[MIXED] += mass * rb_vec3_dot(rb_world_row3(world->state.velocity, i), way);
-	sum[SQUARE] += mass * rb_vec3_dot(way, way);
-	add_turn(world, i, lift->way + 6 * (size_t)i + 3, &sum[MIXED], &sum[SQUARE]);
-	add_turn(world, i, lift->turn + 3 * (size_t)i, &sum[TURN_MIXED], &sum[TURN_SQUARE]);
+		return more;
+	more.way[RISE] = rise_of(world, i, way);
+	more.way[MIXED] = mass * rb_vec3_dot(rb_world_row3(world->state.velocity, i), way);
+	more.way[SQUARE] = mass * rb_vec3_dot(way, way);
+	add_turn(world, i, lift->way + 6 * (size_t)i + 3, &more.turn[MIXED], &more.turn[SQUARE]);
+	add_turn(world, i, lift->turn + 3 * (size_t)i, &more.turn[TURN_MIXED],
+	         &more.turn[TURN_SQUARE]);
+	return more;
+}
+
+static void find_addends(void *user, size_t first, size_t end)
+{
+	const struct addends *addends = user;
+	const int *const body = addends->world->stepped->body;
+
+	for (size_t k = first; k < end; k++)
+		addends->of[k] = addend_of(addends->lift, addends->world, body[k]);
+}
+
+/* Sums of groups, in order of their bodies; false: no memory. */
+static bool add_up(struct rb_lift *lift, const struct rb_world *world, struct rb_arena *arena)
+{
+	const struct rb_stepped *s = world->stepped;
+	const size_t count = (size_t)s->member_count;
+	const rb_arena_mark here = rb_arena_here(arena);
+	struct addends addends = {lift, world, rb_arena_take(arena, count, sizeof *addends.of)};
+
+	if (!addends.of)
+		return false;
+	rb_team_share(world->team, count, BODIES_PER_BLOCK, find_addends, &addends);
+	for (size_t k = 0; k < count; k++) {
+		double *const sum = lift->sum +
+		                    SUMS * (size_t)rb_forest_root(lift->parent, s->body[k]);
+
+		for (int j = 0; j < SUMS; j++) {
+			sum[j] += addends.of[k].way[j];
+			sum[j] += addends.of[k].turn[j];
+		}
+	}
+	rb_arena_back(arena, here);
+	return true;
 }
 
 /*
@@ -463,8 +511,8 @@ enum rb_status rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool an
 
 	if (!paid)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
-	for (int k = 0; k < s->member_count; k++)
-		add_up(lift, world, s->body[k]);
+	if (!add_up(lift, world, &world->arena[0]))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
 	for (int k = 0; k < s->member_count; k++) {
 		const int i = s->body[k];
 		const int root = rb_forest_root(lift->parent, i);
