@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/forest.h"
 #include "base/memory.h"
+#include "base/team.h"
 #include "stepped/joint_steps.h"
 #include "stepped/lift.h"
 #include "world/joint_state.h"
@@ -58,6 +59,13 @@ double rb_projection_lost(const struct rb_world *world, const struct rb_deep *de
 	return lost_ratio * rb_projection_max(world, deep, h);
 }
 
+enum { PAIRS_PER_BLOCK = 1024, BODIES_PER_BLOCK = 64 };
+
+/* Places of a pair's bodies among those that could be moved; -1: it does not yield. */
+struct ends {
+	int a, b;
+};
+
 /* What is looked for from what overlaps, from body to body. All in the arena. */
 struct search {
 	struct rb_world *world;
@@ -66,6 +74,7 @@ struct search {
 	int count;
 	uint32_t *first, *of; /* by body, its candidates: `of` from first[i] up to the next one's */
 	int *place;           /* by body: in `body` */
+	struct ends *ends;    /* by pair */
 	unsigned char *seen;  /* by body: its candidates have been looked at */
 	unsigned char *moved; /* by body: in the round before */
 	int *parent;          /* by body: groups as far as they are known */
@@ -97,6 +106,7 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->place = rb_arena_take(arena, n, sizeof *search->place);
 	search->first = rb_arena_take(arena, count + 2, sizeof *search->first);
 	search->of = rb_arena_take(arena, 2 * pairs + 1, sizeof *search->of);
+	search->ends = rb_arena_take(arena, pairs + 1, sizeof *search->ends);
 	search->seen = rb_arena_take(arena, n, 1);
 	search->moved = rb_arena_take(arena, n, 1);
 	search->stopped = rb_arena_take(arena, n, 1);
@@ -111,10 +121,10 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->active = rb_arena_take(arena, n, sizeof *search->active);
 	search->at_rest = rb_arena_take(arena, n, sizeof *search->at_rest);
 	search->pair = rb_arena_take(arena, pairs + 1, sizeof *search->pair);
-	if (search->place && search->first && search->of && search->seen && search->moved &&
-	    search->stopped && search->parent && search->lost && search->inspected &&
-	    search->anchored && search->frozen && search->astray && search->kept && search->wave &&
-	    search->active && search->at_rest && search->pair) {
+	if (search->place && search->first && search->of && search->ends && search->seen &&
+	    search->moved && search->stopped && search->parent && search->lost &&
+	    search->inspected && search->anchored && search->frozen && search->astray &&
+	    search->kept && search->wave && search->active && search->at_rest && search->pair) {
 		memset(search->moved, 0, n);
 		memset(search->stopped, 0, n);
 		return RB_OK;
@@ -122,26 +132,38 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
 }
 
+static void find_ends(void *user, size_t first, size_t end)
+{
+	const struct search *search = user;
+	const struct rb_pair *const pair = search->cohort->candidates->pair;
+
+	for (size_t k = first; k < end; k++)
+		search->ends[k] = (struct ends){search->place[pair[k].a],
+		                                rb_stepped_is_dynamic(search->world, pair[k].b)
+		                                        ? search->place[pair[k].b]
+		                                        : -1};
+}
+
 static void index_pairs(struct search *search)
 {
-	const struct rb_candidates *candidates = search->cohort->candidates;
-	const struct rb_world *world = search->world;
+	const size_t pairs = search->cohort->candidates->pair_count;
 	uint32_t *const first = search->first;
 
 	memset(first, 0, ((size_t)search->count + 2) * sizeof *first);
 	for (int k = 0; k < search->count; k++)
 		search->place[search->body[k]] = k;
-	for (size_t k = 0; k < candidates->pair_count; k++) {
-		first[search->place[candidates->pair[k].a] + 2]++;
-		if (rb_stepped_is_dynamic(world, candidates->pair[k].b))
-			first[search->place[candidates->pair[k].b] + 2]++;
+	rb_team_share(search->world->team, pairs, PAIRS_PER_BLOCK, find_ends, search);
+	for (size_t k = 0; k < pairs; k++) {
+		first[search->ends[k].a + 2]++;
+		if (search->ends[k].b >= 0)
+			first[search->ends[k].b + 2]++;
 	}
 	for (int k = 0; k < search->count; k++)
 		first[k + 2] += first[k + 1];
-	for (size_t k = 0; k < candidates->pair_count; k++) {
-		search->of[first[search->place[candidates->pair[k].a] + 1]++] = (uint32_t)k;
-		if (rb_stepped_is_dynamic(world, candidates->pair[k].b))
-			search->of[first[search->place[candidates->pair[k].b] + 1]++] = (uint32_t)k;
+	for (size_t k = 0; k < pairs; k++) {
+		search->of[first[search->ends[k].a + 1]++] = (uint32_t)k;
+		if (search->ends[k].b >= 0)
+			search->of[first[search->ends[k].b + 1]++] = (uint32_t)k;
 	}
 }
 
@@ -451,13 +473,14 @@ static void find_astray(struct search *search, double max)
 			points->row[k].normal_impulse = 0;
 }
 
-/* Moves positions by what the solver's velocities have become. */
-static void shift(struct search *search)
+/* Moves positions by what the solver's velocities have become: of each body its own. */
+static void shift(void *user, size_t first, size_t end)
 {
+	struct search *search = user;
 	struct rb_world *world = search->world;
 	const struct rb_solver *solver = &world->stepped->solver;
 
-	for (int k = 0; k < search->active_count; k++) {
+	for (size_t k = first; k < end; k++) {
 		const int i = search->active[k];
 
 		if (solver->island_of[i] < 0 || search->astray[solver->island_of[i]])
@@ -538,7 +561,8 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 	if (status == RB_OK) {
 		find_astray(search, max);
 		rb_lift_turn(&search->lift, world, &s->closing);
-		shift(search);
+		rb_team_share(world->team, (size_t)search->active_count, BODIES_PER_BLOCK, shift,
+		              search);
 	}
 	thaw(search);
 	/* ways in m and rad are no velocities: what is looked at next must not take them so */
