@@ -15,6 +15,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/team.h"
 #include "stepped/impact_pass.h"
 #include "stepped/joint_steps.h"
 #include "stepped/projection.h"
@@ -259,15 +260,6 @@ static void bend(const struct rb_world *world, struct rb_step_point *point)
 	                                        row.normal);
 }
 
-static size_t length_of(const struct rb_step_point *row, size_t count, struct rb_pair pair)
-{
-	size_t length = 0;
-
-	while (length < count && row[length].a == pair.a && row[length].b == pair.b)
-		length++;
-	return length;
-}
-
 /*
  * Somebody has come out on the other side: its way there is not to be trusted, and what it has left
  * stays deep.
@@ -278,47 +270,146 @@ static bool is_through(const struct rb_step_point *old, size_t old_count,
 	return old_count > 0 && fresh_count > 0 && !(rb_vec3_dot(old->normal, fresh->normal) > 0);
 }
 
+/* Points of two lists become one; both are in order of the candidates. */
+struct merging {
+	struct rb_world *world;
+	const struct rb_pair *pair;
+	const struct view *view;
+	const struct rb_step_point *row, *fresh; /* before; of the pairs looked at */
+	size_t count, fresh_count;
+	struct rb_step_point *old, *to; /* what was in `row`, and where the points come to be */
+	size_t *length;                 /* by block: points, then where they begin */
+};
+
+enum { PAIRS_PER_BLOCK = 512 };
+
+/* The points of one pair, of both lists. */
+struct both {
+	const struct rb_step_point *old, *fresh;
+	size_t was, is;
+	bool seen; /* the fresh ones stand */
+};
+
+/* The first point of a pair or of a later one. */
+static size_t first_of(const struct rb_step_point *row, size_t count, size_t pair)
+{
+	size_t low = 0, high = count;
+
+	while (low < high) {
+		const size_t middle = low + (high - low) / 2;
+
+		if (row[middle].pair < pair)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+static size_t length_of(const struct rb_step_point *row, size_t count, size_t pair)
+{
+	size_t length = 0;
+
+	while (length < count && row[length].pair == pair)
+		length++;
+	return length;
+}
+
+static struct both take_both(const struct merging *merging, const struct rb_step_point *row,
+                             size_t at, size_t new_at, size_t pair)
+{
+	struct both both = {
+		.old = row + at,
+		.fresh = merging->fresh + new_at,
+		.was = length_of(row + at, merging->count - at, pair),
+		.is = length_of(merging->fresh + new_at, merging->fresh_count - new_at, pair)};
+
+	both.seen = is_seen(merging->world, merging->view, merging->pair[pair]) &&
+	            !is_through(both.old, both.was, both.fresh, both.is);
+	return both;
+}
+
+/* Counts the points that there will be of these pairs, and takes aside those that there are. */
+static void count_points(void *user, size_t first, size_t end)
+{
+	const struct merging *merging = user;
+	const size_t begin = first_of(merging->row, merging->count, first);
+	size_t at = begin, new_at = first_of(merging->fresh, merging->fresh_count, first);
+	size_t length = 0;
+
+	for (size_t k = first; k < end; k++) {
+		const struct both both = take_both(merging, merging->row, at, new_at, k);
+
+		length += both.seen ? both.is : both.was;
+		at += both.was;
+		new_at += both.is;
+	}
+	if (at > begin)
+		memcpy(merging->old + begin, merging->row + begin,
+		       (at - begin) * sizeof *merging->old);
+	merging->length[first / PAIRS_PER_BLOCK] = length;
+}
+
+static void merge_points(void *user, size_t first, size_t end)
+{
+	const struct merging *merging = user;
+	size_t at = first_of(merging->old, merging->count, first);
+	size_t new_at = first_of(merging->fresh, merging->fresh_count, first);
+	struct rb_step_point *to = merging->to + merging->length[first / PAIRS_PER_BLOCK];
+
+	for (size_t k = first; k < end; k++) {
+		const struct both both = take_both(merging, merging->old, at, new_at, k);
+		const size_t count = both.seen ? both.is : both.was;
+
+		if (count > 0)
+			memcpy(to, both.seen ? both.fresh : both.old, count * sizeof *to);
+		for (size_t p = 0; both.seen && p < count; p++) {
+			keep_arms(&to[p], both.old, both.was);
+			bend(merging->world, &to[p]);
+			rb_impacts_seen(merging->world->stepped, &to[p]);
+		}
+		if (both.seen)
+			inherit(to, count, both.old, both.was);
+		to += count;
+		at += both.was;
+		new_at += both.is;
+	}
+}
+
 /* In order of the candidates: those of the pairs looked at are new. */
 static enum rb_status merge(struct rb_world *world, struct rb_cohort *cohort,
                             const struct view *view, struct rb_error *err)
 {
-	struct rb_stepped *s = world->stepped;
-	const struct rb_step_points *fresh = &s->closing;
+	const struct rb_step_points *fresh = &world->stepped->closing;
 	struct rb_step_points *points = &cohort->points;
+	const size_t pairs = cohort->candidates->pair_count;
 	const size_t max = points->count + fresh->count;
-	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
-	struct rb_step_point *old = rb_arena_take(&world->arena[0], points->count, sizeof *old);
-	const size_t old_count = points->count;
-	size_t at = 0, new_at = 0;
+	struct rb_arena *const arena = &world->arena[0];
+	const rb_arena_mark here = rb_arena_here(arena);
+	struct merging merging = {.world = world,
+	                          .pair = cohort->candidates->pair,
+	                          .view = view,
+	                          .fresh = fresh->row,
+	                          .count = points->count,
+	                          .fresh_count = fresh->count,
+	                          .old = rb_arena_take(arena, points->count, sizeof *merging.old),
+	                          .length = rb_arena_take(arena, pairs / PAIRS_PER_BLOCK + 1,
+	                                                  sizeof *merging.length)};
 
-	if (!old || !rb_memory_reserve(&points->row, &points->capacity, max, sizeof *points->row))
+	if (!merging.old || !merging.length ||
+	    !rb_memory_reserve(&points->row, &points->capacity, max, sizeof *points->row))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", max);
-	if (old_count > 0)
-		memcpy(old, points->row, old_count * sizeof *old);
+	merging.row = merging.to = points->row;
+	rb_team_share(world->team, pairs, PAIRS_PER_BLOCK, count_points, &merging);
 	points->count = 0;
-	for (size_t k = 0; k < cohort->candidates->pair_count; k++) {
-		const struct rb_pair pair = cohort->candidates->pair[k];
-		const size_t was = length_of(old + at, old_count - at, pair);
-		const size_t is = length_of(fresh->row + new_at, fresh->count - new_at, pair);
-		const bool seen = is_seen(world, view, pair) &&
-		                  !is_through(old + at, was, fresh->row + new_at, is);
-		struct rb_step_point *to = points->row + points->count;
-		const size_t count = seen ? is : was;
+	for (size_t b = 0; b * PAIRS_PER_BLOCK < pairs; b++) {
+		const size_t length = merging.length[b];
 
-		if (count > 0)
-			memcpy(to, seen ? fresh->row + new_at : old + at, count * sizeof *to);
-		for (size_t p = 0; seen && p < count; p++) {
-			keep_arms(&to[p], old + at, was);
-			bend(world, &to[p]);
-			rb_impacts_seen(s, &to[p]);
-		}
-		if (seen)
-			inherit(to, count, old + at, was);
-		points->count += count;
-		at += was;
-		new_at += is;
+		merging.length[b] = points->count;
+		points->count += length;
 	}
-	rb_arena_back(&world->arena[0], here);
+	rb_team_share(world->team, pairs, PAIRS_PER_BLOCK, merge_points, &merging);
+	rb_arena_back(arena, here);
 	return RB_OK;
 }
 
