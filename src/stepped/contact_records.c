@@ -378,7 +378,7 @@ struct lookup {
 	bool *known; /* [chosen]: of the first one of each pair */
 };
 
-static void look_up(void *user, size_t first, size_t end)
+static void find_known(void *user, size_t first, size_t end)
 {
 	const struct lookup *lookup = user;
 	const struct rb_step_points *points = lookup->points;
@@ -414,7 +414,7 @@ enum rb_status rb_record_impacts(struct rb_world *world, struct rb_cohort *cohor
 		rb_arena_take(&world->arena[0], points->chosen_count + 1, sizeof *lookup.known)};
 	if (!lookup.known)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
-	rb_team_share(world->team, points->chosen_count, RECORDS_PER_BLOCK, look_up, &lookup);
+	rb_team_share(world->team, points->chosen_count, RECORDS_PER_BLOCK, find_known, &lookup);
 	for (size_t c = 0; status == RB_OK && c < points->chosen_count; c++) {
 		size_t k = (size_t)points->chosen[c];
 		const int i = points->row[k].a, j = points->row[k].b;
