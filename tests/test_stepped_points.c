@@ -256,9 +256,38 @@ static void memory_follows_the_points_and_not_the_pairs(void **state)
 	lab_close(&lab);
 }
 
+/* A plate is next to nothing of the sphere round it, which does not make it meet more than there are. */
+static void memory_foretold_for_a_heap_follows_its_pairs(void **unused)
+{
+	enum { BODIES = 16 };
+	static const double thick[] = {0.5, 1e-3, 1e-12, 1e-40};
+
+	(void)unused;
+	for (size_t t = 0; t < sizeof thick / sizeof *thick; t++) {
+		struct lab lab;
+
+		open_weightless(&lab, 1);
+		lab.scene.world.gravity = (rb_vec3){0, 0, -1};
+		lab_plane(&lab, none, (rb_vec3){0, 0, 1});
+		for (int k = 0; k < BODIES; k++)
+			(void)add_box(&lab, (rb_vec3){1, 1, thick[t]}, (rb_vec3){2 * k, 0, 1}, none,
+			              none);
+		lab_seal(&lab, 1);
+		/* what is there by body and by point, and a kilobyte for each pair */
+		const size_t most = (32 << 10) * (size_t)BODIES +
+		                    1024 * (size_t)(BODIES * (BODIES + 1) / 2);
+
+		print_message("%zu bytes\n", rb_stepped_heap_bytes(lab.model, 1));
+		assert_true(rb_stepped_heap_bytes(lab.model, 1) <= most);
+		assert_true(rb_stepped_heap_bytes(lab.model, 1) > 0);
+		lab_close(&lab);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(memory_foretold_for_a_heap_follows_its_pairs),
 		cmocka_unit_test(memory_follows_the_points_and_not_the_pairs),
 		cmocka_unit_test(steps_take_over_what_was_located),
 		cmocka_unit_test(a_stick_that_turns_hits_what_its_tip_reaches),

@@ -205,12 +205,15 @@ static double falling_speed(const struct rb_model *model)
 
 /*
  * Pairs of all bodies as a heap of them comes to lie: the more, the less of the sphere round a body
- * is its own, and as it falls boxes are up to twice as wide.
+ * is its own, and as it falls boxes are up to twice as wide; no more than there are, as long rods
+ * and thin plates would have.
  */
 static double heap_pairs(const struct rb_model *model)
 {
 	const double sphere = 4 * acos(-1) / 3;
 	const double way = FALLING_STEPS * model->time_step_s * falling_speed(model);
+	const double bodies = model->body_count, statics = model->static_count;
+	const double all = bodies * (0.5 * (bodies - 1) + statics);
 	double sum = 0;
 
 	for (int i = 0; i < model->body_count; i++) {
@@ -223,7 +226,7 @@ static double heap_pairs(const struct rb_model *model)
 
 		sum += HEAP_PAIRS * fmax(1, share);
 	}
-	return sum;
+	return fmin(sum, all);
 }
 
 size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads)
