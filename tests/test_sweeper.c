@@ -398,6 +398,31 @@ static void what_gives_no_way_stands_in_packs_of_32_bits(void **slot)
 	unmake(others);
 }
 
+/* What does not fit into 32 bits holds all that pushes, as less does, and nothing that does not. */
+static void packs_in_32_bits_know_any_friction(void **slot)
+{
+	const double tolerance = 1e-4;
+	struct heap *large = make(0.1), *more = make(0.1);
+
+	(void)slot;
+	spoil(large);
+	spoil(more);
+	for (int k = 0; k < large->dense.row_count; k++) {
+		large->row[k].friction = 1e30;
+		more->row[k].friction = 1e300;
+	}
+	struct rb_sweeper of_large = take(large, NULL), of_more = take(more, NULL);
+	const struct rb_sweep_result first = rb_sweeper_run(&of_large, tolerance, 100);
+	assert_true(rb_sweeper_run(&of_more, tolerance, 100).residual == first.residual);
+	assert_true(of_large.many.single && of_more.many.single);
+	assert_whole(more);
+	for (int i = 0; i < BODIES; i++)
+		assert_true(rb_vec3_length(rb_vec3_sub(large->body[i].linear,
+		                                       more->body[i].linear)) == 0);
+	unmake(large);
+	unmake(more);
+}
+
 static void packs_carry_a_heap_at_rest_as_single_rows_do(void **slot)
 {
 	struct heap *packs = make(0), *rows = make(0);
@@ -624,6 +649,7 @@ int main(void)
 		cmocka_unit_test(packs_of_one_moment_are_as_those_of_its_tensor),
 		cmocka_unit_test(packs_in_32_bits_leave_whole_impulses_of_any_masses),
 		cmocka_unit_test(what_gives_no_way_stands_in_packs_of_32_bits),
+		cmocka_unit_test(packs_in_32_bits_know_any_friction),
 		cmocka_unit_test(packs_carry_a_heap_at_rest_as_single_rows_do),
 		cmocka_unit_test(any_number_of_workers_leaves_the_same_bits),
 		cmocka_unit_test(taking_makes_the_velocities_of_the_impulses_if_asked),

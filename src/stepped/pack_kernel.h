@@ -6,6 +6,7 @@
 #ifndef RB_STEPPED_PACK_KERNEL_H
 #define RB_STEPPED_PACK_KERNEL_H
 
+#include <float.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
@@ -20,10 +21,12 @@
 typedef float real;
 typedef int32_t choice;
 enum { WIDTH = 8 };
+#define REAL_MAX FLT_MAX
 #else
 typedef double real;
 typedef int64_t choice;
 enum { WIDTH = 4 };
+#define REAL_MAX DBL_MAX
 #endif
 
 /*
@@ -520,7 +523,8 @@ static void fill_lane(const struct rb_wide *wide, const struct rb_packs *packs, 
 	pack->inverse_mass_t[i] = (real)(mass * row->inverse_mass_t);
 	pack->inverse_n[i] = (real)(1 / (mass * row->inverse_mass_n));
 	pack->target_velocity[i] = (real)(packs->per_speed * row->target.n);
-	pack->friction[i] = (real)row->friction;
+	/* times no impulse it is none */
+	pack->friction[i] = (real)fmin(row->friction, REAL_MAX);
 }
 
 static void fill_tensor(const struct rb_wide *wide, const struct rb_packs *packs, int body,
