@@ -27,6 +27,21 @@ enum { SAMPLES = 8, GAP_SAMPLES = 16, BISECTIONS = 80, HIT_ULP = 8 };
 /* Of time: a piece within it has no length. */
 enum { RISE_ULP = 2 };
 
+/*
+ * A creeping slip goes against all of its friction. What turning it has left across is far more
+ * than what two solutions for the same motion differ by.
+ */
+static void oppose_creeping(struct rb_modes *w)
+{
+	for (int k = 0; k < w->c->held_count; k++) {
+		const rb_vec3 friction = rb_vec3_reject(w->force[k], w->contact_point[k].normal);
+
+		if (w->c->held[k].creeps)
+			w->contact[k].slip = rb_vec3_unit(rb_vec3_neg(friction),
+			                                  w->contact[k].slip);
+	}
+}
+
 bool rb_check_holds_otherwise(struct rb_modes *w, double t)
 {
 	const struct rb_cluster *c = w->c;
@@ -44,6 +59,7 @@ bool rb_check_holds_otherwise(struct rb_modes *w, double t)
 		return false;
 	memcpy(moves, w->linear, count * sizeof *moves);
 	memcpy(turns, w->angular, count * sizeof *turns);
+	oppose_creeping(w);
 	if (!rb_rates_external(w, t, &max) || !rb_modes_solve_any(w, t, &found))
 		return false;
 	for (size_t k = 0; k < count; k++) {

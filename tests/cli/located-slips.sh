@@ -222,3 +222,22 @@ LUA
 exits 0 run crease.lua --method located --no-record --quiet --json
 share=$(value momentum_share)
 awk -v share="$share" 'BEGIN { exit !(share != "" && share + 0 < 1e-13) }' || fail "unexplained momentum: $share"
+
+# a slip creeps on a body that others hold with forces that are open, at the limit of their friction: what turning the slip has
+# left across it told these forces from others that hold, and pieces of 1e-9 s followed the way that it turned
+cat >creeps.lua <<'LUA'
+world { duration = 0.2846, frame_rate = 60, gravity = {0, 0, -9.81}, method = "located" }
+local m = material { friction = 0.3, restitution = 0, density = 1000 }
+plane { material = m, normal = {0.03470051710789559, 0, 0.9993977557071282} }
+box { material = m, position = {0.0002384550933840256, 0, 0.15},
+	orientation = {axis = {0.3036827199844168, -0.9106695781996853, -0.09989281341626048}, angle = 1.160217604050413},
+	size = {0.08991390826713877, 0.09262454320917439, 0.07311523755224052} }
+cylinder { material = m, position = {-0.0029399665107491357, 0, 0.4},
+	orientation = {axis = {-1.5592449344085477, -1.3337344411051788, -0.30057515473387725}, angle = 1.1759453984379993},
+	radius = 0.04506512764914857, length = 0.050789281519448885 }
+box { material = m, position = {-0.00388062234364127, 0, 0.65},
+	orientation = {axis = {-0.18732457885318185, -0.34725546206538305, -0.973044342429296}, angle = 2.7404256218793255},
+	size = {0.14784503162583396, 0.11597744127795892, 0.146600946824728} }
+LUA
+exits 0 run creeps.lua --no-record --json --quiet
+[ "$(value body_steps)" -lt 150000 ] || fail "a creeping slip among open forces: $(value body_steps) body steps"
