@@ -17,6 +17,7 @@
 #include <stddef.h>
 
 #include "located/bounds.h"
+#include "located/closing.h"
 #include "located/extent.h"
 #include "located/feature.h"
 #include "model/parts.h"
@@ -571,42 +572,6 @@ static double safe_bodies(const struct course *c, double *gap)
 
 /* ---- touching ---- */
 
-/* Relative motion of a touching pair, in order of urgency. */
-enum what { PARTING, RESTING, STAYING, CLOSING };
-
-/* Relative motion of the points that touch. */
-static enum what touching(const struct rb_located *l, const struct rb_touch_pair *pair)
-{
-	struct rb_contact_point all[RB_CONTACT_POINTS_MAX];
-	const int count = rb_touch_all(l, pair, 0, all);
-	enum what found = PARTING;
-
-	for (int k = 0; k < count; k++) {
-		const double rate = rb_vec3_dot(all[k].velocity, all[k].normal);
-		const double noise = rb_contact_point_noise(l, &all[k]);
-
-		if (rate > noise || rb_contact_point_passes(l, &all[k], pair->t))
-			continue;
-		if (rate < -noise)
-			return CLOSING;
-		/*
-		 * neither closes nor opens: the relative acceleration decides, beyond its rounding
-		 */
-		const double max = rb_vec3_length(rb_arc_acceleration(l, pair->a, pair->t)) +
-		                   rb_vec3_length(rb_arc_acceleration(l, pair->b, pair->t)) +
-		                   rb_vec3_dot(pair->pose_a.spin, pair->pose_a.spin) *
-		                           rb_vec3_length(all[k].arm_a) +
-		                   rb_vec3_dot(pair->pose_b.spin, pair->pose_b.spin) *
-		                           rb_vec3_length(all[k].arm_b);
-		const double bend = rb_contact_point_bend(l, &all[k], pair->t);
-		const double least = 64 * DBL_EPSILON * max;
-
-		if (bend <= least && found != STAYING)
-			found = bend < -least ? STAYING : RESTING;
-	}
-	return found;
-}
-
 /* A pair, in order, at a time. */
 static struct rb_touch_pair pair_at(const struct rb_located *l, int a, int b, double t)
 {
@@ -619,7 +584,7 @@ bool rb_approach_now(const struct rb_located *l, int a, int b, double t)
 	RB_ASSERT_COSTLY(a != b);
 	const struct rb_touch_pair pair = pair_at(l, a < b ? a : b, a < b ? b : a, t);
 
-	return touching(l, &pair) == CLOSING;
+	return rb_closing_of(l, &pair) == RB_CLOSING_CLOSES;
 }
 
 /* Gap of the pair at another time, m. */
@@ -646,7 +611,8 @@ static double crossing(const struct course *c, double low, double high)
 		t = fmin(fmax(t, low + DBL_EPSILON * high), high - DBL_EPSILON * high);
 		const double gap = gap_at(c, t);
 		const struct rb_touch_pair pair = pair_at(c->l, c->pair.a, c->pair.b, t);
-		const bool part = fabs(gap) <= c->band && touching(c->l, &pair) == PARTING;
+		const bool part = fabs(gap) <= c->band &&
+		                  rb_closing_of(c->l, &pair) == RB_CLOSING_PARTS;
 
 		if (!part && fabs(gap) <= 0.125 * c->band)
 			return t;
@@ -659,6 +625,30 @@ static double crossing(const struct course *c, double low, double high)
 		}
 	}
 	return high;
+}
+
+/*
+ * A pair that overlaps by rounding, parts at `from` and closes now has no gap to be followed back:
+ * it is where it began after twice the time to its turn. Seen later it would hit faster than it has
+ * parted, and so without end.
+ */
+static double returned(const struct course *c, double from)
+{
+	struct rb_touch_pair pair = pair_at(c->l, c->pair.a, c->pair.b, from);
+	double low = from, high = c->pair.t;
+
+	if (rb_closing_of(c->l, &pair) != RB_CLOSING_PARTS)
+		return high;
+	for (int k = 0; k < HALVINGS && high - low > 2 * DBL_EPSILON * high; k++) {
+		const double t = low + 0.5 * (high - low);
+
+		pair = pair_at(c->l, c->pair.a, c->pair.b, t);
+		if (rb_closing_of(c->l, &pair) == RB_CLOSING_CLOSES)
+			high = t;
+		else
+			low = t;
+	}
+	return fmin(from + 2 * (high - from), c->pair.t);
 }
 
 /* Moves a touch found within the band to where the gap is zero, to the resolution of time. */
@@ -682,8 +672,10 @@ static double refined(const struct course *c, double from, double until)
 		                              all[k].gap * c->speed >= leap_first * c->size * rate))
 			sooner = fmin(sooner, all[k].gap / -rate);
 	}
+	if (!isfinite(sooner))
+		return t;
 	/* not back to the rebound it comes from */
-	return isfinite(sooner) && t + sooner > from ? fmin(t + sooner, until) : t;
+	return t + sooner > from ? fmin(t + sooner, until) : returned(c, from);
 }
 
 /* Seconds in which a dip gets no deeper than DIP_ULP roundings of the size. */
@@ -729,7 +721,7 @@ static void search(struct course *c, double from, double until, struct rb_approa
 			s = safe_bodies(c, &gap);
 			found->products += inspection;
 			if (gap <= c->band) {
-				const enum what now = touching(c->l, &c->pair);
+				const enum rb_closing now = rb_closing_of(c->l, &c->pair);
 
 				found->products += inspection;
 				found->touching = found->touching || t == from;
@@ -737,9 +729,10 @@ static void search(struct course *c, double from, double until, struct rb_approa
 				 * bodies that begin to rest on each other may share a load:
 				 * reported once
 				 */
-				rests = rests || (t == from && now == RESTING);
-				if (now == CLOSING || (now == STAYING && t > from) ||
-				    (now == RESTING && !rests)) {
+				rests = rests || (t == from && now == RB_CLOSING_RESTS);
+				if (now == RB_CLOSING_CLOSES ||
+				    (now == RB_CLOSING_BEGINS && t > from) ||
+				    (now == RB_CLOSING_RESTS && !rests)) {
 					found->touch_s = t > from ? refined(c, from, until) : t;
 					return;
 				}
