@@ -67,7 +67,7 @@ exits 0 check late.lua --no-record --json --duration 0.3
 early=$(value run_seconds)
 awk -v a="$early" -v b="$late" 'BEGIN { exit !(a > 0 && b > a) }' || fail "0.3 s take $early s, 4 s take $late s"
 # without its end: a run of ages, whose heap takes more than its beginning
-exits 0 check late.lua --no-record --json --param n=1000 --duration 1000
+exits 0 check late.lua --no-record --json --param n=1000 --duration 1e6
 [ "$(value run_at_least)" = true ] || fail "nobody can know how long that takes"
 memory=$(value memory_bytes)
 exits 0 late.lua --no-record --json --param n=1000 --duration 3 # when all lie there
@@ -75,7 +75,7 @@ scene="a heap of 1000" within memory "$memory" "$(value memory_bytes)" 0 0.1
 # of what turns, points and pairs are there several times while some of them take shorter steps
 sed 's/sphere {.*position = \({[^}]*}\).*/hull { points = {{-0.12, -0.1, -0.1}, {0.14, -0.1, -0.1}, {0, 0.15, -0.1}, {0, 0, 0.15}}, position = \1, material = m } end/' \
 	late.lua >turning.lua
-exits 0 check turning.lua --no-record --json --param n=1000 --duration 1000
+exits 0 check turning.lua --no-record --json --param n=1000 --duration 1e6
 memory=$(value memory_bytes)
 exits 0 turning.lua --no-record --json --param n=1000 --duration 2
 scene="a heap of 1000 tetrahedra" within memory "$memory" "$(value memory_bytes)" 0 0.1
