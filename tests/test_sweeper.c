@@ -417,8 +417,8 @@ static void packs_in_32_bits_know_any_friction(void **slot)
 	assert_true(of_large.many.single && of_more.many.single);
 	assert_whole(more);
 	for (int i = 0; i < BODIES; i++)
-		assert_true(rb_vec3_length(rb_vec3_sub(large->body[i].linear,
-		                                       more->body[i].linear)) == 0);
+		assert_true(rb_vec3_length(
+				    rb_vec3_sub(large->body[i].linear, more->body[i].linear)) == 0);
 	unmake(large);
 	unmake(more);
 }

@@ -555,7 +555,7 @@ static struct rb_direct_result solve(struct newton *s)
 		if (balance <= tolerance && open <= 1 && off.shifted <= s->direct->slip_tolerance)
 			break;
 		if (s->direct->steps_few > 0 && result.steps >= s->direct->steps_few &&
-		    result.residual <= s->direct->enough)
+		    result.residual <= s->direct->acceptable)
 			break;
 		if (open > 1 && open > 0.1 * before && grown < weight_max * s->ratio) {
 			grown *= weight_growth;

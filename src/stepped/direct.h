@@ -34,9 +34,9 @@ struct rb_direct {
 	 */
 	double joint_tolerance;
 	int steps_max; /* factorizations */
-	/* after so many of them `enough`, m/s, will do for the tolerance; 0: never */
+	/* after so many of them `acceptable`, m/s, will do for the tolerance; 0: never */
 	int steps_few;
-	double enough;
+	double acceptable;
 	bool holds; /* to begin with, as if nothing slipped: right where bodies stand */
 	double max; /* multiplications that one factorization may take */
 	struct rb_interrupt *interrupt; /* borrowed; NULL: none */

@@ -91,7 +91,7 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 		.holds = purpose == AT_REST,
 		.steps_max = tower ? FACTORS_STIFF : steps_max[purpose],
 		.steps_few = tower ? steps_max[purpose] : 0,
-		.enough = left,
+		.acceptable = left,
 		.slip_tolerance = solver->tolerance,
 		.joint_tolerance = is_polished ? solver->tolerance : 0,
 		.max = fmin(share * (double)dense->row_count, factors_max),

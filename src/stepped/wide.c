@@ -331,7 +331,7 @@ static void put_bodies(const struct rb_wide *wide, const struct rb_packs *packs)
 	put_body(wide, packs, wide->fixed);
 	for (int k = 0; k < wide->member_count; k++)
 		put_body(wide, packs, wide->member[k]);
-	/* driven ones are nobody's members, nor are those that give no way while others are moved */
+	/* nobody's members are driven ones, and those that give no way while others are moved */
 	for (int k = 0; k < wide->dense->row_count; k++) {
 		const int a = wide->dense->row[k].a, b = wide->dense->row[k].b;
 
