@@ -11,14 +11,17 @@
 #include "located/located.h"
 
 /*
- * How many times as much as others a mechanism may take that nothing touches: its motion is smooth,
- * and whether it closes after a turn is what one looks at.
+ * How many times as much as others a world may take: a mechanism that nothing touches, whose motion
+ * is smooth, and of which one looks at whether it closes after a turn; and few bodies, of which all
+ * is little and the answers are asked for.
  */
-enum { RB_MECHANISM_WORTH = 8 };
-
 static inline uint64_t rb_located_worth(const struct rb_located *l)
 {
-	return l->model->features & RB_FEATURE_CONTACT ? 1 : RB_MECHANISM_WORTH;
+	enum { MECHANISM = 8, FEW = 32 };
+
+	if (!(l->model->features & RB_FEATURE_CONTACT))
+		return MECHANISM;
+	return l->n > 0 && l->n < FEW ? FEW / (uint64_t)l->n : 1;
 }
 
 /*
