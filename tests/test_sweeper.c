@@ -423,6 +423,21 @@ static void packs_in_32_bits_know_any_friction(void **slot)
 	unmake(more);
 }
 
+/* Packs stay as the sweeps before have left them, whatever numbers a fresh call would choose. */
+static void what_presses_on_goes_on_in_the_same_packs(void **slot)
+{
+	struct heap *heap = make(0.1);
+
+	(void)slot;
+	spoil(heap);
+	struct rb_sweeper sweeper = take(heap, NULL);
+	(void)rb_sweeper_run(&sweeper, 1e-4, 10);
+	assert_true(sweeper.many.single);
+	(void)rb_sweeper_press_on(&sweeper, 1e-9, 10);
+	assert_true(sweeper.many.single);
+	unmake(heap);
+}
+
 static void packs_carry_a_heap_at_rest_as_single_rows_do(void **slot)
 {
 	struct heap *packs = make(0), *rows = make(0);
@@ -650,6 +665,7 @@ int main(void)
 		cmocka_unit_test(packs_in_32_bits_leave_whole_impulses_of_any_masses),
 		cmocka_unit_test(what_gives_no_way_stands_in_packs_of_32_bits),
 		cmocka_unit_test(packs_in_32_bits_know_any_friction),
+		cmocka_unit_test(what_presses_on_goes_on_in_the_same_packs),
 		cmocka_unit_test(packs_carry_a_heap_at_rest_as_single_rows_do),
 		cmocka_unit_test(any_number_of_workers_leaves_the_same_bits),
 		cmocka_unit_test(taking_makes_the_velocities_of_the_impulses_if_asked),

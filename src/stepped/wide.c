@@ -342,6 +342,12 @@ static void put_bodies(const struct rb_wide *wide, const struct rb_packs *packs)
 	}
 }
 
+/* Whether packs stay as the call before has left them. */
+static bool is_gathered(enum rb_wide_start start)
+{
+	return start == RB_WIDE_GOES_ON || start == RB_WIDE_PRESSES_ON;
+}
+
 /* Chooses numbers and puts into packs what they need; those of a call that goes on stay. */
 static const struct rb_packs *begin(struct rb_wide *wide, double tolerance,
                                     enum rb_wide_start start)
@@ -350,7 +356,7 @@ static const struct rb_packs *begin(struct rb_wide *wide, double tolerance,
 
 	if (single->body && !single->filled)
 		find_units(wide, single, tolerance);
-	if (start != RB_WIDE_GOES_ON)
+	if (!is_gathered(start))
 		wide->single = start != RB_WIDE_HOLDS && single->body &&
 		               may_be_single(wide, single, tolerance);
 	struct rb_packs *const packs = &wide->packs[wide->single];
@@ -359,7 +365,7 @@ static const struct rb_packs *begin(struct rb_wide *wide, double tolerance,
 	packs->filled = true;
 	if (wide->single)
 		put_bodies(wide, packs);
-	if (start != RB_WIDE_GOES_ON)
+	if (!is_gathered(start))
 		run_all(wide, packs, start == RB_WIDE_HOLDS ? RB_PACK_LOAD_HELD : RB_PACK_LOAD, 0);
 	return packs;
 }
@@ -393,7 +399,7 @@ struct rb_sweep_result rb_wide_solve(struct rb_wide *wide, double tolerance, int
                                      enum rb_wide_start start)
 {
 	struct rb_sweep_result result = {0};
-	const bool gathered = start == RB_WIDE_GOES_ON || start == RB_WIDE_PRESSES_ON;
+	const bool gathered = is_gathered(start);
 	int same = 0;
 	const bool presses = start == RB_WIDE_PRESSES_ON;
 	double lead = presses ? lead_pressed : lead_first, least = (double)INFINITY,
