@@ -172,12 +172,67 @@ static void what_forces_part_again_has_met_once(void **state)
 	lab_close(&lab);
 }
 
+/*
+ * What is round turns about its axis by three radians in the step in which it meets a box, 0.02 m
+ * beside the middle, without friction: that spin stays, since the impulse goes through the axis, and
+ * all else is as the located method has it.
+ */
+static void what_is_round_meets_with_its_side_however_it_spins(void **state)
+{
+	static const enum rb_shape_kind kinds[] = {RB_SHAPE_SPHERE, RB_SHAPE_CAPSULE,
+	                                           RB_SHAPE_CYLINDER};
+	const double time_step = 0.1, spin = 30, speed = 2, met_s = 0.04, radius = 0.1;
+	const struct rb_world_options options = {.threads = 1, .keep_events = true};
+
+	(void)state;
+	for (int k = 0; k < 3; k++) {
+		rb_vec3 velocity[2];
+
+		for (int steps = 0; steps < 2; steps++) {
+			struct lab lab;
+			struct lab_log log;
+			const struct rb_world_hooks hooks = lab_log_open(&log);
+
+			lab_open(&lab, time_step, 1 / time_step);
+			lab.scene.world.method = steps ? RB_METHOD_STEPPED : RB_METHOD_LOCATED;
+			lab.scene.world.time_step_s = time_step;
+			lab_surface(&lab, 0, 1);
+			struct rb_body_def def = lab_sphere_def(
+				radius, 1, (rb_vec3){-0.25 - radius - speed * met_s, 0.02, 0},
+				(rb_vec3){speed, 0, 0});
+			def.call = "body";
+			def.shape.kind = kinds[k];
+			def.shape.size[2] = 0.2;
+			def.angular_velocity = (rb_vec3){0, 0, spin};
+			const int round = lab_add(&lab, &def);
+			struct rb_body_def box = rb_body_def_default();
+			box.call = "box";
+			box.shape.kind = RB_SHAPE_BOX;
+			box.shape.size[0] = box.shape.size[1] = box.shape.size[2] = 0.5;
+			box.mass = 8;
+			lab_add(&lab, &box);
+			lab_seal_with(&lab, &options, &hooks);
+			lab_run(&lab);
+			velocity[steps] = rb_world_velocity(lab.world, round);
+			assert_true(fabs(rb_world_angular_velocity(lab.world, round).z - spin) <=
+			            1e-10 * spin);
+			assert_int_equal(log.count, 1);
+			assert_true(fabs(log.row[0].time_s - met_s) <= 1e-10);
+			assert_true(fabs(log.row[0].point.y - 0.02) <= 1e-10);
+			lab_log_close(&log);
+			lab_close(&lab);
+		}
+		assert_true(rb_vec3_length(rb_vec3_sub(velocity[0], velocity[1])) <= 1e-10 * speed);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_meets_with_friction_goes_on_with_its_new_spin),
 		cmocka_unit_test(what_meets_without_friction_is_told_of_all_of_its_impulse),
 		cmocka_unit_test(what_forces_part_again_has_met_once),
+		cmocka_unit_test(what_is_round_meets_with_its_side_however_it_spins),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -35,6 +35,8 @@ static const double left_share = 16;
  */
 static const double whole_share = 1e-3;
 enum { SOME_STEPS = 4, BENDS = 2 };
+/* Cosine of how far round a rim a point still counts as its lowest one. */
+static const double lowest_share = 1 - 1e-6;
 
 static double larger(double a, double b)
 {
@@ -512,8 +514,39 @@ static rb_vec3 lever_at(const struct rb_flight *flight, const struct rb_step_poi
 	return rb_vec3_add(between(flight, point), rb_vec3_add_scaled(shift, t, kicked));
 }
 
-/* What an arm has turned to at t seconds, in the first order. */
-static rb_vec3 turned(const struct rb_flight *flight, int i, double t, rb_vec3 arm)
+/*
+ * m: of an arm as the step began what lies along the normal whatever turns: a ball's radius round
+ * the core, and that of a cylinder's side, or of a rim at its lowest point.
+ */
+static rb_vec3 round_of(const struct rb_world *world, int i, uint32_t number, rb_vec3 outward,
+                        rb_vec3 arm)
+{
+	const struct rb_model *const model = world->model;
+
+	if (!model->parts)
+		return rb_vec3_scale(model->shape[i].radius, outward);
+	const struct rb_body_part *const part = &rb_model_parts(model, i)->part[number];
+	const rb_vec3 ball = rb_vec3_scale(part->core.radius, outward);
+
+	if (part->core.kind != RB_CORE_CYLINDER)
+		return ball;
+	const rb_quat q = rb_quat_from(world->mark.orientation + 4 * (size_t)i);
+	const rb_vec3 local = model->center_of_mass
+	                              ? rb_vec3_sub(part->at, model->center_of_mass[i])
+	                              : part->at;
+	const rb_vec3 axis = rb_quat_rotate(
+		q, (rb_vec3){part->turn.m[0][2], part->turn.m[1][2], part->turn.m[2][2]});
+	const rb_vec3 side = rb_vec3_reject(outward, axis);
+	const rb_vec3 here = rb_vec3_reject(
+		rb_vec3_sub(rb_vec3_sub(arm, ball), rb_quat_rotate(q, local)), axis);
+
+	if (!(rb_vec3_dot(side, here) > lowest_share * rb_vec3_length(side) * part->core.round))
+		return ball;
+	return rb_vec3_add(ball, here);
+}
+
+/* What an arm as the step began has turned to at t seconds. */
+static rb_vec3 turned(const struct rb_flight *flight, int i, double t, rb_vec3 arm, rb_vec3 round)
 {
 	const struct rb_world *world = flight->world;
 
@@ -521,13 +554,13 @@ static rb_vec3 turned(const struct rb_flight *flight, int i, double t, rb_vec3 a
 		return arm;
 	const struct rb_kick *const kick = rb_kick_of(&world->stepped->kicks, i);
 	const rb_vec3 spin = rb_vec3_add(rb_world_row3(world->mark.spin, i), kick->angular);
-	const rb_vec3 turn = rb_vec3_add_scaled(kick->turn, t, spin);
+	const rb_quat turn = rb_quat_from_turn(rb_vec3_add_scaled(kick->turn, t, spin));
 
-	return rb_vec3_add(arm, rb_vec3_cross(turn, arm));
+	return rb_vec3_add(round, rb_quat_rotate(turn, rb_vec3_sub(arm, round)));
 }
 
 void rb_flight_turn(const struct rb_flight *flight, struct rb_step_point *point, double t,
-                    rb_vec3 arm[2])
+                    const rb_vec3 began[2], rb_vec3 arm[2])
 {
 	const struct rb_world *world = flight->world;
 	const int of[2] = {point->a, point->b};
@@ -543,8 +576,12 @@ void rb_flight_turn(const struct rb_flight *flight, struct rb_step_point *point,
 	} else if (joins) {
 		rb_vec3 normal;
 
-		arm[0] = turned(flight, point->a, t, point->arm_a);
-		arm[1] = turned(flight, point->b, t, point->arm_b);
+		arm[0] = turned(
+			flight, point->a, t, began[0],
+			round_of(world, point->a, point->parts >> 16, point->normal, began[0]));
+		arm[1] = turned(flight, point->b, t, began[1],
+		                round_of(world, point->b, point->parts & 0xffff,
+		                         rb_vec3_neg(point->normal), began[1]));
 		rb_levers_join(world, of, d, point->normal, arm);
 		point->arm_a = arm[0];
 		point->arm_b = arm[1];
@@ -554,6 +591,24 @@ void rb_flight_turn(const struct rb_flight *flight, struct rb_step_point *point,
 	const rb_vec3 n = point->normal;
 	arm[0] = point->central ? rb_vec3_scale(point->arm_a.x + half, n) : point->arm_a;
 	arm[1] = point->central ? rb_vec3_scale(point->arm_b.x - half, n) : point->arm_b;
+}
+
+rb_vec3 rb_flight_place(const struct rb_flight *flight, const struct rb_step_point *point, double t)
+{
+	const struct rb_world *world = flight->world;
+	const int i = point->a;
+	const struct rb_flight_motion motion = rb_flight_of(flight, i, (rb_vec3){0, 0, 0});
+	const uint32_t number = i < point->b ? point->parts >> 16 : point->parts & 0xffff;
+	const rb_vec3 at = rb_vec3_add_scaled(
+		rb_vec3_add(rb_world_row3(world->state.position, i), motion.shift), t,
+		rb_flight_velocity(&motion, t));
+	rb_vec3 arm = point->arm_a;
+
+	if (point->central)
+		arm = rb_vec3_scale(point->arm_a.x, point->normal);
+	else if (!rb_stepped_is_dynamic(world, point->b))
+		arm = turned(flight, i, t, arm, round_of(world, i, number, point->normal, arm));
+	return rb_vec3_add(at, arm);
 }
 
 /*

@@ -107,10 +107,14 @@ double rb_flight_touches(const struct rb_flight *flight, const struct rb_step_po
 /*
  * The point becomes that at which an impact acts at `t`: its normal is the one there, and between
  * bodies that both yield, where angular momentum is to stay, it is where their arms meet. `arm`
- * becomes the arms there, m.
+ * becomes the arms there, m; `began`: the point's as the step began.
  */
 void rb_flight_turn(const struct rb_flight *flight, struct rb_step_point *point, double t,
-                    rb_vec3 arm[2]);
+                    const rb_vec3 began[2], rb_vec3 arm[2]);
+
+/* m: where that is; of one that nothing has turned, where a's arm has turned to. */
+rb_vec3 rb_flight_place(const struct rb_flight *flight, const struct rb_step_point *point,
+                        double t);
 
 /*
  * Gap and normal become those under which nothing that flies past is in the way, the approach that

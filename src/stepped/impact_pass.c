@@ -57,6 +57,7 @@ struct impacts {
 	unsigned char *seen;    /* [points] its gap is looked at when all is done, or in the set */
 	int *place;             /* [bodies] in the set, or -1 */
 	struct rb_flight_turning *turning; /* [bodies_max] of those in the set, at the moment */
+	rb_vec3 (*began)[2];               /* [points] m: arms as the step began */
 	unsigned char *crowded; /* [bodies] enum crowd: why its group is left to the end */
 
 	/* what touches at one moment */
@@ -137,13 +138,14 @@ static enum rb_status begin(struct impacts *all, struct rb_error *err)
 	all->of = rb_arena_take(arena, 2 * count, sizeof *all->of);
 	all->due_s = rb_arena_take(arena, count, sizeof *all->due_s);
 	all->touched = rb_arena_take(arena, count, 1);
+	all->began = rb_arena_take(arena, count, sizeof *all->began);
 	all->place = rb_arena_take(arena, n, sizeof *all->place);
 	all->crowded = rb_arena_take(arena, n + (size_t)model->static_count, 1);
 	all->body = rb_arena_take(arena, (size_t)all->bodies_max + 1, sizeof *all->body);
 	all->turning = rb_arena_take(arena, (size_t)all->bodies_max + 1, sizeof *all->turning);
 	all->contact = rb_arena_take(arena, RB_IMPACT_CONTACTS + 1, sizeof *all->contact);
-	if (!all->held || !all->first || !all->of || !all->due_s || !all->touched || !all->place ||
-	    !all->crowded || !all->body || !all->turning || !all->contact)
+	if (!all->held || !all->first || !all->of || !all->due_s || !all->touched || !all->began ||
+	    !all->place || !all->crowded || !all->body || !all->turning || !all->contact)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 	all->flight.held = all->held;
 	memset(all->touched, 0, count);
@@ -156,6 +158,8 @@ static enum rb_status begin(struct impacts *all, struct rb_error *err)
 	enum rb_status status = RB_OK;
 	for (size_t k = 0; k < count && status == RB_OK; k++) {
 		all->due_s[k] = (double)INFINITY;
+		all->began[k][0] = all->points->row[k].arm_a;
+		all->began[k][1] = all->points->row[k].arm_b;
 		if (all->seen[k])
 			status = predict(all, k, 0, err);
 	}
@@ -302,7 +306,7 @@ static void fill_contact(const struct impacts *all, struct rb_simultaneous *join
 	struct rb_solver_contact *c = &joint->contact[k];
 	rb_vec3 arm[2];
 
-	rb_flight_turn(&all->flight, point, all->t_s, arm);
+	rb_flight_turn(&all->flight, point, all->t_s, all->began[all->contact[k]], arm);
 	const double least = rb_flight_least(&all->flight, point, point->normal);
 	*c = (struct rb_solver_contact){
 		.a = joint_place(all, joint, point->a),
@@ -421,18 +425,6 @@ static double time_of(const struct impacts *all)
 	return fmax(all->start_s + all->t_s, nextafter(all->start_s, (double)INFINITY));
 }
 
-/* Where a point is at the moment. */
-static rb_vec3 place_of(const struct impacts *all, const struct rb_step_point *point)
-{
-	const rb_vec3 arm = point->central ? rb_vec3_scale(point->arm_a.x, point->normal)
-	                                   : point->arm_a;
-	const struct rb_flight_motion motion = rb_flight_of(&all->flight, point->a, arm);
-	rb_vec3 at = rb_vec3_add(rb_world_row3(all->world->state.position, point->a), motion.shift);
-
-	at = rb_vec3_add_scaled(at, all->t_s, rb_flight_velocity(&motion, all->t_s));
-	return rb_vec3_add(at, arm);
-}
-
 /* One for all points and impacts of a pair at one moment. */
 static struct rb_hit *find_hit(const struct impacts *all, const struct rb_step_point *point)
 {
@@ -457,7 +449,7 @@ static struct rb_hit *add_hit(struct impacts *all, const struct rb_step_point *p
 	*hit = (struct rb_hit){.a = point->a,
 	                       .b = point->b,
 	                       .time_s = time_of(all),
-	                       .point = place_of(all, point),
+	                       .point = rb_flight_place(&all->flight, point, all->t_s),
 	                       .normal = point->normal};
 	return hit;
 }
@@ -473,8 +465,9 @@ static void add_impulse(const struct impacts *all, struct rb_hit *hit,
 	if (!(normal_impulse > 0))
 		return;
 	hit->normal_impulse += normal_impulse;
-	hit->point = rb_vec3_add_scaled(hit->point, normal_impulse / hit->normal_impulse,
-	                                rb_vec3_sub(place_of(all, point), hit->point));
+	hit->point = rb_vec3_add_scaled(
+		hit->point, normal_impulse / hit->normal_impulse,
+		rb_vec3_sub(rb_flight_place(&all->flight, point, all->t_s), hit->point));
 }
 
 /*
@@ -494,7 +487,7 @@ static bool pass(struct impacts *all, const struct rb_step_point *point,
 	passed->row[passed->count++] = (struct rb_contact){
 		.a = point->a,
 		.b = point->b,
-		.point = place_of(all, point),
+		.point = rb_flight_place(&all->flight, point, all->t_s),
 		.normal = c->normal,
 		.gap = point->gap,
 		.normal_force = normal_impulse,
