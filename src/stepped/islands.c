@@ -86,34 +86,6 @@ static bool is_dynamic(const struct rb_solver *solver, int i)
 	return i < solver->body_count && solver->dense.bodies.body[i].inverse_mass > 0;
 }
 
-/* ---- standing still ---- */
-
-/* Whether the vector of a body is zero (a column that does not exist is). */
-static bool is_zero(const double *column, int i)
-{
-	const double *v = column ? column + 3 * (size_t)i : NULL;
-
-	return !v || (v[0] == 0 && v[1] == 0 && v[2] == 0);
-}
-
-/*
- * Whether all members rested in the last step and feel the same external accelerations, and nothing
- * driven moves at them: the solution would be the same, and the island gets no rows.
- */
-static bool goes_on_resting(const struct rb_solver *solver, const struct rb_island *island)
-{
-	for (int k = 0; k < island->member_count; k++) {
-		const int i = solver->member[island->first_member + k];
-
-		if (!solver->before || !is_zero(solver->before->velocity, i) ||
-		    !is_zero(solver->before->spin, i) ||
-		    !rb_rest_holds(solver, i, &solver->free[i].linear.x, &solver->free[i].angular.x,
-		                   solver->h_s))
-			return false;
-	}
-	return !island->carried;
-}
-
 /* Whether a driven body of this contact moves. */
 static bool is_moved(const struct rb_solver *solver, const struct rb_step_point *point)
 {
@@ -587,8 +559,7 @@ static void lay_out(struct pass *pass)
 	count_joints(solver, pass->world);
 	count_springs(solver);
 	place_members(solver);
-	for (size_t g = 0; g < solver->island_count; g++)
-		solver->island[g].rests = goes_on_resting(solver, &solver->island[g]);
+	rb_islands_rest(solver, pass->points, place, &pass->world->arena[0]);
 	if (solver->joined_count > 0)
 		rb_islands_swing(solver, pass->world);
 	for (size_t g = 0; g < solver->island_count; g++) {

@@ -213,6 +213,13 @@ static inline struct rb_constraint rb_islands_row_of(const struct rb_solver *sol
 /* m: b's centre of mass from a's where the impulses of the step act; `position`: as it began. */
 rb_vec3 rb_islands_between(const struct rb_solver *solver, const double *position, int a, int b);
 
+/*
+ * Before rows are placed: which groups go on resting, as the solution would be the same: they get
+ * no rows. `group_of`: by point.
+ */
+void rb_islands_rest(struct rb_solver *solver, const struct rb_step_points *points,
+                     const int *group_of, struct rb_arena *arena);
+
 static inline bool rb_islands_has_no_rows(const struct rb_island *island)
 {
 	return island->rests || island->swings;
