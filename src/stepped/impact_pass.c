@@ -480,7 +480,7 @@ static bool pass(struct impacts *all, const struct rb_step_point *point,
 	struct rb_contacts *passed = &all->cohort->passed;
 	const double normal_impulse = rb_vec3_dot(c->impulse, c->normal);
 
-	if (!all->world->keeps_means || rb_vec3_max_abs(c->impulse) == 0)
+	if (rb_vec3_max_abs(c->impulse) == 0)
 		return true;
 	if (rb_contacts_reserve(passed, passed->count + 1, NULL) != RB_OK)
 		return false;

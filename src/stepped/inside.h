@@ -54,7 +54,7 @@ struct rb_cohort {
 	struct rb_hit *hit; /* owned: of the try, in order of time */
 	size_t hit_count, hit_capacity;
 	struct rb_contacts
-		passed;       /* for the frames: contacts that have passed impacts on, N s for N */
+		passed;       /* contacts that have passed impacts on, N s for N */
 	struct rb_blow *blow; /* owned: of the try, where the ledger is kept */
 	size_t blow_count, blow_capacity;
 	struct rb_depths

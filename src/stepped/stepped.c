@@ -298,7 +298,7 @@ static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_
 	rb_arena_back(&world->arena[0], here);
 	if (world->model->driven)
 		rb_contacts_sort(&world->contacts);
-	if (status == RB_OK && s->all.passed.count > 0) {
+	if (status == RB_OK && world->keeps_means && s->all.passed.count > 0) {
 		world->shown.count = 0;
 		status = rb_contacts_join(&world->shown, &world->contacts, err);
 		if (status == RB_OK)

@@ -216,11 +216,29 @@ void rb_swept_bounds_show(struct rb_swept_bounds *swept, size_t first, size_t co
 		candidates->first_clue = candidates->own_first_clue + first;
 }
 
+/*
+ * Bodies that have exchanged an impulse in the try of all go back together, or momentum would be
+ * lost: where what turns meets along straight ways, their territories may be apart.
+ */
+static void join_met(struct rb_swept_bounds *swept, const struct rb_world *world)
+{
+	const struct rb_cohort *const all = &world->stepped->all;
+
+	for (size_t k = 0; k < all->points.count; k++)
+		if (all->points.row[k].normal_impulse > 0 ||
+		    rb_vec3_max_abs(rb_cohort_rebound(all, k)) > 0)
+			join(world, swept->parent, all->points.row[k].a, all->points.row[k].b);
+	for (size_t k = 0; k < all->hit_count; k++)
+		if (!all->hit[k].crowded)
+			join(world, swept->parent, all->hit[k].a, all->hit[k].b);
+	for (size_t k = 0; k < all->passed.count; k++)
+		join(world, swept->parent, all->passed.row[k].a, all->passed.row[k].b);
+}
+
 enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept, struct rb_world *world,
                                     struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
-	const struct rb_step_points *points = &world->stepped->all.points;
 	enum rb_status status = RB_OK;
 
 	swept->candidates.pair_count = 0;
@@ -233,10 +251,7 @@ enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept, struct rb_wor
 	for (size_t k = 0; k < swept->candidates.pair_count; k++)
 		join(world, swept->parent, swept->candidates.pair[k].a,
 		     swept->candidates.pair[k].b);
-	/* bodies that exchanged an impulse go back together, or momentum would be lost */
-	for (size_t k = 0; k < points->count; k++)
-		if (points->row[k].normal_impulse > 0)
-			join(world, swept->parent, points->row[k].a, points->row[k].b);
+	join_met(swept, world);
 	for (int k = 0; k < model->element_list_count; k++)
 		for (int m = 0; model->elements[k].end && m < model->elements[k].count; m++)
 			join(world, swept->parent, model->elements[k].end[m][0],
