@@ -3,6 +3,7 @@
 #include "shapes.h"
 
 #include "geom/boxes.h"
+#include "geom/manifold.h"
 #include "geom/patch.h"
 #include "geom/separation.h"
 #include "stepped/beside.h"
@@ -178,6 +179,55 @@ static void patches_are_those_of_any_polytope(void **slot)
 	shapes_release(&s);
 }
 
+/* Boxes have manifolds of their own making, too. */
+static void manifolds_are_those_of_any_polytope(void **slot)
+{
+	(void)slot;
+	shape s[2] = {shapes_box(0.5, 0.3, 0.8), shapes_box(0.4, 0.4, 0.4)};
+	const double gaps[4] = {-0.02, -1e-4, 1e-5, 1e-2}, bands[3] = {1e-6, 1e-3, 0.05};
+	int compared = 0, points = 0;
+
+	for (uint64_t k = 0; k < TRIES * 12; k++) {
+		const double gap = gaps[k % 4], band = bands[k / 4 % 3];
+		/* also nearly flush, at any turn about the normal, and edges along each other */
+		const double tilt = k % 5 < 2 ? 1 : k % 5 == 2 ? 1e-3 : 1e-4;
+		const rb_placed a = {&s[0].core, {0, 0, 0}, shapes_turn(31, k)};
+		rb_placed b = beside(&a, &s[1], k, gap);
+		plain copy[2];
+		rb_manifold is, want;
+
+		if (tilt < 1) {
+			const rb_vec3 off = rb_vec3_scale(tilt, shapes_vector(32, k, 1));
+			const rb_mat3 little = shapes_turned(
+				(rb_vec3){off.x, off.y, 3 * off.z / tilt});
+			const double along = k % 5 == 4 ? 0.85 : 0.2;
+			const rb_vec3 at = {along, 0.1, 1.2 + gap};
+
+			b.at = rb_mat3_apply(&a.turn, at);
+			b.turn = rb_mat3_multiply(&a.turn, &little);
+		}
+		const rb_placed pa = plain_of(&copy[0], &a), pb = plain_of(&copy[1], &b);
+		rb_manifold_with_nearest(&is, &a, &b, band, 0.1 * band, 1);
+		rb_manifold_with_nearest(&want, &pa, &pb, band, 0.1 * band, 1);
+		if (rb_vec3_length(rb_vec3_sub(is.normal, want.normal)) > 1e-14)
+			continue;
+		compared++;
+		points += is.count;
+		assert_int_equal(is.count, want.count);
+		for (int i = 0; i < is.count; i++) {
+			const rb_vec3 off = rb_vec3_sub(is.point[i].on_a, want.point[i].on_a);
+
+			assert_true(is.point[i].key == want.point[i].key);
+			assert_near(is.point[i].gap, want.point[i].gap, 1e-12);
+			/* across the normal sides that cross at a small angle lose digits */
+			assert_near(rb_vec3_length(off), 0, 1e-9);
+		}
+	}
+	assert_true(compared > TRIES * 6 && points > 2 * compared);
+	for (int i = 0; i < 2; i++)
+		shapes_release(&s[i]);
+}
+
 static void the_order_of_the_boxes_changes_the_sign_of_the_normal_only(void **slot)
 {
 	(void)slot;
@@ -260,6 +310,7 @@ int main(void)
 		cmocka_unit_test(what_is_proved_is_no_more_than_the_gap),
 		cmocka_unit_test(edges_that_are_parallel_to_rounding_prove_nothing),
 		cmocka_unit_test(patches_are_those_of_any_polytope),
+		cmocka_unit_test(manifolds_are_those_of_any_polytope),
 		cmocka_unit_test(the_order_of_the_boxes_changes_the_sign_of_the_normal_only),
 		cmocka_unit_test(a_face_between_boxes_is_seen_in_closed_form_too),
 		cmocka_unit_test(what_is_not_sure_is_left_to_the_search),

@@ -17,6 +17,43 @@ static const double clear_noises = 16;
 /* The axes after k, cyclic: e_k x e_next = e_last. */
 static const int next_of[3] = {1, 2, 0}, last_of[3] = {2, 0, 1};
 
+int rb_box_outermost(const struct rb_polytope *box, rb_vec3 local, double depth, double tilt,
+                     int vertex[4], int *face)
+{
+	const rb_vec3 up = {fabs(local.x), fabs(local.y), fabs(local.z)};
+	const double x = up.x * box->half.x, y = up.y * box->half.y, z = up.z * box->half.z;
+	const double height = x + y + z;
+	/* of the other end of the edge along each axis, and of the face's across it */
+	const double end[3] = {y - x + z, x - y + z, x + y - z};
+	const double far[3] = {x - y - z, y - x - z, z - (x + y)};
+	const double low = height - depth;
+	const int top = rb_polytope_support(box, local);
+	const int k = up.z > up.x && up.z > up.y ? 2 : up.y > up.x;
+	const int k1 = next_of[k], k2 = last_of[k];
+	const bool of_k = end[k] >= low, of_k1 = end[k1] >= low, of_k2 = end[k2] >= low;
+	const bool whole = tilt > depth && far[k] >= height - tilt;
+
+	*face = 2 * k + (top >> k & 1);
+	if (of_k && (of_k1 || of_k2 || tilt > depth))
+		return 0;
+	if ((of_k1 && of_k2) || whole) {
+		const int *const loop = &box->loop[box->faces[*face].first];
+		const int beyond = far[k] >= low || whole ? -1 : top ^ 1 << k1 ^ 1 << k2;
+		int count = 0;
+
+		for (int i = 0; i < 4; i++) {
+			vertex[count] = loop[i];
+			count += loop[i] != beyond;
+		}
+		return count;
+	}
+	const int other = top ^ (of_k << k | of_k1 << k1 | of_k2 << k2);
+
+	vertex[0] = top < other ? top : other;
+	vertex[1] = top < other ? other : top;
+	return top == other ? 1 : 2;
+}
+
 /* Column k of a turn: an axis of the box in the world. */
 static rb_vec3 axis_of(const rb_placed *p, int k)
 {

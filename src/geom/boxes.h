@@ -23,6 +23,14 @@ static inline bool rb_box_is(const rb_placed *p)
 	return p->core->kind == RB_CORE_POLYTOPE && p->core->polytope->box;
 }
 
+/*
+ * Vertices of a box no deeper than `depth` below its outermost along `local`, in its own axes, or
+ * the whole of a face no deeper than `tilt`: 1, 2 in their order, or 3, 4 in that of the face. 0:
+ * they are not all of one face.
+ */
+int rb_box_outermost(const struct rb_polytope *box, rb_vec3 local, double depth, double tilt,
+                     int vertex[4], int *face);
+
 /* Both are boxes. */
 rb_box_pair rb_box_pair_of(const rb_placed *a, const rb_placed *b);
 

@@ -11,6 +11,8 @@
 #include "geom/manifold.h"
 
 #include "base/error.h"
+#include "geom/box_overlay.h"
+#include "geom/boxes.h"
 
 /*
  * Share of its reach by which a face may tilt and still be taken whole (about 1 mrad): the
@@ -69,6 +71,7 @@ typedef struct {
 	double fine; /* m: of a gap */
 	rb_overlay_point point[RB_OVERLAY_MAX];
 	int count;
+	bool boxes; /* both */
 } find;
 
 static void start(find *f, const rb_placed *a, const rb_placed *b)
@@ -79,6 +82,7 @@ static void start(find *f, const rb_placed *a, const rb_placed *b)
 	f->tilt = 0;
 	f->fine = (double)INFINITY;
 	f->count = 0;
+	f->boxes = rb_box_is(a) && rb_box_is(b) && a->core->radius == 0 && b->core->radius == 0;
 }
 
 /*
@@ -89,8 +93,17 @@ static int corners_within(const find *f, double depth, double band, bool round,
                           rb_overlay_point point[RB_OVERLAY_MAX])
 {
 	const double tilt_a = f->tilt * f->a.core->reach, tilt_b = f->tilt * f->b.core->reach;
+	/* as below, where nothing is round */
+	const double gap = fmax(f->s.gap, 0);
+	const rb_overlay_def sharp = {f->s.normal, band, sqrt(band * band + 2 * gap * band)};
 	rb_patch pa, pb;
 
+	if (f->boxes) {
+		const int count = rb_box_overlay(&f->a, &f->b, depth,
+		                                 (const double[2]){tilt_a, tilt_b}, &sharp, point);
+		if (count >= 0)
+			return count;
+	}
 	rb_patch_of(&pa, &f->a, f->s.normal, depth, tilt_a);
 	rb_patch_of(&pb, &f->b, rb_vec3_neg(f->s.normal), depth, tilt_b);
 	/*

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "geom/boxes.h"
 
 /*
  * 1 - cos(pi / 4): height of a rim an eighth of a turn from its lowest point, over its radius times
@@ -189,76 +190,77 @@ static int round_up(const struct rb_polytope *p, rb_vec3 n, int vertex[RB_PATCH_
 	return size;
 }
 
-/* Features and points of a patch of so many vertices; `face` >= 0: all of them are of that face. */
-static void put_vertices(rb_patch *patch, const rb_placed *placed, rb_vec3 n, const int *vertex,
-                         int count, int face)
+/* What a patch of so many vertices is called; `face` >= 0: all of them are of that face. */
+static void name(rb_patch *patch, const rb_placed *placed, rb_vec3 n, const int *vertex, int count,
+                 int face)
 {
 	const struct rb_polytope *p = placed->core->polytope;
 
 	RB_ASSERT(count >= 1 && count <= RB_PATCH_MAX);
 	patch->count = count;
 	patch->normal = n;
-	if (count > 2) {
-		patch->kind = RB_PATCH_POLYGON;
-		if (face >= 0) {
-			patch->normal = rb_mat3_apply(&placed->turn, p->faces[face].normal);
-			patch->feature = rb_part_of(RB_PART_FACE, face);
-		}
-	} else {
+	if (count <= 2) {
 		patch->kind = count == 2 ? RB_PATCH_SEGMENT : RB_PATCH_POINT;
 		patch->feature = count == 2 ? edge_between(p, vertex[0], vertex[1])
 		                            : rb_part_of(RB_PART_VERTEX, vertex[0]);
+		return;
+	}
+	patch->kind = RB_PATCH_POLYGON;
+	if (face >= 0) {
+		patch->normal = rb_mat3_apply(&placed->turn, p->faces[face].normal);
+		patch->feature = rb_part_of(RB_PART_FACE, face);
+	}
+	for (int i = 0; i < count; i++)
+		patch->side[i] = edge_between(p, vertex[i], vertex[i + 1 < count ? i + 1 : 0]);
+}
+
+/* Features and points of a patch of so many vertices. */
+static void put_vertices(rb_patch *patch, const rb_placed *placed, rb_vec3 n, const int *vertex,
+                         int count, int face)
+{
+	for (int i = 0; i < count; i++) {
+		patch->point[i] = rb_placed_point(placed,
+		                                  placed->core->polytope->vertices[vertex[i]]);
+		patch->id[i] = rb_part_of(RB_PART_VERTEX, vertex[i]);
+	}
+	name(patch, placed, n, vertex, count, face);
+}
+
+/* Points of a patch of a box, whose vertices are sums of three. */
+static void put_corners(rb_patch *patch, const rb_placed *placed, const int *vertex, int count)
+{
+	const rb_vec3 half = placed->core->polytope->half;
+	const rb_mat3 *turn = &placed->turn;
+	const double size[3] = {half.x, half.y, half.z};
+	rb_vec3 side[3][2];
+
+	for (int k = 0; k < 3; k++) {
+		side[k][0] = (rb_vec3){turn->m[0][k] * size[k], turn->m[1][k] * size[k],
+		                       turn->m[2][k] * size[k]};
+		side[k][1] = rb_vec3_neg(side[k][0]);
 	}
 	for (int i = 0; i < count; i++) {
-		patch->point[i] = rb_placed_point(placed, p->vertices[vertex[i]]);
-		patch->id[i] = rb_part_of(RB_PART_VERTEX, vertex[i]);
-		if (count > 2)
-			patch->side[i] = edge_between(p, vertex[i],
-			                              vertex[i + 1 < count ? i + 1 : 0]);
+		const int v = vertex[i];
+		const rb_vec3 xy = rb_vec3_add(side[0][v & 1], side[1][v >> 1 & 1]);
+
+		patch->point[i] = rb_vec3_add(placed->at, rb_vec3_add(xy, side[2][v >> 2]));
 	}
 }
 
-/*
- * The same as below of a box, whose heights are sums of three; false where its vertices are not all
- * of one face.
- */
+/* The same as below of a box; false where its vertices are not all of one face. */
 static bool of_box(rb_patch *patch, const rb_placed *placed, rb_vec3 n, rb_vec3 local, double depth,
                    double tilt)
 {
-	const struct rb_polytope *p = placed->core->polytope;
-	const double x = local.x * p->half.x, y = local.y * p->half.y, z = local.z * p->half.z;
-	const double sum = x + y, difference = x - y;
-	/* as many as vertices, in their order */
-	const double height[8] = {sum + z, -difference + z, difference + z, -sum + z,
-	                          sum - z, -difference - z, difference - z, -sum - z};
-	const double top = height[rb_polytope_support(p, local)], low = top - depth;
-	int vertex[8], count = 0, outer = 0, whole = 0, face = -1;
+	int vertex[4], face;
+	const int count = rb_box_outermost(placed->core->polytope, local, depth, tilt, vertex,
+	                                   &face);
 
-	for (int i = 0; i < 8; i++) {
-		outer |= (height[i] >= low) << i;
-		whole |= (height[i] >= top - tilt) << i;
-		vertex[count] = i;
-		count += height[i] >= low;
-	}
 	if (count == 0)
 		return false;
-	if (count > 2 || tilt > depth) {
-		face = best_face(p, local);
-		const int *const loop = &p->loop[p->faces[face].first];
-		const int all = 1 << loop[0] | 1 << loop[1] | 1 << loop[2] | 1 << loop[3];
-
-		if (outer & ~all)
-			return false;
-		if (tilt > depth && (whole & all) == all)
-			outer = all;
-		if (count > 2 || outer == all) {
-			count = 0;
-			for (int i = 0; i < 4; i++)
-				if (outer >> loop[i] & 1)
-					vertex[count++] = loop[i];
-		}
-	}
-	put_vertices(patch, placed, n, vertex, count, face);
+	for (int i = 0; i < count; i++)
+		patch->id[i] = rb_part_of(RB_PART_VERTEX, vertex[i]);
+	put_corners(patch, placed, vertex, count);
+	name(patch, placed, n, vertex, count, face);
 	return true;
 }
 
