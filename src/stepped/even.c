@@ -198,6 +198,100 @@ static bool goes_on(struct rb_constraint *const *taken, int i)
 	return i > 0 && is_pair(taken[i - 1], taken[i]);
 }
 
+/* ---- what is determined ---- */
+
+/*
+ * A pair whose points are few enough, and far enough apart, that what they do to a body says how
+ * much each of them bears: this share of their distances is the least by which three are beside a
+ * line, or two beside a normal. Below it they stay with the rest; decides cost only.
+ */
+static const double clear_share = 0x1p-10;
+
+static bool same_normal(const struct rb_constraint *x, const struct rb_constraint *y)
+{
+	return x->normal.x == y->normal.x && x->normal.y == y->normal.y &&
+	       x->normal.z == y->normal.z;
+}
+
+static bool is_determined(struct rb_constraint *const *taken, int first, int end)
+{
+	const struct rb_constraint *const row = taken[first];
+	rb_vec3 way[2];
+
+	if (end - first > 3)
+		return false;
+	for (int i = first + 1; i < end; i++) {
+		const rb_vec3 d = rb_vec3_sub(taken[i]->arm_a, row->arm_a);
+
+		way[i - first - 1] = rb_vec3_reject(d, row->normal);
+		if (!same_normal(taken[i], row) ||
+		    !(rb_vec3_length(way[i - first - 1]) > clear_share * rb_vec3_length(d)))
+			return false;
+	}
+	return end - first < 3 ||
+	       rb_vec3_length(rb_vec3_cross(way[0], way[1])) >
+	               clear_share * rb_vec3_length(way[0]) * rb_vec3_length(way[1]);
+}
+
+/* Rows of one pair, first to end; `bound`: they may be left out. */
+struct touch {
+	int first, end;
+	bool bound, out;
+};
+
+static bool is_dynamic(const struct rb_row_system *rows, int body)
+{
+	return rows->bodies.body[body].inverse_mass != 0;
+}
+
+/*
+ * Leaves out the pairs, one after the other, that are determined by a body that no other pair acts
+ * on: nothing of them is open. Returns the number of rows left.
+ */
+static int without_determined(const struct rb_row_system *rows, struct rb_constraint **taken, int n,
+                              struct rb_arena *arena)
+{
+	struct touch *const touch = rb_arena_take(arena, (size_t)n, sizeof *touch);
+	int touches = 0, max = 0, left = 0;
+	bool any = true;
+
+	for (int i = 0; i < n; i++) {
+		max = taken[i]->a > max ? taken[i]->a : max;
+		max = taken[i]->b > max ? taken[i]->b : max;
+	}
+	int *const pairs = rb_arena_take(arena, (size_t)max + 1, sizeof *pairs);
+	if (!touch || !pairs)
+		return n;
+	for (int i = 0; i < n; i++)
+		pairs[taken[i]->a] = pairs[taken[i]->b] = 0;
+	for (int i = 0, end; i < n; i = end) {
+		end = i + 1;
+		while (end < n && goes_on(taken, end))
+			end++;
+		touch[touches++] = (struct touch){i, end, is_determined(taken, i, end), false};
+		pairs[taken[i]->a]++;
+		pairs[taken[i]->b]++;
+	}
+	while (any) {
+		any = false;
+		for (int k = 0; k < touches; k++) {
+			const struct rb_constraint *const row = taken[touch[k].first];
+
+			if (touch[k].out || !touch[k].bound ||
+			    !((pairs[row->a] == 1 && is_dynamic(rows, row->a)) ||
+			      (pairs[row->b] == 1 && is_dynamic(rows, row->b))))
+				continue;
+			touch[k].out = any = true;
+			pairs[row->a]--;
+			pairs[row->b]--;
+		}
+	}
+	for (int k = 0; k < touches; k++)
+		for (int i = touch[k].first; i < touch[k].end && !touch[k].out; i++)
+			taken[left++] = taken[i];
+	return left;
+}
+
 /* Row space of A: six rows for each dynamic body, each body once, until it is all of R^n. */
 static void span_loads(const struct rb_row_system *rows, struct rb_constraint *const *taken,
                        struct span *span, double *scratch)
@@ -544,9 +638,13 @@ bool rb_even(const struct rb_row_system *rows, double tolerance, double max, str
 
 	if (!taken)
 		return false;
-	const int n = joined ? take_joined(rows, taken) : take_rows(rows, taken);
+	const int count = joined ? take_joined(rows, taken) : take_rows(rows, taken);
+	const double cube = (double)count * (double)count * (double)count;
+	if (count == 0 || multiplications * cube > max)
+		return false;
+	const int n = joined ? count : without_determined(rows, taken, count, arena);
 	const size_t size = (size_t)n;
-	if (n == 0 || multiplications * (double)(size * size * size) > max)
+	if (n == 0)
 		return false;
 	struct pass pass = {.part = rb_arena_take(arena, size, sizeof *pass.part),
 	                    .place = rb_arena_take(arena, 2 * size, sizeof *pass.place),
