@@ -20,7 +20,9 @@ static rb_axis axis_for(const rb_placed *a, const rb_placed *b)
 
 static bool settles(const rb_placed *a, const rb_placed *b, rb_axis *axis)
 {
-	const rb_box_pair pair = rb_box_pair_of(a, b);
+	rb_box_pair pair;
+
+	rb_box_pair_set(&pair, a, b);
 
 	*axis = axis_for(a, b);
 	return rb_boxes_decide(axis, &pair);

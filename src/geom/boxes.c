@@ -67,27 +67,25 @@ static void numbers_of(rb_vec3 v, double number[3])
 	number[2] = v.z;
 }
 
-rb_box_pair rb_box_pair_of(const rb_placed *a, const rb_placed *b)
+void rb_box_pair_set(rb_box_pair *p, const rb_placed *a, const rb_placed *b)
 {
 	const rb_vec3 d = rb_vec3_sub(b->at, a->at);
-	rb_box_pair p;
 
-	numbers_of(a->core->polytope->half, p.half_a);
-	numbers_of(b->core->polytope->half, p.half_b);
-	numbers_of(rb_mat3_apply_transposed(&a->turn, d), p.from_a);
-	numbers_of(rb_mat3_apply_transposed(&b->turn, d), p.from_b);
+	numbers_of(a->core->polytope->half, p->half_a);
+	numbers_of(b->core->polytope->half, p->half_b);
+	numbers_of(rb_mat3_apply_transposed(&a->turn, d), p->from_a);
+	numbers_of(rb_mat3_apply_transposed(&b->turn, d), p->from_b);
 	for (int k = 0; k < 3; k++) {
-		numbers_of(rb_mat3_apply_transposed(&b->turn, axis_of(a, k)), p.turn[k]);
+		numbers_of(rb_mat3_apply_transposed(&b->turn, axis_of(a, k)), p->turn[k]);
 		for (int l = 0; l < 3; l++)
-			p.size[k][l] = fabs(p.turn[k][l]);
+			p->size[k][l] = fabs(p->turn[k][l]);
 	}
 	for (int k = 0; k < 3; k++) {
-		p.face[k] = fabs(p.from_a[k]) - p.half_a[k] - p.half_b[0] * p.size[k][0] -
-		            p.half_b[1] * p.size[k][1] - p.half_b[2] * p.size[k][2];
-		p.face[3 + k] = fabs(p.from_b[k]) - p.half_b[k] - p.half_a[0] * p.size[0][k] -
-		                p.half_a[1] * p.size[1][k] - p.half_a[2] * p.size[2][k];
+		p->face[k] = fabs(p->from_a[k]) - p->half_a[k] - p->half_b[0] * p->size[k][0] -
+		             p->half_b[1] * p->size[k][1] - p->half_b[2] * p->size[k][2];
+		p->face[3 + k] = fabs(p->from_b[k]) - p->half_b[k] - p->half_a[0] * p->size[0][k] -
+		                 p->half_a[1] * p->size[1][k] - p->half_a[2] * p->size[2][k];
 	}
-	return p;
 }
 
 /* The way from a to b along the cross product of edges k of a and l of b, m times its length. */
@@ -272,8 +270,10 @@ double rb_boxes_beyond(const rb_axis *axis, double limit, bool all, rb_vec3 *nor
 		return known;
 	if (is_known && !all)
 		return -(double)INFINITY;
-	const rb_box_pair pair = rb_box_pair_of(axis->a, axis->b);
+	rb_box_pair pair;
 	int best = 0;
+
+	rb_box_pair_set(&pair, axis->a, axis->b);
 	for (int k = 1; k < 6; k++)
 		if (pair.face[k] > pair.face[best])
 			best = k;

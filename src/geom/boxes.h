@@ -32,7 +32,7 @@ int rb_box_outermost(const struct rb_polytope *box, rb_vec3 local, double depth,
                      int vertex[4], int *face);
 
 /* Both are boxes. */
-rb_box_pair rb_box_pair_of(const rb_placed *a, const rb_placed *b);
+void rb_box_pair_set(rb_box_pair *pair, const rb_placed *a, const rb_placed *b);
 
 /*
  * Sets normal and gap of `axis`, where no other direction could prove as much; false: some might to

@@ -89,11 +89,12 @@ static void faces_of_boxes(rb_axis *axis)
 {
 	const rb_placed *box[2] = {axis->a, axis->b};
 	const rb_vec3 d = rb_vec3_sub(axis->b->at, axis->a->at);
-	const rb_box_pair pair = rb_box_pair_of(axis->a, axis->b);
 	/* the closed form and rb_axis_gap round differently, each by a few ulp of the sizes */
 	const double noise_slack = 16 * axis->noise;
 	double max = -(double)INFINITY;
+	rb_box_pair pair;
 
+	rb_box_pair_set(&pair, axis->a, axis->b);
 	for (int k = 0; k < 6; k++)
 		max = fmax(max, pair.face[k]);
 	for (int k = 0; k < 6; k++) {

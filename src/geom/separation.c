@@ -268,7 +268,9 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 	const double none = -(double)INFINITY;
 	rb_axis axis = {.a = a, .b = b, .noise = 0.25 * noise, .gap = none, .second = none};
 	if (rb_box_is(a) && rb_box_is(b)) {
-		const rb_box_pair pair = rb_box_pair_of(a, b);
+		rb_box_pair pair;
+
+		rb_box_pair_set(&pair, a, b);
 		if (rb_boxes_decide(&axis, &pair))
 			return (rb_separation){axis.normal, axis.gap, noise};
 	}

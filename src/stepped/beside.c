@@ -155,45 +155,43 @@ struct faces {
 	const struct parts *parts;
 	rb_vec3 normal;   /* along which the parts come near: its own face has nothing across */
 	double tolerance; /* m */
-	bool boxes;
-	rb_box_pair pair; /* of boxes */
-	double noise;     /* m: of what it proves */
 	int of, face;     /* the next one: of a, of b */
+	bool boxes;
+	unsigned open[2]; /* of boxes: bits of the faces of a, of b, that may prove something */
 };
+
+/*
+ * Of two boxes what a face proves is known, to rounding: most prove nothing. Faces 2 k and 2 k + 1
+ * are across axis k, the one of them that is towards the other box proves the more.
+ */
+static void open_faces(struct faces *faces)
+{
+	const struct parts *const parts = faces->parts;
+	const double noise = parallel * (parts->a.core->reach + parts->b.core->reach +
+	                                 rb_vec3_length(parts->b.at) + parts->radii);
+	const double least = parts->radii - faces->tolerance - noise;
+	rb_box_pair pair;
+
+	rb_box_pair_set(&pair, &parts->a, &parts->b);
+	for (int k = 0; k < 6; k++) {
+		if (pair.face[k] < least)
+			continue;
+		const int of = k < 3 ? 0 : 1, axis = k < 3 ? k : k - 3;
+		const double way = of == 0 ? pair.from_a[axis] : -pair.from_b[axis];
+		const bool both = !(pair.face[k] - 2 * fabs(way) < least);
+
+		faces->open[of] |= (both ? 3U : way < 0 ? 2U : 1U) << 2 * axis;
+	}
+}
 
 static struct faces faces_of(const struct parts *parts, rb_vec3 normal, double tolerance)
 {
-	struct faces faces;
+	struct faces faces = {.parts = parts, .normal = normal, .tolerance = tolerance};
 
-	faces.parts = parts;
-	faces.normal = normal;
-	faces.tolerance = tolerance;
 	faces.boxes = rb_box_is(&parts->a) && rb_box_is(&parts->b);
-	faces.of = faces.face = 0;
-	if (!faces.boxes)
-		return faces;
-	faces.pair = rb_box_pair_of(&parts->a, &parts->b);
-	faces.noise = parallel * (parts->a.core->reach + parts->b.core->reach +
-	                          rb_vec3_length(parts->b.at) + parts->radii);
+	if (faces.boxes)
+		open_faces(&faces);
 	return faces;
-}
-
-/* Of boxes what a face proves is known, to rounding: most of them prove nothing. */
-static bool proves_nothing(const struct faces *faces)
-{
-	const struct parts *const parts = faces->parts;
-	const rb_box_pair *const pair = &faces->pair;
-
-	if (!faces->boxes)
-		return false;
-	const rb_core *const core = faces->of == 0 ? parts->a.core : parts->b.core;
-	const rb_vec3 n = core->polytope->faces[faces->face].normal;
-	const int k = fabs(n.x) > 0.5 ? 0 : fabs(n.y) > 0.5 ? 1 : 2;
-	const double sense = n.x + n.y + n.z > 0 ? 1 : -1;
-	const double way = faces->of == 0 ? sense * pair->from_a[k] : -sense * pair->from_b[k];
-	const double gap = pair->face[3 * faces->of + k] + 2 * fmin(way, 0) - parts->radii;
-
-	return gap < -faces->tolerance - faces->noise;
 }
 
 /* The next face that keeps the parts apart now; m its normal, from a to b. */
@@ -201,12 +199,12 @@ static bool next_face(struct faces *faces, rb_vec3 *m, bool *of_a)
 {
 	for (; faces->of < 2; faces->of++, faces->face = 0) {
 		const rb_placed *const owner = faces->of == 0 ? &faces->parts->a : &faces->parts->b;
+		const int count = rb_core_face_count(owner->core);
 
-		while (faces->face < rb_core_face_count(owner->core)) {
-			const bool nothing = proves_nothing(faces);
+		while (faces->face < count) {
 			const int f = faces->face++;
 
-			if (nothing)
+			if (faces->boxes && !(faces->open[faces->of] >> f & 1))
 				continue;
 			*m = rb_vec3_scale(faces->of == 0 ? 1 : -1,
 			                   rb_placed_face_normal(owner, f));
