@@ -57,8 +57,13 @@ static void place(struct rb_candidates *candidates, const struct rb_model *model
 	const struct rb_body_parts *parts = rb_model_parts(model, i);
 	rb_placed *placed = candidates->placed + candidates->first_part[i];
 
-	if (i < model->body_count)
+	if (i < model->body_count) {
+		/* to the bit, as the step before has left it; before the first it is nowhere */
+		if (memcmp(&candidates->at[i], &origin, sizeof origin) == 0 &&
+		    memcmp(&candidates->turn[i], &orientation, sizeof orientation) == 0)
+			return;
 		go_on(candidates, i, origin, orientation);
+	}
 	candidates->at[i] = origin;
 	for (int k = 0; k < parts->count; k++)
 		placed[k] = rb_body_part_place(&parts->part[k], origin, orientation);

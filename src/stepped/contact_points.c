@@ -164,25 +164,53 @@ static size_t find_last(const struct rb_step_points *points, const struct rb_ste
 	return rim == 0 ? found : find_key(points, point, rim);
 }
 
-/* Material, approach and the impulse of the step before, for a point whose place is known. */
-static void fill_point(const struct inspection *inspection, struct rb_step_point *point)
+/* What points of one pair and normal have in common. */
+struct common {
+	const struct rb_pair_material *material;
+	double approach;        /* m/s: of the centres of mass, at the beginning of the step */
+	rb_vec3 spin_a, spin_b; /* rad/s */
+	bool pivots;
+	rb_pivot pivot; /* friction goes round with what turns together */
+};
+
+static rb_vec3 spin_of(const struct rb_world *world, int i)
+{
+	return i < world->model->body_count && world->mark.spin ? rb_world_row3(world->mark.spin, i)
+	                                                        : (rb_vec3){0, 0, 0};
+}
+
+static struct common common_of(const struct inspection *inspection, int a, int b, rb_vec3 normal,
+                               bool central)
 {
 	const struct rb_world *world = inspection->world;
-	const struct rb_model *model = world->model;
-	const struct rb_step_points *points = inspection->points;
-	const struct rb_pair_material *pair = rb_contact_material(model, point->a, point->b);
-	const bool central = point->central;
-	const rb_vec3 arm_a = central ? rb_vec3_scale(point->arm_a.x, point->normal) : point->arm_a;
-	const rb_vec3 arm_b = central ? rb_vec3_scale(point->arm_b.x, point->normal) : point->arm_b;
+	const rb_vec3 none = {0, 0, 0};
+	const rb_vec3 v_a = velocity_of(world, &world->mark, a, none);
+	const rb_vec3 v_b = velocity_of(world, &world->mark, b, none);
+	const double angle = central ? 0 : rb_pivot_angle(world, a, b, normal, inspection->h);
 
-	point->friction = pair->friction;
-	point->restitution = pair->restitution;
-	const struct rb_state *const mark = &world->mark;
-	point->approach = rb_vec3_dot(rb_vec3_sub(velocity_of(world, mark, point->a, arm_a),
-	                                          velocity_of(world, mark, point->b, arm_b)),
-	                              point->normal);
+	return (struct common){.material = rb_contact_material(world->model, a, b),
+	                       .approach = rb_vec3_dot(rb_vec3_sub(v_a, v_b), normal),
+	                       .spin_a = central ? none : spin_of(world, a),
+	                       .spin_b = central ? none : spin_of(world, b),
+	                       .pivots = angle != 0,
+	                       .pivot = angle == 0 ? (rb_pivot){1, 0} : rb_pivot_of(angle)};
+}
+
+/* Material, approach and the impulse of the step before, for a point whose place is known. */
+static void fill_point(const struct inspection *inspection, const struct common *common,
+                       struct rb_step_point *point)
+{
+	const struct rb_step_points *points = inspection->points;
+
+	point->friction = common->material->friction;
+	point->restitution = common->material->restitution;
+	point->approach = common->approach;
+	if (!point->central)
+		point->approach += rb_vec3_dot(
+			rb_vec3_sub(rb_vec3_cross(common->spin_a, point->arm_a),
+		                    rb_vec3_cross(common->spin_b, point->arm_b)),
+			point->normal);
 	point->pair = (uint32_t)inspection->pair;
-	point->from = 0;
 	point->normal_impulse = 0;
 	point->friction_impulse = (rb_vec3){0, 0, 0};
 	point->from = (uint32_t)find_last(points, point);
@@ -192,13 +220,10 @@ static void fill_point(const struct inspection *inspection, struct rb_step_point
 	point->normal_impulse = inspection->h * last->force;
 	if (point->friction == 0)
 		return;
-	/* friction goes round with what turns together */
-	const double angle = central ? 0
-	                             : rb_pivot_angle(world, point->a, point->b, point->normal,
-	                                              inspection->h);
-	const rb_pivot pivot = angle == 0 ? (rb_pivot){1, 0} : rb_pivot_of(angle);
-	point->friction_impulse = rb_vec3_scale(
-		inspection->h, rb_pivot_turn(last->friction_impulse, point->normal, pivot));
+	const rb_vec3 impulse = rb_vec3_scale(inspection->h, last->friction_impulse);
+	point->friction_impulse = common->pivots
+	                                  ? rb_pivot_turn(impulse, point->normal, common->pivot)
+	                                  : impulse;
 }
 
 /* A way longer than this share of a radius is looked along for the normal of the touch. */
@@ -355,7 +380,10 @@ static void inspect_plain(struct inspection *inspection, struct rb_pair pair, do
 					: rb_vec3_add_scaled(on_a, g.gap, g.normal),
 				center_of(world, pair.b));
 	}
-	fill_point(inspection, point);
+	const struct common common = common_of(inspection, pair.a, pair.b, point->normal,
+	                                       point->central);
+
+	fill_point(inspection, &common, point);
 }
 
 /* With the lower index first, which may be that of a driven body. */
@@ -404,6 +432,7 @@ static void add_manifold(struct inspection *inspection, struct rb_pair pair,
 	const bool terrain = rb_candidates_is_terrain(model, pair.b);
 	const rb_vec3 at_a = center_of(inspection->world, pair.a),
 		      at_b = center_of(inspection->world, pair.b);
+	const struct common common = common_of(inspection, pair.a, pair.b, manifold->normal, false);
 
 	for (int k = 0; k < manifold->count; k++) {
 		const rb_manifold_point *at = &manifold->point[k];
@@ -433,7 +462,7 @@ static void add_manifold(struct inspection *inspection, struct rb_pair pair,
 			point->normal, at->key,          inspection->h};
 		point->bend = rb_rolling_bend(inspection->world, &rolling);
 		point->rolls = point->bend != 0;
-		fill_point(inspection, point);
+		fill_point(inspection, &common, point);
 		/* of what touched, the velocity is that of the middle of the step before */
 		if (point->from > 0)
 			point->approach += fmin(0, point->bend) / inspection->h;

@@ -613,10 +613,36 @@ static bool is_stiff(const struct rb_solver *solver, const struct rb_step_point 
 	                         (point->b < solver->body_count && solver->stiff[point->b]));
 }
 
+/* What points of one face have in common. */
+struct face {
+	const struct rb_step_point *last; /* the point that it was asked about last; NULL: none */
+	const struct rb_step_point *nearest; /* of them */
+	bool pivots;
+	rb_pivot mean; /* of arms over the step */
+};
+
+static void take_face(const struct pass *pass, struct face *face, int number)
+{
+	const struct rb_step_point *const point = &pass->points->row[number];
+	const bool goes_on = face->last && face->last + 1 == point && !face->last->central &&
+	                     share_face(face->last, point);
+
+	face->last = point;
+	if (goes_on)
+		return;
+	face->nearest = nearest_of_face(pass->points, number);
+	const double angle = rb_pivot_angle(pass->world, point->a, point->b, point->normal,
+	                                    pass->solver->h_s);
+	face->pivots = angle != 0;
+	if (face->pivots)
+		face->mean = rb_pivot_mean(angle);
+}
+
 /*
  * Sets the arms at which impulses act, with the mean of arms over the step where the pair pivots.
  */
-static void set_arms(const struct pass *pass, struct rb_constraint *row, int number)
+static void set_arms(const struct pass *pass, struct face *face, struct rb_constraint *row,
+                     int number)
 {
 	const struct rb_step_point *const point = &pass->points->row[number];
 
@@ -632,15 +658,11 @@ static void set_arms(const struct pass *pass, struct rb_constraint *row, int num
 	}
 	if (row->central)
 		return;
-	const struct rb_step_point *const nearest = nearest_of_face(pass->points, number);
-	rb_levers_level(nearest->arm_a, nearest->arm_b, row);
-	const double angle = rb_pivot_angle(pass->world, point->a, point->b, point->normal,
-	                                    pass->solver->h_s);
-	if (angle != 0) {
-		const rb_pivot mean = rb_pivot_mean(angle);
-
-		row->arm_a = rb_pivot_turn(row->arm_a, row->normal, mean);
-		row->arm_b = rb_pivot_turn(row->arm_b, row->normal, mean);
+	take_face(pass, face, number);
+	rb_levers_level(face->nearest->arm_a, face->nearest->arm_b, row);
+	if (face->pivots) {
+		row->arm_a = rb_pivot_turn(row->arm_a, row->normal, face->mean);
+		row->arm_b = rb_pivot_turn(row->arm_b, row->normal, face->mean);
 	}
 }
 
@@ -655,7 +677,8 @@ rb_vec3 rb_islands_between(const struct rb_solver *solver, const double *positio
 	                                  rb_kick_of(solver->kicks, a)->shift));
 }
 
-static void fill_row(const struct pass *pass, struct rb_constraint *row, int number)
+static void fill_row(const struct pass *pass, struct face *face, struct rb_constraint *row,
+                     int number)
 {
 	const struct rb_solver *const solver = pass->solver;
 	const struct rb_step_points *const points = pass->points;
@@ -673,7 +696,7 @@ static void fill_row(const struct pass *pass, struct rb_constraint *row, int num
 	};
 	RB_ASSERT_COSTLY(point->normal_impulse >= 0 && point->friction >= 0 && solver->h_s > 0);
 	row->impulse.t = rb_constraint_within(row->impulse.t, row->friction * row->impulse.n);
-	set_arms(pass, row, number);
+	set_arms(pass, face, row, number);
 	if (solver->joins_arms && is_dynamic(solver, row->b))
 		rb_levers_join_row(
 			pass->world,
@@ -685,6 +708,7 @@ static void fill_row(const struct pass *pass, struct rb_constraint *row, int num
 static void fill_rows(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
+	struct face face = {.last = NULL};
 
 	for (size_t k = first; k < end; k++) {
 		struct rb_constraint fixed_row, *row = &fixed_row;
@@ -692,9 +716,9 @@ static void fill_rows(void *user, size_t first, size_t end)
 		if (pass->place[k] >= 0) {
 			row = &pass->solver->dense.row[pass->place[k]];
 			pass->solver->point[pass->place[k]] = (int)k;
-			fill_row(pass, row, (int)k);
+			fill_row(pass, &face, row, (int)k);
 		} else {
-			set_arms(pass, row, (int)k);
+			set_arms(pass, &face, row, (int)k);
 		}
 		if (!row->central)
 			pass->points->row[k].lever = row->arm_a;
