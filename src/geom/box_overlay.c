@@ -57,14 +57,24 @@ static double along(rb_vec3 axis, const rb_mat3 *turn, int k)
 	return axis.x * turn->m[0][k] + axis.y * turn->m[1][k] + axis.z * turn->m[2][k];
 }
 
-/* Where the corners, on these sides of the box along its axes, are along another. */
-static void project(const rb_lanes side[3], const rb_placed *p, rb_vec3 axis, rb_lanes *to)
+/* A length along an axis of the box, to the sides of it on which the corners are. */
+RB_LANES_INLINE void to_sides(double length, const rb_lanes_mask *side, rb_lanes *to)
+{
+	const rb_lanes all = {length, length, length, length};
+
+	*to = (rb_lanes)((rb_lanes_mask)all ^ *side);
+}
+
+/* Where the corners are along an axis; `side`: signs along those of the box. */
+static void project(const rb_lanes_mask side[3], const rb_placed *p, rb_vec3 axis, rb_lanes *to)
 {
 	const rb_vec3 half = p->core->polytope->half;
+	rb_lanes x, y, z;
 
-	*to = rb_vec3_dot(axis, p->at) + (side[0] * (along(axis, &p->turn, 0) * half.x) +
-	                                  side[1] * (along(axis, &p->turn, 1) * half.y) +
-	                                  side[2] * (along(axis, &p->turn, 2) * half.z));
+	to_sides(along(axis, &p->turn, 0) * half.x, &side[0], &x);
+	to_sides(along(axis, &p->turn, 1) * half.y, &side[1], &y);
+	to_sides(along(axis, &p->turn, 2) * half.z, &side[2], &z);
+	*to = rb_vec3_dot(axis, p->at) + (x + y + z);
 }
 
 /* Which corners are outermost; false: they are not all of one face. */
@@ -79,14 +89,12 @@ static bool choose(flat *f, const rb_placed *p, rb_vec3 outward, double depth, d
 /* Where they are; sense: 1 where the normal is outward, -1: inward. */
 static void place(flat *f, const rb_placed *p, const rb_vec3 axis[3], double sense)
 {
-	static const double sides[2] = {1, -1};
-	rb_lanes side[3];
-
 	for (int i = f->count; i < CORNERS; i++)
 		f->vertex[i] = f->vertex[0];
-	for (int k = 0; k < 3; k++)
-		for (int i = 0; i < CORNERS; i++)
-			side[k][i] = sides[f->vertex[i] >> k & 1];
+	const rb_lanes_mask v = {f->vertex[0], f->vertex[1], f->vertex[2], f->vertex[3]};
+	/* bits of a vertex as signs */
+	const rb_lanes_mask side[3] = {v << 63, v >> 1 << 63, v >> 2 << 63};
+
 	project(side, p, axis[0], &f->x);
 	project(side, p, axis[1], &f->y);
 	project(side, p, axis[2], &f->z);

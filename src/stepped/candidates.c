@@ -86,9 +86,9 @@ static bool take_parts(struct rb_candidates *candidates, const struct rb_model *
 	}
 	candidates->first_part[count] = parts;
 	candidates->placed = rb_memory_take((size_t)parts, sizeof *candidates->placed);
-	candidates->ahead = rb_memory_take((size_t)model->body_count, sizeof *candidates->ahead);
+	candidates->ahead = rb_memory_take((size_t)count, sizeof *candidates->ahead);
 	candidates->turn = rb_memory_take((size_t)model->body_count, sizeof *candidates->turn);
-	candidates->path = rb_memory_take((size_t)model->body_count, sizeof *candidates->path);
+	candidates->path = rb_memory_take((size_t)count, sizeof *candidates->path);
 	candidates->at = rb_memory_take((size_t)count, sizeof *candidates->at);
 	candidates->size = rb_memory_take((size_t)count, sizeof *candidates->size);
 	if (!candidates->placed || !candidates->ahead || !candidates->turn || !candidates->path ||

@@ -61,11 +61,12 @@ struct rb_candidates {
 	rb_placed *placed; /* where parts stand: rb_candidates_place */
 	rb_vec3 *at;       /* [bodies and statics] m: their origins, as the parts stand */
 	rb_quat *turn;     /* [bodies] so are they turned */
-	/* [bodies] m: how far points of each have got at most, through all placings */
+	/* [bodies and statics] m: how far points of each have got at most, through all placings */
 	double *path;
 	/* [bodies and statics] m: no point is farther from there; infinite planes: INFINITY */
 	double *size;
-	double *ahead; /* [bodies] m: how far points of each may get in the step, turning too */
+	/* [bodies and statics] m: how far points of each may get in the step, turning too */
+	double *ahead;
 	struct rb_pair *
 		/*
 		 * owned: rb_candidates_keep; where bodies are driven: pairs in which the first

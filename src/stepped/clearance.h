@@ -39,10 +39,19 @@ struct rb_part_pair {
 };
 
 /* m: how far both have got. */
-static inline double rb_clearance_path(const struct rb_candidates *candidates, struct rb_pair pair,
-                                       int n)
+static inline double rb_clearance_path(const struct rb_candidates *candidates, struct rb_pair pair)
 {
-	return candidates->path[pair.a] + (pair.b < n ? candidates->path[pair.b] : 0);
+	return candidates->path[pair.a] + candidates->path[pair.b];
+}
+
+/*
+ * Whether the bodies of a pair are certainly farther apart than `max`, m, because they were, by
+ * more than they have moved since. Of most pairs nothing else has to be looked at.
+ */
+static inline bool rb_clearance_was_more(const struct rb_candidates *candidates, size_t k,
+                                         double path, double max)
+{
+	return candidates->clearance[k] - path > max + 4 * DBL_EPSILON * path;
 }
 
 /*
@@ -52,7 +61,7 @@ static inline double rb_clearance_path(const struct rb_candidates *candidates, s
 static inline bool rb_clearance_is_more(const struct rb_candidates *candidates, size_t k,
                                         double path, double max)
 {
-	if (candidates->clearance[k] - path > max + 4 * DBL_EPSILON * path)
+	if (rb_clearance_was_more(candidates, k, path, max))
 		return true;
 	const struct rb_pair pair = candidates->pair[k];
 	const rb_vec3 d = rb_vec3_sub(candidates->at[pair.b], candidates->at[pair.a]);

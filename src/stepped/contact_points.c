@@ -670,21 +670,27 @@ static double closing_of(const struct inspection *inspection, struct rb_pair pai
 	return model->driven ? closing + plane_turn(inspection, pair) : closing;
 }
 
-/* Whether that could be enough, seen at a glance. */
+/* m: the same at a glance: no less, but of what is driven. */
+static double glance_of(const struct inspection *inspection, struct rb_pair pair)
+{
+	const double *const ahead = inspection->candidates->ahead;
+	const double closing = ahead[pair.a] + ahead[pair.b] +
+	                       inspection->world->model->stepped_tolerance_m;
+
+	return closing < inspection->max ? closing : inspection->max;
+}
+
+/* Whether that could be enough. */
 static bool may_close(const struct inspection *inspection, struct rb_pair pair, double path)
 {
 	const struct rb_candidates *candidates = inspection->candidates;
 	const struct rb_model *model = inspection->world->model;
-	double closing = candidates->ahead[pair.a] + model->stepped_tolerance_m;
 
-	if (pair.b < model->body_count) {
-		closing += candidates->ahead[pair.b];
-		/* a plate may turn */
-		if (model->driven && model->driven[pair.b])
-			return true;
-	}
+	/* a plate may turn */
+	if (pair.b < model->body_count && model->driven && model->driven[pair.b])
+		return true;
 	return !rb_clearance_is_more(candidates, inspection->pair, path,
-	                             closing < inspection->max ? closing : inspection->max);
+	                             glance_of(inspection, pair));
 }
 
 /* ---- all pairs, by blocks ---- */
@@ -722,7 +728,7 @@ static void inspect_block(void *user, int block, int worker)
 		     end = rb_pairs_end(rb_candidates_live_count(candidates), first);
 
 	const double max = inspection.max;
-	const int n = inspection.world->model->body_count;
+	const bool glances = candidates->clearance && !inspection.world->model->driven;
 	inspection.arena = &inspection.world->arena[worker];
 	/* the first block's need no copy, where there is room */
 	if (block == 0 && inspection.points->capacity > inspection.points->count) {
@@ -735,12 +741,17 @@ static void inspect_block(void *user, int block, int worker)
 		const size_t k = rb_candidates_live(candidates, at);
 		const struct rb_pair pair = candidates->pair[k];
 
+		/* of most pairs */
+		if (glances &&
+		    rb_clearance_was_more(candidates, k, rb_clearance_path(candidates, pair),
+		                          glance_of(&inspection, pair)))
+			continue;
 		inspection.pair = k;
 		if (rb_pair_is_plain(inspection.world->model, pair.a, pair.b)) {
 			inspect_plain(&inspection, pair, fmin(slack_of(&inspection, pair), max));
 			continue;
 		}
-		const double path = rb_clearance_path(candidates, pair, n);
+		const double path = rb_clearance_path(candidates, pair);
 		if (!may_close(&inspection, pair, path))
 			continue;
 		candidates->clearance[k] = path +

@@ -97,7 +97,7 @@ static double depth_of(const struct rb_world *world, const struct rb_candidates 
 	const struct rb_pair pair = candidates->pair[k];
 
 	if (!rb_pair_is_plain(model, pair.a, pair.b)) {
-		const double path = rb_clearance_path(candidates, pair, model->body_count);
+		const double path = rb_clearance_path(candidates, pair);
 
 		return rb_clearance_is_more(candidates, k, path, 0)
 		               ? 0
@@ -169,11 +169,19 @@ static void depth_block(void *user, int block, int worker)
 		work->all ? candidates->pair_count : rb_candidates_live_count(candidates), first);
 	size_t live = work->all ? first_live(candidates, first) : 0;
 	struct rb_depths depths = {0};
+	/* all pairs are due: what is known to be apart is not asked anything else */
+	const bool whole = candidates->clearance && !work->skip && !work->moved && !work->all;
 
 	const bool more = !rb_interrupt_after(&work->world->interrupt, PAIR_WORK * (end - first));
 	for (size_t at = first; at < end && more; at++) {
 		const size_t k = work->all || !candidates->live ? at : candidates->live[at];
 		const struct rb_pair pair = candidates->pair[k];
+
+		if (whole &&
+		    rb_clearance_was_more(candidates, k, rb_clearance_path(candidates, pair), 0)) {
+			candidates->depth[k] = 0;
+			continue;
+		}
 		const bool is_live = !work->all || !candidates->live ||
 		                     (live < candidates->live_count && candidates->live[live] == k);
 
