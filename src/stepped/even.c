@@ -233,10 +233,10 @@ static bool is_determined(struct rb_constraint *const *taken, int first, int end
 	               clear_share * rb_vec3_length(way[0]) * rb_vec3_length(way[1]);
 }
 
-/* Rows of one pair, first to end; `bound`: they may be left out. */
+/* Rows of one pair, first to end; `alone`: what is open of it is open of no other. */
 struct touch {
 	int first, end;
-	bool bound, out;
+	bool alone;
 };
 
 static bool is_dynamic(const struct rb_row_system *rows, int body)
@@ -245,11 +245,12 @@ static bool is_dynamic(const struct rb_row_system *rows, int body)
 }
 
 /*
- * Leaves out the pairs, one after the other, that are determined by a body that no other pair acts
- * on: nothing of them is open. Returns the number of rows left.
+ * One after the other, pairs are alone of which one body has no other: what leaves that body as it
+ * is leaves the other one, too. Those that are determined are left out, of the rest `alone` is set,
+ * by row. Returns the number of rows left.
  */
 static int without_determined(const struct rb_row_system *rows, struct rb_constraint **taken, int n,
-                              struct rb_arena *arena)
+                              unsigned char *alone, struct rb_arena *arena)
 {
 	struct touch *const touch = rb_arena_take(arena, (size_t)n, sizeof *touch);
 	int touches = 0, max = 0, left = 0;
@@ -261,14 +262,14 @@ static int without_determined(const struct rb_row_system *rows, struct rb_constr
 	}
 	int *const pairs = rb_arena_take(arena, (size_t)max + 1, sizeof *pairs);
 	if (!touch || !pairs)
-		return n;
+		return -1;
 	for (int i = 0; i < n; i++)
 		pairs[taken[i]->a] = pairs[taken[i]->b] = 0;
 	for (int i = 0, end; i < n; i = end) {
 		end = i + 1;
 		while (end < n && goes_on(taken, end))
 			end++;
-		touch[touches++] = (struct touch){i, end, is_determined(taken, i, end), false};
+		touch[touches++] = (struct touch){i, end, false};
 		pairs[taken[i]->a]++;
 		pairs[taken[i]->b]++;
 	}
@@ -277,18 +278,23 @@ static int without_determined(const struct rb_row_system *rows, struct rb_constr
 		for (int k = 0; k < touches; k++) {
 			const struct rb_constraint *const row = taken[touch[k].first];
 
-			if (touch[k].out || !touch[k].bound ||
-			    !((pairs[row->a] == 1 && is_dynamic(rows, row->a)) ||
-			      (pairs[row->b] == 1 && is_dynamic(rows, row->b))))
+			if (touch[k].alone || !((pairs[row->a] == 1 && is_dynamic(rows, row->a)) ||
+			                        (pairs[row->b] == 1 && is_dynamic(rows, row->b))))
 				continue;
-			touch[k].out = any = true;
+			touch[k].alone = any = true;
 			pairs[row->a]--;
 			pairs[row->b]--;
 		}
 	}
-	for (int k = 0; k < touches; k++)
-		for (int i = touch[k].first; i < touch[k].end && !touch[k].out; i++)
+	for (int k = 0; k < touches; k++) {
+		const bool out = touch[k].alone &&
+		                 is_determined(taken, touch[k].first, touch[k].end);
+
+		for (int i = touch[k].first; i < touch[k].end && !out; i++) {
+			alone[left] = touch[k].alone;
 			taken[left++] = taken[i];
+		}
+	}
 	return left;
 }
 
@@ -296,10 +302,14 @@ static int without_determined(const struct rb_row_system *rows, struct rb_constr
 static void span_loads(const struct rb_row_system *rows, struct rb_constraint *const *taken,
                        struct span *span, double *scratch)
 {
+	/* of one pair what acts on one body is what acts on the other */
+	const bool single = is_pair(taken[0], taken[span->n - 1]);
+	const int count = single && rows->bodies.body[taken[0]->a].inverse_mass != 0 ? 1 : 2;
+
 	for (int k = 0; k < span->n; k++) {
 		const int ends[2] = {taken[k]->a, taken[k]->b};
 
-		for (int e = goes_on(taken, k) ? 2 : 0; e < 2; e++) {
+		for (int e = goes_on(taken, k) ? count : 0; e < count; e++) {
 			bool seen = rows->bodies.body[ends[e]].inverse_mass == 0;
 
 			for (int i = 0; i < k && !seen; i++)
@@ -527,15 +537,16 @@ static bool share_a_body(const struct rb_row_system *rows, const struct rb_const
 }
 
 /* Rows that bodies connect, as trees: nothing of one is orthogonalized against another. */
-static void connect(const struct rb_row_system *rows, struct rb_constraint *const *taken, int n,
-                    int *parent)
+static void connect(const struct rb_row_system *rows, struct rb_constraint *const *taken,
+                    const unsigned char *alone, int n, int *parent)
 {
 	for (int i = 0; i < n; i++) {
 		const bool same = goes_on(taken, i);
 
 		parent[i] = same ? rb_forest_root(parent, i - 1) : i;
-		for (int k = 0; k < i && !same; k++) {
-			if (goes_on(taken, k) || !share_a_body(rows, taken[i], taken[k]))
+		for (int k = 0; k < i && !same && !alone[i]; k++) {
+			if (alone[k] || goes_on(taken, k) ||
+			    !share_a_body(rows, taken[i], taken[k]))
 				continue;
 			const int other = rb_forest_root(parent, k),
 				  own = rb_forest_root(parent, i);
@@ -601,12 +612,12 @@ static bool even_joined(const struct rb_row_system *rows, struct rb_constraint *
 }
 
 /* The same of all rows, one connected part after the other. */
-static int even_all(const struct rb_row_system *rows, struct rb_constraint *const *taken, int n,
-                    struct pass *pass, int *parent)
+static int even_all(const struct rb_row_system *rows, struct rb_constraint *const *taken,
+                    const unsigned char *alone, int n, struct pass *pass, int *parent)
 {
 	int rank = 0;
 
-	connect(rows, taken, n, parent);
+	connect(rows, taken, alone, n, parent);
 	for (int i = 0; i < n; i++)
 		pass->even[i] = 0;
 	for (int root = 0; root < n; root++) {
@@ -642,9 +653,12 @@ bool rb_even(const struct rb_row_system *rows, double tolerance, double max, str
 	const double cube = (double)count * (double)count * (double)count;
 	if (count == 0 || multiplications * cube > max)
 		return false;
-	const int n = joined ? count : without_determined(rows, taken, count, arena);
+	unsigned char *const alone = rb_arena_take(arena, (size_t)count, 1);
+	if (!alone)
+		return false;
+	const int n = joined ? count : without_determined(rows, taken, count, alone, arena);
 	const size_t size = (size_t)n;
-	if (n == 0)
+	if (n <= 0)
 		return false;
 	struct pass pass = {.part = rb_arena_take(arena, size, sizeof *pass.part),
 	                    .place = rb_arena_take(arena, 2 * size, sizeof *pass.place),
@@ -656,7 +670,7 @@ bool rb_even(const struct rb_row_system *rows, double tolerance, double max, str
 	pass.normal_impulse = pass.scratch + n;
 	pass.even = pass.normal_impulse + n;
 	if (joined ? !even_joined(rows, taken, &pass, n, max, arena)
-	           : even_all(rows, taken, n, &pass, pass.place + n) == n)
+	           : even_all(rows, taken, alone, n, &pass, pass.place + n) == n)
 		return false;
 	for (int i = 0; i < n; i++)
 		if (pass.even[i] < 0)

@@ -405,6 +405,11 @@ static int owner_of(const struct rb_solver *solver, const struct rb_step_point *
 	return is_dynamic(solver, point->a) ? point->a : point->b;
 }
 
+static bool is_pair(const struct rb_step_point *p, const struct rb_step_point *q)
+{
+	return p->a == q->a && p->b == q->b;
+}
+
 /* Bodies of points into one tree; place[k] becomes the dynamic body of point k. */
 static void join_points(void *user, size_t first, size_t end)
 {
@@ -415,6 +420,10 @@ static void join_points(void *user, size_t first, size_t end)
 	for (size_t k = first; k < end; k++) {
 		const struct rb_step_point *point = &pass->points->row[k];
 
+		if (k > first && is_pair(point, point - 1)) {
+			pass->place[k] = pass->place[k - 1];
+			continue;
+		}
 		pass->place[k] = owner_of(solver, point);
 		RB_ASSERT_COSTLY(is_dynamic(solver, pass->place[k]));
 		if (is_dynamic(solver, point->a) && is_dynamic(solver, point->b))
@@ -508,7 +517,9 @@ static void count_rows(void *user, size_t first, size_t end)
 		const int g = solver->island_of[pass->place[k]];
 
 		pass->place[k] = g;
-		moved = moved || is_moved(solver, &pass->points->row[k]);
+		if (!moved &&
+		    !(count > 0 && is_pair(&pass->points->row[k], &pass->points->row[k - 1])))
+			moved = is_moved(solver, &pass->points->row[k]);
 		count++;
 		if (k + 1 < end && solver->island_of[pass->place[k + 1]] == g)
 			continue;
@@ -589,8 +600,8 @@ static void lay_out(struct pass *pass)
 /* Points of one face of a pair have bit for bit the same normal and are adjacent. */
 static bool share_face(const struct rb_step_point *p, const struct rb_step_point *q)
 {
-	return p->a == q->a && p->b == q->b && p->normal.x == q->normal.x &&
-	       p->normal.y == q->normal.y && p->normal.z == q->normal.z;
+	return is_pair(p, q) && p->normal.x == q->normal.x && p->normal.y == q->normal.y &&
+	       p->normal.z == q->normal.z;
 }
 
 /* The point with the smallest gap among those of the same face. */
