@@ -117,6 +117,74 @@ static void pushes_become_even_and_do_the_same(void **state)
 	rb_arena_release(&arena);
 }
 
+enum { PAIRS = 3 };
+
+/*
+ * Boxes on top of each other, and in a ring: the pairs between share bodies, but what is open of
+ * each, 1 -1 -1 1, is its own. Three corners leave nothing open, and stay as they are.
+ */
+static void pairs_of_a_tower_and_of_a_ring_become_even(void **state)
+{
+	const int ends[2][PAIRS][2] = {{{0, 1}, {1, 2}, {2, 3}}, {{1, 2}, {1, 3}, {2, 3}}};
+	struct rb_arena arena = {0};
+	int whole = 0;
+
+	(void)state;
+	for (uint64_t series = 0; series < 60; series++) {
+		struct rb_solver_body body[4] = {{.inverse_mass = 0}};
+		struct rb_constraint row[PAIRS * CORNERS], before[PAIRS * CORNERS];
+		struct sleep sleep;
+		/* one pair of the tower has three corners */
+		const int less = series % 2 ? PAIRS : (int)(series / 2 % PAIRS);
+		int count = 0, first[PAIRS + 1];
+
+		for (int i = 1; i < 4; i++)
+			body[i] = (struct rb_solver_body){.inverse_mass = 0.5,
+			                                  .inverse_inertia = 0.8};
+		for (int p = 0; p < PAIRS; p++) {
+			first[p] = count;
+			lay(&sleep, 7 + PAIRS * series + (uint64_t)p);
+			for (int k = 0; k < CORNERS - (p == less); k++, count++) {
+				row[count] = sleep.row[k];
+				row[count].a = ends[series % 2][p][0];
+				row[count].b = ends[series % 2][p][1];
+				row[count].arm_a = rb_vec3_add(row[count].arm_b,
+				                               (rb_vec3){0.1, 0.2, 1});
+			}
+		}
+		first[PAIRS] = count;
+		memcpy(before, row, sizeof row);
+		const struct rb_row_system dense = {
+			.bodies.body = body, .row = row, .row_count = count};
+
+		assert_true(rb_even(&dense, 1e-9, 1e9, &arena));
+		double least = 1;
+		for (int k = 0; k < count; k++)
+			least = fmin(least, row[k].impulse.n);
+		assert_true(least >= 0);
+		for (int p = 0; p < PAIRS && least > 0; p++) {
+			const struct rb_constraint *const r = &row[first[p]],
+							  *const b = &before[first[p]];
+
+			whole++;
+			if (p == less)
+				for (int k = 0; k < CORNERS - 1; k++)
+					assert_near(r[k].impulse.n, b[k].impulse.n, 1e-14);
+			else
+				assert_near(r[0].impulse.n - r[1].impulse.n - r[2].impulse.n +
+				                    r[3].impulse.n,
+				            0, 1e-14);
+			assert_near(r[0].impulse.n + r[1].impulse.n + r[2].impulse.n -
+			                    b[0].impulse.n - b[1].impulse.n - b[2].impulse.n +
+			                    (p == less ? 0 : r[3].impulse.n - b[3].impulse.n),
+			            0, 1e-14);
+		}
+		rb_arena_reset(&arena);
+	}
+	assert_true(whole > 40);
+	rb_arena_release(&arena);
+}
+
 static void what_does_not_slide_or_would_take_too_long_is_left(void **state)
 {
 	struct rb_arena arena = {0};
@@ -225,6 +293,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(pushes_become_even_and_do_the_same),
+		cmocka_unit_test(pairs_of_a_tower_and_of_a_ring_become_even),
 		cmocka_unit_test(what_does_not_slide_or_would_take_too_long_is_left),
 		cmocka_unit_test(joints_hand_loads_on),
 	};

@@ -213,15 +213,23 @@ static bool same_normal(const struct rb_constraint *x, const struct rb_constrain
 	       x->normal.z == y->normal.z;
 }
 
-static bool is_determined(struct rb_constraint *const *taken, int first, int end)
+static bool is_dynamic(const struct rb_row_system *rows, int body)
+{
+	return rows->bodies.body[body].inverse_mass != 0;
+}
+
+static bool is_determined(const struct rb_row_system *rows, struct rb_constraint *const *taken,
+                          int first, int end)
 {
 	const struct rb_constraint *const row = taken[first];
+	const bool of_a = is_dynamic(rows, row->a);
 	rb_vec3 way[2];
 
 	if (end - first > 3)
 		return false;
 	for (int i = first + 1; i < end; i++) {
-		const rb_vec3 d = rb_vec3_sub(taken[i]->arm_a, row->arm_a);
+		const rb_vec3 d = of_a ? rb_vec3_sub(taken[i]->arm_a, row->arm_a)
+		                       : rb_vec3_sub(taken[i]->arm_b, row->arm_b);
 
 		way[i - first - 1] = rb_vec3_reject(d, row->normal);
 		if (!same_normal(taken[i], row) ||
@@ -238,11 +246,6 @@ struct touch {
 	int first, end;
 	bool alone;
 };
-
-static bool is_dynamic(const struct rb_row_system *rows, int body)
-{
-	return rows->bodies.body[body].inverse_mass != 0;
-}
 
 /*
  * One after the other, pairs are alone of which one body has no other: what leaves that body as it
@@ -288,7 +291,7 @@ static int without_determined(const struct rb_row_system *rows, struct rb_constr
 	}
 	for (int k = 0; k < touches; k++) {
 		const bool out = touch[k].alone &&
-		                 is_determined(taken, touch[k].first, touch[k].end);
+		                 is_determined(rows, taken, touch[k].first, touch[k].end);
 
 		for (int i = touch[k].first; i < touch[k].end && !out; i++) {
 			alone[left] = touch[k].alone;
