@@ -719,6 +719,21 @@ static bool is_interrupted(const struct inspections *inspections, int a)
 	return rb_interrupt_after(&inspections->world->interrupt, PART_WORK * (uint64_t)parts);
 }
 
+/*
+ * Where the points of a block are to be, if that is known, and need no copy: of the first, and with
+ * one worker, who goes through them in order. Else SIZE_MAX.
+ */
+static size_t place_of(const struct inspections *inspections, int block)
+{
+	size_t place = inspections->inspection.points->count;
+
+	if (block > 0 && rb_team_workers(inspections->world->team) > 1)
+		return SIZE_MAX;
+	for (int b = 0; b < block; b++)
+		place += inspections->block[b].all;
+	return place;
+}
+
 static void inspect_block(void *user, int block, int worker)
 {
 	const struct inspections *inspections = user;
@@ -730,10 +745,10 @@ static void inspect_block(void *user, int block, int worker)
 	const double max = inspection.max;
 	const bool glances = candidates->clearance && !inspection.world->model->driven;
 	inspection.arena = &inspection.world->arena[worker];
-	/* the first block's need no copy, where there is room */
-	if (block == 0 && inspection.points->capacity > inspection.points->count) {
-		inspection.out = inspection.points->row + inspection.points->count;
-		inspection.capacity = inspection.points->capacity - inspection.points->count;
+	const size_t place = place_of(inspections, block);
+	if (place < inspection.points->capacity) {
+		inspection.out = inspection.points->row + place;
+		inspection.capacity = inspection.points->capacity - place;
 		inspection.in_place = true;
 	}
 	bool more = !rb_interrupt_after(&inspections->world->interrupt, PAIR_WORK * (end - first));
