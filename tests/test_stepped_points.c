@@ -5,6 +5,8 @@
  */
 #include "worlds.h"
 
+#include "base/memory.h"
+#include "stepped/carried.h"
 #include "stepped/clearance.h"
 #include "stepped/projection.h"
 #include "stepped/inside.h"
@@ -284,6 +286,154 @@ static void memory_foretold_for_a_heap_follows_its_pairs(void **unused)
 	}
 }
 
+enum { PIT = 6, LAYERS = 8, PIT_FRAMES = 40, PIT_ROWS = 512 };
+
+/* Bricks turned this way and that, which come down into a pit and press on each other. */
+static void fill_pit(struct lab *lab, int threads, double tolerance)
+{
+	const struct rb_world_options options = {.threads = threads};
+
+	lab_open(lab, 2, 60);
+	lab->scene.world.method = RB_METHOD_STEPPED;
+	lab->scene.world.time_step_s = 1.0 / 240;
+	lab->scene.world.tolerance_m = tolerance;
+	lab->scene.world.gravity = (rb_vec3){0, 0, -9.81};
+	lab_surface(lab, 0.3, 0);
+	lab_plane(lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	for (int k = 0; k < 4; k++) {
+		const double sign = k % 2 ? 1 : -1;
+		const rb_vec3 n = {k < 2 ? sign : 0, k < 2 ? 0 : sign, 0};
+
+		lab_plane(lab, rb_vec3_scale(-0.36 * PIT, n), n);
+	}
+	for (int k = 0; k < PIT * PIT * LAYERS; k++) {
+		const rb_vec3 at = {0.7 * (k % PIT - 0.5 * (PIT - 1)),
+		                    0.7 * (k / PIT % PIT - 0.5 * (PIT - 1)),
+		                    0.4 + 0.66 * (k / PIT / PIT)};
+		struct rb_body_def def = lab_box_def((rb_vec3){0.5, 0.4, 0.3}, 1, at);
+
+		def.orientation = rb_quat_unit(
+			(rb_quat){1, 0.4 * sin(3.0 * k), 0.4 * sin(5.0 * k), sin(7.0 * k)});
+		lab_add(lab, &def);
+	}
+	lab_seal_with(lab, &options, NULL);
+}
+
+/* All points that are carried to where the last step has ended; false: there are none. */
+static bool carry_all(struct rb_world *world, struct rb_step_points *to)
+{
+	const struct rb_cohort *const all = &world->stepped->all;
+	struct rb_carried carried;
+	struct rb_error err;
+
+	to->count = 0;
+	assert_int_equal(rb_carried_begin(&carried, world, all, &err), RB_OK);
+	for (size_t k = 0; k < all->candidates->pair_count; k++) {
+		all->candidates->depth[k] = 0;
+		if (rb_carried_has(&carried, k))
+			assert_true(rb_carried_add(&carried, k, 1, to));
+		all->candidates->depth[k] = 1;
+		assert_false(rb_carried_has(&carried, k)); /* deep */
+		all->candidates->depth[k] = 0;
+	}
+	return to->count > 0;
+}
+
+/* m: a body's way in the last step, and its turn at a distance of 1 m: twice that is above both. */
+static double way_of(const struct rb_world *world, int i)
+{
+	double square = 0;
+
+	for (int c = 0; i < world->model->body_count && c < 3; c++) {
+		const double way = world->state.velocity[3 * i + c],
+			     turn = world->state.spin[3 * i + c];
+
+		square += (way * way + turn * turn) / (240.0 * 240);
+	}
+	return 2 * sqrt(square);
+}
+
+/* Their gaps are those of the pairs, but for what is of the second order. */
+static void points_of_a_heap_are_carried_whatever_the_numbers_of_pairs(void **state)
+{
+	struct lab lab;
+	struct rb_step_points was = {0}, is = {0};
+	struct rb_error err;
+	size_t numbers = 0;
+
+	(void)state;
+	fill_pit(&lab, 1, 5e-3);
+	/* groups are those of the solution until overlaps have been closed */
+	for (bool large = false; !large;) {
+		const uint64_t closings = rb_world_work(lab.world).closings;
+
+		lab_step(&lab);
+		large = rb_world_work(lab.world).closings == closings && carry_all(lab.world, &was);
+	}
+	struct rb_stepped *const s = lab.world->stepped;
+	rb_candidates_place(&s->candidates, lab.world, s->body, s->member_count);
+	for (size_t k = 0; k < was.count; k++) {
+		const struct rb_step_point *const p = &was.row[k];
+		const int first = s->candidates.first_part[p->a];
+		const struct rb_part_pair parts = rb_part_pair_of(
+			&s->candidates.placed[first],
+			&s->candidates.placed[s->candidates.first_part[p->b]]);
+		const double way = way_of(lab.world, p->a) + way_of(lab.world, p->b);
+		const double gap = rb_separation_of(&parts.a, &parts.b).gap;
+
+		assert_true(p->normal_impulse == 0 && p->gap >= 0);
+		/* the edges are half as long at least: what turns a gap is no larger */
+		assert_true(p->gap >= gap - way * way / 0.15);
+	}
+	s->candidates.valid = false;
+	for (int i = 0; i < lab.world->model->body_count; i++)
+		s->candidates.reach[i] *= 4;
+	assert_int_equal(
+		rb_candidates_find(&s->candidates, lab.world, s->body, s->member_count, &err),
+		RB_OK);
+	assert_true(carry_all(lab.world, &is));
+	assert_int_equal(is.count, was.count);
+	for (size_t k = 0; k < is.count; k++) {
+		assert_int_equal(is.row[k].a, was.row[k].a);
+		assert_int_equal(is.row[k].b, was.row[k].b);
+		assert_near(is.row[k].gap, was.row[k].gap, 0);
+		const struct rb_pair pair = s->candidates.pair[is.row[k].pair];
+		numbers += pair.a != is.row[k].a || pair.b != is.row[k].b;
+	}
+	assert_true(numbers > 0);
+	rb_memory_free(was.row);
+	rb_memory_free(is.row);
+	lab_close(&lab);
+}
+
+/*
+ * Overlaps in a heap are closed with points of the step: whether pairs were found anew, and by how
+ * many threads, is not in the bits.
+ */
+static void a_heap_is_closed_in_the_same_bits_whenever_pairs_are_found(void **state)
+{
+	struct lab once, anew;
+	size_t most = 0;
+
+	(void)state;
+	fill_pit(&once, 1, 1e-5);
+	fill_pit(&anew, 2, 1e-5);
+	for (int frame = 0; frame < PIT_FRAMES; frame++) {
+		const size_t count = once.world->stepped->all.points.count;
+
+		anew.world->stepped->candidates.valid = false;
+		lab_step(&once);
+		lab_step(&anew);
+		most = count > most ? count : most;
+		assert_true(rb_world_hash(once.world) == rb_world_hash(anew.world));
+	}
+	assert_true(most > PIT_ROWS);
+	assert_true(rb_world_work(once.world).closings > PIT_FRAMES);
+	assert_true(rb_world_totals(once.world).max_penetration <= 1e-5);
+	lab_close(&once);
+	lab_close(&anew);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -295,6 +445,8 @@ int main(void)
 		cmocka_unit_test(what_turns_in_place_has_gone_its_size_times_its_angle),
 		cmocka_unit_test(what_may_be_closed_follows_the_faster_turn),
 		cmocka_unit_test(a_heap_of_boxes_that_turn_stays_within_the_tolerance),
+		cmocka_unit_test(points_of_a_heap_are_carried_whatever_the_numbers_of_pairs),
+		cmocka_unit_test(a_heap_is_closed_in_the_same_bits_whenever_pairs_are_found),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

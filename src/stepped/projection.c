@@ -7,6 +7,7 @@
 #include "base/forest.h"
 #include "base/memory.h"
 #include "base/team.h"
+#include "stepped/carried.h"
 #include "stepped/joint_steps.h"
 #include "stepped/lift.h"
 #include "world/joint_state.h"
@@ -91,6 +92,9 @@ struct search {
 	uint32_t *pair;         /* to be looked at */
 	int wave_count, active_count, resting_count;
 	struct rb_lift lift;
+	struct rb_carried carried; /* points for pairs that are not to be looked at */
+	uint32_t *carried_pair;    /* those of a wave */
+	size_t carried_count;
 	bool again; /* not the first round */
 };
 
@@ -121,10 +125,12 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->active = rb_arena_take(arena, n, sizeof *search->active);
 	search->at_rest = rb_arena_take(arena, n, sizeof *search->at_rest);
 	search->pair = rb_arena_take(arena, pairs + 1, sizeof *search->pair);
+	search->carried_pair = rb_arena_take(arena, pairs + 1, sizeof *search->carried_pair);
 	if (search->place && search->first && search->of && search->ends && search->seen &&
 	    search->moved && search->stopped && search->parent && search->lost &&
 	    search->inspected && search->anchored && search->frozen && search->astray &&
-	    search->kept && search->wave && search->active && search->at_rest && search->pair) {
+	    search->kept && search->wave && search->active && search->at_rest && search->pair &&
+	    search->carried_pair) {
 		memset(search->moved, 0, n);
 		memset(search->stopped, 0, n);
 		return RB_OK;
@@ -307,13 +313,15 @@ static void inspect_joined(struct search *search, int i)
 }
 
 /*
- * Candidates of the bodies of the wave that have not been looked at, but for groups that are lost.
+ * Candidates of the bodies of the wave that have not been looked at, but for groups that are lost:
+ * those to be looked at now, and those with points that are carried.
  */
 static size_t next_pairs(struct search *search)
 {
 	const struct rb_candidates *candidates = search->cohort->candidates;
 	size_t count = 0;
 
+	search->carried_count = 0;
 	/* the wave grows on the way */
 	for (int k = 0; search->world->model->joints && k < search->wave_count; k++)
 		inspect_joined(search, search->wave[k]);
@@ -326,12 +334,17 @@ static size_t next_pairs(struct search *search)
 			search->frozen[search->wave[k]] = 1;
 			continue;
 		}
+		take_velocity(search, search->wave[k]); /* it may be moved */
 		for (uint32_t at = search->first[place]; at < search->first[place + 1]; at++) {
 			const uint32_t pair = search->of[at];
 
 			if (search->inspected[pair])
 				continue;
 			search->inspected[pair] = 1;
+			if (rb_carried_has(&search->carried, pair)) {
+				search->carried_pair[search->carried_count++] = pair;
+				continue;
+			}
 			search->pair[count++] = pair;
 			take_velocity(search, candidates->pair[pair].a);
 			take_velocity(search, candidates->pair[pair].b);
@@ -359,10 +372,16 @@ static enum rb_status find_points(struct search *search, const struct rb_depths 
 	points->count = 0;
 	begin_round(search, found);
 	candidates->live = search->pair;
-	while (status == RB_OK && (candidates->live_count = next_pairs(search)) > 0) {
+	while (status == RB_OK && search->wave_count > 0) {
 		size_t at = points->count;
 
-		status = rb_step_points_add(points, world, candidates, 1, max, err);
+		candidates->live_count = next_pairs(search);
+		if (candidates->live_count > 0)
+			status = rb_step_points_add(points, world, candidates, 1, max, err);
+		for (size_t k = 0; k < search->carried_count && status == RB_OK; k++)
+			if (!rb_carried_add(&search->carried, search->carried_pair[k], max, points))
+				status = RB_FAIL(err, RB_ERR_MEMORY,
+				                 "no memory for the overlaps of a step");
 		for (; at < points->count; at++)
 			join(search, &points->row[at]);
 	}
@@ -646,6 +665,8 @@ enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *coh
 	if (all_is_lost(s, cohort))
 		return RB_OK;
 	status = begin_search(&search, err);
+	if (status == RB_OK)
+		status = rb_carried_begin(&search.carried, world, cohort, err);
 	if (status != RB_OK)
 		return status;
 	index_pairs(&search);

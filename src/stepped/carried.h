@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Points of a step as they stand at its end, where positions are moved to close overlaps. Geometry
+ * is asked about the pairs that overlap; their neighbours in a heap only hold against, and the
+ * points that the step was solved with, carried along with both bodies, say well enough where: what
+ * turning makes of their gaps is of the second order. All depths are measured afterwards, and a pair
+ * that then overlaps is one that geometry is asked about.
+ *
+ * In the arena of the step; simulator thread.
+ */
+#ifndef RB_STEPPED_CARRIED_H
+#define RB_STEPPED_CARRIED_H
+
+#include "stepped/inside.h"
+
+struct rb_carried {
+	const struct rb_world *world;
+	const struct rb_step_points *points;
+	const struct rb_candidates *candidates;
+	unsigned char *heap;  /* [bodies]: of a large group that is under way */
+	unsigned char *exact; /* [pairs]: geometry is to be asked from now on */
+	uint32_t *first;      /* [pairs]: 1 + the first point of each; 0: it has none */
+	bool any;
+};
+
+/* Before the solver has become that of closing. */
+RB_CHECKED enum rb_status rb_carried_begin(struct rb_carried *carried, struct rb_world *world,
+                                           const struct rb_cohort *cohort, struct rb_error *err);
+
+/* Whether a candidate's points will do, as deep as it was measured last. */
+bool rb_carried_has(struct rb_carried *carried, size_t pair);
+
+/* Adds them, without impulses, as far as they are no farther apart than `max`, m; false: no memory. */
+bool rb_carried_add(const struct rb_carried *carried, size_t pair, double max,
+                    struct rb_step_points *to);
+
+#endif
