@@ -286,6 +286,42 @@ static void memory_foretold_for_a_heap_follows_its_pairs(void **unused)
 	}
 }
 
+/* Of a pose it is known as if it had been asked for; of another one it is found. */
+static void what_was_found_of_a_pose_is_not_that_of_another(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	open_weightless(&lab, 1);
+	add_box(&lab, (rb_vec3){1, 1, 1}, none, none, none);
+	add_box(&lab, (rb_vec3){1, 1, 1}, (rb_vec3){1.5, 0.2, 0.1}, none, (rb_vec3){0.1, 0.2, 0.3});
+	lab_seal(&lab, 1);
+	struct rb_candidates *const candidates = &lab.world->stepped->candidates;
+	const struct rb_pair pair = {0, 1};
+	struct rb_clue clue = {.is_known = false};
+	for (int frame = 0; frame < 4; frame++) {
+		lab_step(&lab);
+		rb_candidates_place(candidates, lab.world, (const int[]){0, 1}, 2);
+		const struct rb_part_pair parts = rb_part_pair_of(&candidates->placed[0],
+		                                                  &candidates->placed[1]);
+		const rb_separation is = rb_separation_of(&parts.a, &parts.b);
+
+		assert_false(rb_clue_knows(&clue, rb_placings_of(candidates, pair)));
+		for (int twice = 0; twice < 2; twice++) {
+			const struct rb_placings placings = rb_placings_of(candidates, pair);
+			const rb_separation found = rb_clearance_separation(&parts, placings,
+			                                                    &clue);
+
+			assert_near(found.gap, is.gap, 0);
+			assert_near(found.noise, is.noise, 0);
+			assert_vector(found.normal, is.normal, 0);
+			rb_candidates_place(candidates, lab.world, (const int[]){0, 1}, 2);
+			assert_true(rb_clue_knows(&clue, rb_placings_of(candidates, pair)));
+		}
+	}
+	lab_close(&lab);
+}
+
 enum { PIT = 6, LAYERS = 8, PIT_FRAMES = 40, PIT_ROWS = 512 };
 
 /* Bricks turned this way and that, which come down into a pit and press on each other. */
@@ -445,6 +481,7 @@ int main(void)
 		cmocka_unit_test(what_turns_in_place_has_gone_its_size_times_its_angle),
 		cmocka_unit_test(what_may_be_closed_follows_the_faster_turn),
 		cmocka_unit_test(a_heap_of_boxes_that_turn_stays_within_the_tolerance),
+		cmocka_unit_test(what_was_found_of_a_pose_is_not_that_of_another),
 		cmocka_unit_test(points_of_a_heap_are_carried_whatever_the_numbers_of_pairs),
 		cmocka_unit_test(a_heap_is_closed_in_the_same_bits_whenever_pairs_are_found),
 	};

@@ -10,6 +10,8 @@
  */
 #include "geom/manifold.h"
 
+#include <stddef.h>
+
 #include "base/error.h"
 #include "geom/box_overlay.h"
 #include "geom/boxes.h"
@@ -74,11 +76,12 @@ typedef struct {
 	bool boxes; /* both */
 } find;
 
-static void start(find *f, const rb_placed *a, const rb_placed *b)
+/* `known`: their separation; NULL: it is to be found. */
+static void start(find *f, const rb_placed *a, const rb_placed *b, const rb_separation *known)
 {
 	f->a = (rb_placed){a->core, {0, 0, 0}, a->turn};
 	f->b = (rb_placed){b->core, rb_vec3_sub(b->at, a->at), b->turn};
-	f->s = rb_separation_of(&f->a, &f->b);
+	f->s = known ? *known : rb_separation_of(&f->a, &f->b);
 	f->tilt = 0;
 	f->fine = (double)INFINITY;
 	f->count = 0;
@@ -198,23 +201,14 @@ static void take(rb_manifold *manifold, find *f, const rb_placed *a, const rb_pl
 	}
 }
 
-void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
-                              double band, double fine, double max)
+static void find_points(rb_manifold *manifold, find *f, const rb_placed *a, const rb_placed *b,
+                        double band, double fine)
 {
-	RB_ASSERT_COSTLY(!(band < 0) && !(fine < 0));
-
-	/* not initialised: clearing the points would cost more than all else here */
-	find f;
-
-	start(&f, a, b);
-	manifold->normal = f.s.normal;
-	manifold->gap = f.s.gap - (a->core->radius + b->core->radius);
-	manifold->count = 0;
-	if (manifold->gap > max)
-		return;
-	search(&f, fmax(band, f.s.noise), fine);
-	take(manifold, &f, a, b);
-	if (f.count > 0)
+	manifold->normal = f->s.normal;
+	manifold->gap = f->s.gap - (a->core->radius + b->core->radius);
+	search(f, fmax(band, f->s.noise), fine);
+	take(manifold, f, a, b);
+	if (f->count > 0)
 		return;
 	/* The patches miss each other by rounding: the gap's own points. */
 	const rb_convex_touch touch = rb_convex_gap(a, b);
@@ -223,12 +217,39 @@ void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const r
 	                                         (uint64_t)touch.a << 32 | touch.b};
 }
 
+void rb_manifold_from(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
+                      const rb_separation *separation, double band, double fine)
+{
+	RB_ASSERT_COSTLY(!(band < 0) && !(fine < 0));
+
+	/* not initialised: clearing the points would cost more than all else here */
+	find f;
+
+	start(&f, a, b, separation);
+	find_points(manifold, &f, a, b, band, fine);
+}
+
+void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
+                              double band, double fine, double max)
+{
+	RB_ASSERT_COSTLY(!(band < 0) && !(fine < 0));
+
+	find f;
+
+	start(&f, a, b, NULL);
+	manifold->normal = f.s.normal;
+	manifold->gap = f.s.gap - (a->core->radius + b->core->radius);
+	manifold->count = 0;
+	if (!(manifold->gap > max))
+		find_points(manifold, &f, a, b, band, fine);
+}
+
 void rb_manifold_along(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
                        rb_vec3 normal, double band)
 {
 	find f;
 
-	start(&f, a, b);
+	start(&f, a, b, NULL);
 	f.s.normal = normal;
 	f.s.gap = rb_vec3_dot(normal, f.b.at) - rb_placed_height(&f.a, normal) -
 	          rb_placed_height(&f.b, rb_vec3_neg(normal));

@@ -11,6 +11,7 @@
 #define RB_GEOM_MANIFOLD_H
 
 #include "geom/convex.h"
+#include "geom/separation.h"
 
 enum { RB_MANIFOLD_MAX = 16 };
 
@@ -50,5 +51,9 @@ void rb_manifold_along(rb_manifold *manifold, const rb_placed *a, const rb_place
  */
 void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
                               double band, double fine, double max);
+
+/* The same from what rb_separation_of has found of both, as seen from a's origin. */
+void rb_manifold_from(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
+                      const rb_separation *separation, double band, double fine);
 
 #endif

@@ -250,6 +250,14 @@ static bool both_points(const rb_placed *a, const rb_placed *b)
 	       a->core->polytope->vertex_count == 1 && b->core->polytope->vertex_count == 1;
 }
 
+double rb_separation_noise(const rb_placed *a, const rb_placed *b)
+{
+	const double scale = rb_vec3_length(rb_vec3_sub(b->at, a->at)) + a->core->reach +
+	                     b->core->reach;
+
+	return NOISE_ULP * DBL_EPSILON * scale;
+}
+
 rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 {
 	RB_ASSERT_COSTLY(a->core->kind != RB_CORE_HALF_SPACE ||

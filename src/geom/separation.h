@@ -17,6 +17,9 @@ typedef struct {
 /* At most one of them a half space; their `at` near the origin. */
 rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b);
 
+/* m: the noise of that. */
+double rb_separation_noise(const rb_placed *a, const rb_placed *b);
+
 /*
  * A gap, m, that rb_separation_of would find no less than, with room for rounding, if one above
  * `limit` is seen; else

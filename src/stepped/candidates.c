@@ -43,6 +43,7 @@ static void go_on(struct rb_candidates *candidates, int i, rb_vec3 to, rb_quat t
 
 	RB_ASSERT_COSTLY(i >= 0 && !(candidates->path[i] < 0)); /* NaN: of a try that fails */
 	candidates->turn[i] = turn;
+	candidates->placing[i] += square != 0 || way.x != 0 || way.y != 0 || way.z != 0;
 	if (square > 0)
 		candidates->path[i] += 2 * candidates->size[i] * sqrt(square) * (1 + 1e-9);
 	if (way.x != 0 || way.y != 0 || way.z != 0)
@@ -89,10 +90,11 @@ static bool take_parts(struct rb_candidates *candidates, const struct rb_model *
 	candidates->ahead = rb_memory_take((size_t)count, sizeof *candidates->ahead);
 	candidates->turn = rb_memory_take((size_t)model->body_count, sizeof *candidates->turn);
 	candidates->path = rb_memory_take((size_t)count, sizeof *candidates->path);
+	candidates->placing = rb_memory_take((size_t)count, sizeof *candidates->placing);
 	candidates->at = rb_memory_take((size_t)count, sizeof *candidates->at);
 	candidates->size = rb_memory_take((size_t)count, sizeof *candidates->size);
 	if (!candidates->placed || !candidates->ahead || !candidates->turn || !candidates->path ||
-	    !candidates->at || !candidates->size)
+	    !candidates->placing || !candidates->at || !candidates->size)
 		return false;
 	for (int i = 0; i < count; i++)
 		candidates->size[i] = model->shape[i].kind == RB_SHAPE_PLANE
@@ -139,6 +141,7 @@ void rb_candidates_release(struct rb_candidates *candidates)
 	rb_memory_free(candidates->placed);
 	rb_memory_free(candidates->turn);
 	rb_memory_free(candidates->path);
+	rb_memory_free(candidates->placing);
 	rb_memory_free(candidates->at);
 	rb_memory_free(candidates->size);
 	rb_memory_free(candidates->ahead);

@@ -16,7 +16,10 @@
 
 /* What is known of two parts from the look before; decides cost only. */
 struct rb_clue {
-	rb_vec3 axis;  /* the direction in which it was told apart, or touches; zero: none */
+	rb_vec3 axis; /* the direction in which it was told apart, or touches; zero: none */
+	double gap;   /* m: if `is_known`, rb_separation_of along the axis */
+	uint32_t placing_a, placing_b; /* of that pose */
+	bool is_known;
 	bool is_close; /* it was not told apart */
 };
 
@@ -61,6 +64,7 @@ struct rb_candidates {
 	rb_placed *placed; /* where parts stand: rb_candidates_place */
 	rb_vec3 *at;       /* [bodies and statics] m: their origins, as the parts stand */
 	rb_quat *turn;     /* [bodies] so are they turned */
+	uint32_t *placing; /* [bodies and statics] number of that pose, another one each time */
 	/* [bodies and statics] m: how far points of each have got at most, through all placings */
 	double *path;
 	/* [bodies and statics] m: no point is farther from there; infinite planes: INFINITY */

@@ -95,12 +95,47 @@ static inline struct rb_part_pair rb_part_pair_of(const rb_placed *a, const rb_p
 	                             a->core->radius + b->core->radius};
 }
 
+/* Of a pair's bodies: where they are. */
+struct rb_placings {
+	uint32_t a, b;
+};
+
+static inline struct rb_placings rb_placings_of(const struct rb_candidates *candidates,
+                                                struct rb_pair pair)
+{
+	return (struct rb_placings){candidates->placing[pair.a], candidates->placing[pair.b]};
+}
+
+static inline bool rb_clue_knows(const struct rb_clue *clue, struct rb_placings placings)
+{
+	return clue->is_known && clue->placing_a == placings.a && clue->placing_b == placings.b;
+}
+
+/* What has been found of two parts where they are now, or is found and remembered. */
+static inline rb_separation rb_clearance_separation(const struct rb_part_pair *parts,
+                                                    struct rb_placings placings,
+                                                    struct rb_clue *clue)
+{
+	if (rb_clue_knows(clue, placings))
+		return (rb_separation){clue->axis, clue->gap,
+		                       rb_separation_noise(&parts->a, &parts->b)};
+	const rb_separation found = rb_separation_of(&parts->a, &parts->b);
+
+	clue->axis = found.normal;
+	clue->gap = found.gap;
+	clue->placing_a = placings.a;
+	clue->placing_b = placings.b;
+	clue->is_known = true;
+	return found;
+}
+
 /* How far they are apart at least, if that is seen to be more than `most`, m; else -INFINITY. */
 static inline double rb_clearance_of_parts(const struct rb_part_pair *parts, double max,
                                            struct rb_clue *clue)
 {
 	const int rounds = clue->is_close ? RB_ROUNDS_CLOSE : RB_ROUNDS_SEPARATE;
 
+	clue->is_known = false; /* the axis may change */
 	return rb_separation_beyond(&parts->a, &parts->b, max + parts->radii, rounds, &clue->axis) -
 	       parts->radii;
 }

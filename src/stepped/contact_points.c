@@ -570,6 +570,7 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 	const int a = candidates->first_part[pair.a], b = candidates->first_part[pair.b];
 	const int count_a = rb_candidates_part_count(candidates, pair.a);
 	const int count_b = rb_candidates_part_count(candidates, pair.b);
+	const struct rb_placings placings = rb_placings_of(candidates, pair);
 	rb_manifold manifold;
 	double least_clearance = (double)INFINITY;
 
@@ -591,20 +592,23 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 			double clearance = rb_clearance_of_spheres(pa, pb, slack);
 
 			/* of boxes that were close the closed form costs no more than a look */
-			if (!(clearance > slack) &&
+			if (!(clearance > slack) && !rb_clue_knows(clue, placings) &&
 			    !(clue->is_close && rb_box_is(pa) && rb_box_is(pb)))
 				clearance = rb_clearance_of_parts(&parts, slack, clue);
-			least_clearance = fmin(least_clearance, clearance);
 			if (clearance > slack) {
+				least_clearance = fmin(least_clearance, clearance);
 				clue->is_close = false;
 				continue;
 			}
-			rb_manifold_with_nearest(&manifold, pa, pb, band, fine, slack);
-			clue->axis = manifold.normal;
-			clue->is_close = manifold.gap <= slack;
+			const rb_separation s = rb_clearance_separation(&parts, placings, clue);
+			least_clearance = fmin(least_clearance, s.gap - s.noise - parts.radii);
 			/* as if it had been seen at once: what is known decides cost only */
-			if (!clue->is_close || (rb_beside_may(&manifold, band, tolerance) &&
-			                        passes(inspection, pair, pa, pb, &manifold)))
+			clue->is_close = s.gap - parts.radii <= slack;
+			if (!clue->is_close)
+				continue;
+			rb_manifold_from(&manifold, pa, pb, &s, band, fine);
+			if (rb_beside_may(&manifold, band, tolerance) &&
+			    passes(inspection, pair, pa, pb, &manifold))
 				continue;
 			add_manifold(inspection, pair, &manifold, slack,
 			             (uint32_t)i << 16 | (uint32_t)j,

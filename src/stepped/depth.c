@@ -50,6 +50,7 @@ static double depth_of_parts(const struct rb_model *model, const struct rb_candi
 	const int a = candidates->first_part[pair.a], b = candidates->first_part[pair.b];
 	const int count_a = rb_candidates_part_count(candidates, pair.a);
 	const int count_b = rb_candidates_part_count(candidates, pair.b);
+	const struct rb_placings placings = rb_placings_of(candidates, pair);
 	double depth = 0;
 	double least_clearance = (double)INFINITY;
 	bool bounded = false;
@@ -72,17 +73,17 @@ static double depth_of_parts(const struct rb_model *model, const struct rb_candi
 			double clearance = rb_clearance_of_spheres(pa, pb, 0);
 			const struct rb_part_pair parts = rb_part_pair_of(pa, pb);
 
-			if (!(clearance > 0))
+			if (!(clearance > 0) && !rb_clue_knows(clue, placings))
 				clearance = rb_clearance_of_parts(&parts, -fmax(depth, least),
 				                                  clue);
-			least_clearance = fmin(least_clearance, clearance);
 			if (clearance > -fmax(depth, least)) {
+				least_clearance = fmin(least_clearance, clearance);
 				bounded = bounded || (clearance < 0 && least > depth);
 				continue;
 			}
-			const rb_separation s = rb_separation_of(&parts.a, &parts.b);
-			clue->axis = s.normal;
+			const rb_separation s = rb_clearance_separation(&parts, placings, clue);
 			depth = fmax(depth, parts.radii - s.gap);
+			least_clearance = fmin(least_clearance, s.gap - s.noise - parts.radii);
 		}
 	}
 	candidates->clearance[k] = path + least_clearance;
@@ -99,9 +100,12 @@ static double depth_of(const struct rb_world *world, const struct rb_candidates 
 	if (!rb_pair_is_plain(model, pair.a, pair.b)) {
 		const double path = rb_clearance_path(candidates, pair);
 
-		return rb_clearance_is_more(candidates, k, path, 0)
-		               ? 0
-		               : depth_of_parts(model, candidates, k, path, least);
+		if (rb_clearance_is_more(candidates, k, path, 0))
+			return 0;
+		/* it was known not to be deep, and has hardly moved */
+		if (least > 0 && rb_clearance_is_more(candidates, k, path, -least))
+			return -least;
+		return depth_of_parts(model, candidates, k, path, least);
 	}
 	if (model->shape[pair.b].kind == RB_SHAPE_SPHERE) {
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
