@@ -572,6 +572,33 @@ static void no_attempt_is_made_that_forces_alone_make_too_dear(void **state)
 	lab_close(&lab);
 }
 
+/* Bodies that fly fast may count often, until steps have shown what they cost. */
+static void speed_allows_no_more_than_steps_have_cost(void **state)
+{
+	enum { FLYING = 40 };
+	const double seconds = 2 / frame_rate;
+	struct lab lab;
+
+	(void)state;
+	open_floor(&lab);
+	for (int k = 0; k < FLYING; k++)
+		lab_box(&lab, (rb_vec3){0.4, 0.4, 0.2}, 1, (rb_vec3){k, 0, 5}, rb_quat_identity);
+	for (int k = 0; k < FLYING; k++)
+		lab.scene.bodies[k + 1].velocity.y = 100;
+	lab_seal(&lab, 1);
+	struct rb_world *const world = lab.world;
+	assert_int_equal(rb_world_step_frame(world, &lab.error), RB_OK);
+	const double before = world->located->pace;
+	change_to_steps(&lab, 8);
+	for (int k = 0; k < 3; k++)
+		assert_int_equal(rb_world_step_frame(world, &lab.error), RB_OK);
+	assert_true(rb_engine_locates(world->located));
+	const double cost = 8.0 * FLYING / RB_LOCATED_BODY_STEPS / seconds;
+	assert_true(before > 10 * cost);
+	assert_true(fabs(world->located->pace - cost) < 1e-9 * cost);
+	lab_close(&lab);
+}
+
 /* ---- frames that are taken back ---- */
 
 /* Nobody pushes where there are no callbacks, nor after a frame has been taken back. */
@@ -638,6 +665,7 @@ int main(void)
 		cmocka_unit_test(an_attempt_that_fails_at_once_leaves_no_trace),
 		cmocka_unit_test(an_attempt_that_fails_at_once_leaves_out_no_step),
 		cmocka_unit_test(no_attempt_is_made_that_forces_alone_make_too_dear),
+		cmocka_unit_test(speed_allows_no_more_than_steps_have_cost),
 		cmocka_unit_test(locating_begins_again_after_a_frame_was_taken_back),
 		cmocka_unit_test(what_has_rested_is_looked_at_again_once_it_moves),
 	};

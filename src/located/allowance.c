@@ -94,5 +94,6 @@ double rb_located_pace(const struct rb_located *l)
 	const double paid = max > 0 ? PACE_BODY * sum + PACE_WORLD * few * max
 	                            : PACE_RUN * (PACE_BODY * (double)l->n + PACE_WORLD) / l->end_s;
 
-	return (double)rb_located_worth(l) * paid;
+	/* what speeds allow is a guess: those of what swings or turns together make no events */
+	return (double)rb_located_worth(l) * fmin(paid, rb_crowd_stepped_pace(l));
 }

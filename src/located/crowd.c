@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/crowd.h"
 
+#include <math.h>
+
 #include "base/forest.h"
 #include "model/parts.h"
 
@@ -64,7 +66,7 @@ static bool is_idle(const struct rb_state *state, int i)
 	       rb_vec3_max_abs(state->spin ? rb_world_row3(state->spin, i) : none) == 0;
 }
 
-void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *before)
+void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *before, double dt_s)
 {
 	const struct rb_counts *now = &l->world->frame_counts;
 	uint64_t moved = now->body_steps - before->body_steps + now->discarded_body_steps -
@@ -73,8 +75,17 @@ void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *bef
 
 	for (int i = 0; i < l->n; i++)
 		idle += is_idle(&l->world->state, i);
+	l->world->dense_body_steps += moved;
+	l->world->dense_s += dt_s;
 	moved -= idle < moved ? idle : moved;
 	l->world->dense_work += STEP_WORK * moved + IDLE_WORK * idle;
+}
+
+double rb_crowd_stepped_pace(const struct rb_located *l)
+{
+	const double bodies = (double)l->world->dense_body_steps / RB_LOCATED_BODY_STEPS;
+
+	return l->world->dense_s > 0 ? bodies / l->world->dense_s : (double)INFINITY;
 }
 
 /* Share of the work of steps that the next attempt may take. */

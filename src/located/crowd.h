@@ -45,8 +45,14 @@ uint64_t rb_crowd_world_max(const struct rb_located *l);
  */
 uint64_t rb_crowd_inspection(const struct rb_located *l, int i, int j, int facets);
 
-/* Counts what a step has cost: `before` are the world's counts before it. */
-void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *before);
+/* Counts what a step of `dt_s` has cost: `before` are the world's counts before it. */
+void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *before, double dt_s);
+
+/*
+ * Bodies that the steps taken have counted for in a second of them, 1/s, as if none had stood;
+ * infinite before the first.
+ */
+double rb_crowd_stepped_pace(const struct rb_located *l);
 
 /* Whether the steps taken have cost several times what bringing bodies to their contacts does. */
 bool rb_crowd_may_try(const struct rb_located *l);

@@ -213,6 +213,13 @@ static void more_dense_steps(struct rb_world *world)
 		                             : RB_DENSE_STEPS_FIRST;
 }
 
+/* Nothing has been stepped since locating gave way. */
+static void forget_dense_work(struct rb_world *world)
+{
+	world->dense_work = world->dense_body_steps = 0;
+	world->dense_s = 0;
+}
+
 /*
  * Steps after locating has given way. What was located for RB_DENSE_STEPS_MORE times as long as was
  * stepped before is another crowd: it begins anew.
@@ -225,7 +232,7 @@ static void begin_dense_steps(struct rb_world *world)
 		world->dense_steps = 0;
 	more_dense_steps(world);
 	world->dense_left = world->dense_steps;
-	world->dense_work = 0;
+	forget_dense_work(world);
 }
 
 /*
@@ -316,7 +323,7 @@ static enum rb_status by_step(struct rb_world *world, double start, double stop,
 		world->state.time_s = to;
 		world->frame_counts.stepped_s += to - from;
 		if (world->located)
-			rb_crowd_count_step(world->located, &before);
+			rb_crowd_count_step(world->located, &before, to - from);
 	}
 	if (status == RB_OK)
 		forget_pushes(world);
@@ -331,7 +338,8 @@ struct restart {
 	struct rb_ledger ledger;
 	size_t event_count;
 	int64_t dense_steps, dense_left;
-	uint64_t dense_work;
+	uint64_t dense_work, dense_body_steps;
+	double dense_s;
 	uint64_t called;
 	bool is_known;
 };
@@ -383,6 +391,8 @@ static enum rb_status remember(struct rb_world *world, bool known, struct restar
 	begin->dense_steps = world->dense_steps;
 	begin->dense_left = world->dense_left;
 	begin->dense_work = world->dense_work;
+	begin->dense_body_steps = world->dense_body_steps;
+	begin->dense_s = world->dense_s;
 	return RB_OK;
 }
 
@@ -412,6 +422,8 @@ static enum rb_status go_back(struct rb_world *world, const struct restart *begi
 	world->moved_by_hand = true;
 	world->dense_steps = begin->dense_steps;
 	world->dense_work = begin->dense_work;
+	world->dense_body_steps = begin->dense_body_steps;
+	world->dense_s = begin->dense_s;
 	world->dense_left = 0;
 	if (begin->dense_left > 0 && by_steps)
 		return RB_OK;
@@ -419,7 +431,7 @@ static enum rb_status go_back(struct rb_world *world, const struct restart *begi
 	while (world->dense_steps < steps && world->dense_steps < DENSE_STEPS_MAX)
 		world->dense_steps *= RB_DENSE_STEPS_MORE;
 	world->dense_left = world->dense_steps > steps ? world->dense_steps : steps;
-	world->dense_work = 0;
+	forget_dense_work(world);
 	return change_to_steps(world, err);
 }
 

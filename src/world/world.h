@@ -107,6 +107,8 @@ struct rb_events {
 	X(int64_t, dense_left, , "", "auto: of these, still to take",                        \
 	  RB_LONG_WITHIN(0, INT64_MAX))                                                      \
 	X(uint64_t, dense_work, , "", "auto: products that these have cost", RB_ANY_BITS)    \
+	X(uint64_t, dense_body_steps, , "", "auto: of all bodies, in these", RB_ANY_BITS)    \
+	X(double, dense_s, , "s", "auto: that these have taken", RB_FINITE)                  \
 	X(bool, has_shown, , "", "`shown` is of this frame", RB_FLAG)                        \
 	X(bool, has_held, , "", "callbacks pushed in the step before, with `held`", RB_FLAG) \
 	X(bool, moved_by_hand, , "", "a callback has set a position", RB_FLAG)
