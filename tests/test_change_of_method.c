@@ -572,31 +572,67 @@ static void no_attempt_is_made_that_forces_alone_make_too_dear(void **state)
 	lab_close(&lab);
 }
 
-/* Bodies that fly fast may count often, until steps have shown what they cost. */
+enum { FLYING = 40 };
+
+/* Located for a frame: a row of boxes that flies, `joined` into a chain. */
+static void open_flight(struct lab *lab, double speed, bool joined)
+{
+	open_floor(lab);
+	for (int k = 0; k < FLYING; k++)
+		lab_box(lab, (rb_vec3){0.4, 0.4, 0.2}, 1, (rb_vec3){k, 0, 5}, rb_quat_identity);
+	for (int k = 0; k < FLYING; k++)
+		lab->scene.bodies[k + 1].velocity.y = speed;
+	for (int k = 1; k < FLYING && joined; k++) {
+		struct rb_joint_def def = rb_joint_def_default();
+
+		def.kind = RB_JOINT_BALL;
+		def.a = k;
+		def.b = k + 1;
+		def.at = (rb_vec3){k - 0.5, 0, 5};
+		assert_int_equal(rb_scene_add_joint(&lab->scene, &def, NULL, &lab->error), RB_OK);
+	}
+	lab_seal(lab, 1);
+	assert_int_equal(rb_world_step_frame(lab->world, &lab->error), RB_OK);
+}
+
+/* Bodies that fly fast may count often, until steps have shown what they cost; joints cost, too. */
 static void speed_allows_no_more_than_steps_have_cost(void **state)
 {
-	enum { FLYING = 40 };
 	const double seconds = 2 / frame_rate;
-	struct lab lab;
 
 	(void)state;
-	open_floor(&lab);
-	for (int k = 0; k < FLYING; k++)
-		lab_box(&lab, (rb_vec3){0.4, 0.4, 0.2}, 1, (rb_vec3){k, 0, 5}, rb_quat_identity);
-	for (int k = 0; k < FLYING; k++)
-		lab.scene.bodies[k + 1].velocity.y = 100;
-	lab_seal(&lab, 1);
-	struct rb_world *const world = lab.world;
-	assert_int_equal(rb_world_step_frame(world, &lab.error), RB_OK);
-	const double before = world->located->pace;
-	change_to_steps(&lab, 8);
-	for (int k = 0; k < 3; k++)
-		assert_int_equal(rb_world_step_frame(world, &lab.error), RB_OK);
-	assert_true(rb_engine_locates(world->located));
-	const double cost = 8.0 * FLYING / RB_LOCATED_BODY_STEPS / seconds;
-	assert_true(before > 10 * cost);
-	assert_true(fabs(world->located->pace - cost) < 1e-9 * cost);
-	lab_close(&lab);
+	for (int joined = 0; joined < 2; joined++) {
+		const int all = joined ? 2 * FLYING - 1 : FLYING;
+		struct lab lab;
+
+		open_flight(&lab, joined ? 0 : 100, joined);
+		const double before = lab.world->located->pace;
+		change_to_steps(&lab, 8);
+		for (int k = 0; k < 3; k++)
+			assert_int_equal(rb_world_step_frame(lab.world, &lab.error), RB_OK);
+		assert_true(rb_engine_locates(lab.world->located));
+		const double cost = 8.0 * all / RB_LOCATED_BODY_STEPS / seconds;
+		const double now = lab.world->located->pace;
+		if (joined)
+			assert_true(fabs(now - fmin(before, cost)) < 1e-9 * cost);
+		else
+			assert_true(before > 10 * cost && fabs(now - cost) < 1e-9 * cost);
+		assert_int_equal(lab.world->dense_body_steps, 8 * all);
+		lab_close(&lab);
+	}
+}
+
+/* What flies as one passes nothing by that. */
+static void a_chain_that_flies_allows_as_much_as_one_that_falls(void **state)
+{
+	struct lab fast, slow;
+
+	(void)state;
+	open_flight(&fast, 100, true);
+	open_flight(&slow, 0, true);
+	assert_true(fast.world->located->pace == slow.world->located->pace);
+	lab_close(&fast);
+	lab_close(&slow);
 }
 
 /* ---- frames that are taken back ---- */
@@ -666,6 +702,7 @@ int main(void)
 		cmocka_unit_test(an_attempt_that_fails_at_once_leaves_out_no_step),
 		cmocka_unit_test(no_attempt_is_made_that_forces_alone_make_too_dear),
 		cmocka_unit_test(speed_allows_no_more_than_steps_have_cost),
+		cmocka_unit_test(a_chain_that_flies_allows_as_much_as_one_that_falls),
 		cmocka_unit_test(locating_begins_again_after_a_frame_was_taken_back),
 		cmocka_unit_test(what_has_rested_is_looked_at_again_once_it_moves),
 	};

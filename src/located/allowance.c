@@ -9,6 +9,7 @@
 #include <math.h>
 
 #include "located/crowd.h"
+#include "world/joint_state.h"
 
 /* Bodies of crowds that a body's way by its own size allows: each, and the fastest beside. */
 enum { PACE_BODY = 1, PACE_WORLD = 128, PACE_FEW = 4, PACE_RUN = 128 };
@@ -22,10 +23,43 @@ static double eight_bits(double number)
 	return ldexp(floor(digits * 0x1p8), exponent - 8);
 }
 
-/* Speed, m/s, of a body at the beginning. */
+/* m/s, at the beginning: none of static bodies and of the world (-1). */
+static rb_vec3 velocity_of(const struct rb_located *l, int i)
+{
+	return i >= 0 && i < l->n ? rb_world_row3(l->world->state.velocity, i)
+	                          : (rb_vec3){0, 0, 0};
+}
+
+/* What holds the body at the beginning: how many joints, and how fast it passes their other ends. */
+struct holds {
+	int count;
+	double speed; /* m/s */
+};
+
+static struct holds holds_of(const struct rb_located *l, int i)
+{
+	const struct rb_joints *const joints = l->model->joints;
+	struct holds all = {0, 0};
+
+	for (int k = joints ? joints->first[i] : 0; joints && k < joints->first[i + 1]; k++) {
+		const struct rb_joint *const joint = &joints->joint[joints->of[k]];
+		const rb_vec3 other = velocity_of(l, joint->a == i ? joint->b : joint->a);
+
+		if (l->world->joint[joints->of[k]].released)
+			continue;
+		all.count++;
+		all.speed = fmax(all.speed,
+		                 rb_vec3_length(rb_vec3_sub(velocity_of(l, i), other)));
+	}
+	return all;
+}
+
+/* Speed, m/s, of a body at the beginning: a chain that swings or flies as one passes nothing. */
 static double speed_of(const struct rb_located *l, int i)
 {
-	return rb_vec3_length(rb_world_row3(l->world->state.velocity, i));
+	const struct holds holds = holds_of(l, i);
+
+	return holds.count > 0 ? holds.speed : rb_vec3_length(velocity_of(l, i));
 }
 
 /* m/s: with which one that attracts is hit by what falls to it from afar. */
@@ -86,7 +120,7 @@ double rb_located_pace(const struct rb_located *l)
 	for (int i = 0; i < l->n; i++) {
 		const double pace = own_pace(l, i, energy, falls);
 
-		sum += pace;
+		sum += pace * (1 + 0.5 * holds_of(l, i).count);
 		max = fmax(max, pace);
 	}
 	const double few = l->n > PACE_FEW ? (double)PACE_FEW / l->n : 1;
@@ -94,6 +128,6 @@ double rb_located_pace(const struct rb_located *l)
 	const double paid = max > 0 ? PACE_BODY * sum + PACE_WORLD * few * max
 	                            : PACE_RUN * (PACE_BODY * (double)l->n + PACE_WORLD) / l->end_s;
 
-	/* what speeds allow is a guess: those of what swings or turns together make no events */
+	/* what speeds allow is a guess, steps have been counted */
 	return (double)rb_located_worth(l) * fmin(paid, rb_crowd_stepped_pace(l));
 }

@@ -5,6 +5,7 @@
 
 #include "base/forest.h"
 #include "model/parts.h"
+#include "world/joint_state.h"
 
 /*
  * Bodies that may be counted beyond those that time allows. By a crowd: so many for each of its
@@ -66,15 +67,32 @@ static bool is_idle(const struct rb_state *state, int i)
 	       rb_vec3_max_abs(state->spin ? rb_world_row3(state->spin, i) : none) == 0;
 }
 
+/* Is the joint between bodies that do not move, or between one and what is static? */
+static bool is_idle_joint(const struct rb_located *l, const struct rb_joint *joint)
+{
+	const struct rb_state *const state = &l->world->state;
+
+	return (joint->a >= l->n || is_idle(state, joint->a)) &&
+	       (joint->b < 0 || joint->b >= l->n || is_idle(state, joint->b));
+}
+
 void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *before, double dt_s)
 {
 	const struct rb_counts *now = &l->world->frame_counts;
+	const int joint_count = l->model->joints ? l->model->joints->count : 0;
 	uint64_t moved = now->body_steps - before->body_steps + now->discarded_body_steps -
 	                 before->discarded_body_steps;
 	uint64_t idle = 0;
 
 	for (int i = 0; i < l->n; i++)
 		idle += is_idle(&l->world->state, i);
+	/* what joins two is solved as they are: it takes about as long as a body */
+	for (int k = 0; k < joint_count; k++) {
+		if (l->world->joint[k].released)
+			continue;
+		moved++;
+		idle += is_idle_joint(l, &l->model->joints->joint[k]);
+	}
 	l->world->dense_body_steps += moved;
 	l->world->dense_s += dt_s;
 	moved -= idle < moved ? idle : moved;
