@@ -98,8 +98,8 @@ static void fly_on(struct rb_located *l, int i, double t, rb_vec3 position, rb_v
 }
 
 /*
- * rb_pair_impact, bit for bit, where spins, friction, differences of acceleration and
- * listeners are known to be absent; false: they are not, or the rebound is slow.
+ * rb_pair_impact, bit for bit, where spins, friction and differences of acceleration are known to
+ * be absent; false: they are not, or the rebound is slow.
  */
 static bool collide_in_flight(struct rb_located *l, int a, int b, double t)
 {
@@ -107,7 +107,7 @@ static bool collide_in_flight(struct rb_located *l, int a, int b, double t)
 	const bool fixed = b >= l->n;
 	rb_vec3 normal, other = {0, 0, 0}, position_b = {0, 0, 0};
 
-	if (l->world->options.keep_events || l->world->hooks.collision || !flies(l, a))
+	if (!flies(l, a))
 		return false;
 	const rb_vec3 position_a = rb_arc_position(l, a, t), velocity = rb_arc_velocity(l, a, t);
 	if (fixed) {
@@ -130,30 +130,28 @@ static bool collide_in_flight(struct rb_located *l, int a, int b, double t)
 	if (!(approach > noise) || !(target_velocity > noise) ||
 	    !(target_velocity * target_velocity > DBL_EPSILON * rb_vec3_dot(w, w)))
 		return false;
-	const struct rb_contact_point bodies = {.a = a, .b = b};
-	if (l->weight > 0 && ends_among_others(l, &bodies, target_velocity, t))
+	const rb_vec3 arm = rb_vec3_scale(l->arc[a].plain_radius, normal);
+	const struct rb_contact_point m = {.a = a,
+	                                   .b = b,
+	                                   .normal = normal,
+	                                   .point = rb_vec3_add(position_a, arm),
+	                                   .pose_a = {.position = position_a},
+	                                   .arm_a = arm};
+	if (l->weight > 0 && ends_among_others(l, &m, target_velocity, t))
 		return false;
 	const double inverse_a = model->inverse_mass[a];
 	const double inverse_b = fixed ? 0 : model->inverse_mass[b];
 	const double size = (1 + restitution) * approach /
 	                    ((inverse_a + inverse_b) * rb_vec3_dot(normal, normal));
-	const rb_vec3 impulse = rb_vec3_scale(size, normal);
+	const rb_vec3 impulse = rb_vec3_add_scaled((rb_vec3){0, 0, 0}, size, normal);
 
-	if (l->account_s) {
-		const struct rb_contact_point m = {
-			.a = a,
-			.b = b,
-			.normal = normal,
-			.pose_a = {.position = position_a},
-			.arm_a = rb_vec3_scale(l->arc[a].plain_radius, normal)};
-
+	if (l->account_s)
 		rb_work_impact(l, &m, impulse, w,
 		               rb_vec3_add_scaled(w, inverse_a + inverse_b, impulse));
-	}
 	fly_on(l, a, t, position_a, rb_vec3_add_scaled(velocity, inverse_a, rb_vec3_neg(impulse)));
 	if (!fixed)
 		fly_on(l, b, t, position_b, rb_vec3_add_scaled(other, inverse_b, impulse));
-	l->world->frame_counts.collisions++;
+	rb_record_impact(l, t, &m, impulse, approach);
 	return true;
 }
 
