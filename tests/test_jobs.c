@@ -223,6 +223,8 @@ static void failures_are_told_and_tried_again_where_that_may_mend_them(void **st
 	                                "4:3:ended with status 3 and without a result;");
 	for (uint64_t k = 0; k < 5; k++)
 		assert_int_equal(state_of(&sweep, k), k == 1 ? RB_POINT_DONE : RB_POINT_FAILED);
+	assert_int_equal(sweep.tally.lack, 74);
+	assert_int_equal(sweep.tally.lacking, 2);
 	/* what the scene says it would say again; a crash may not happen again */
 	run(&sweep);
 	assert_int_equal(sweep.tally.started, 3);

@@ -241,12 +241,14 @@ static enum rb_status submit(const struct rb_planned *sweep, struct rb_error *er
 
 /* ---- runs on this machine ---- */
 
-/* 75: another call goes on; 1: points failed; 0: all are done. */
+/* 75: another call goes on; a point's own status: the machine lacked something; 1: others failed. */
 static int exit_code_of(const struct rb_jobs_tally *tally)
 {
 	if (tally->done + tally->failed < tally->total)
 		return rb_status_exit_code(RB_ERR_AGAIN);
-	return tally->failed > 0 ? rb_status_exit_code(RB_ERR_EXPECT) : 0;
+	if (tally->failed == 0)
+		return 0;
+	return tally->lack ? tally->lack : rb_status_exit_code(RB_ERR_EXPECT);
 }
 
 /* Makes runs look for helpers that come with rbsim in the sweep's folder, from where they work. */

@@ -96,6 +96,28 @@ static void tell(const struct jobs *jobs, uint64_t index, const struct rb_point 
 		jobs->order->told(jobs->order->user, index, point);
 }
 
+/* True if a run that ended with this status lacked something that the machine has to give. */
+static bool lacked(int exit_code)
+{
+	return exit_code == rb_status_exit_code(RB_ERR_MISSING) ||
+	       exit_code == rb_status_exit_code(RB_ERR_MEMORY) ||
+	       exit_code == rb_status_exit_code(RB_ERR_CREATE) ||
+	       exit_code == rb_status_exit_code(RB_ERR_IO);
+}
+
+/* Counts a point that is done or has failed. Which one names the lack does not depend on time. */
+static void count(struct rb_jobs_tally *tally, uint64_t index, const struct rb_point *point)
+{
+	tally->done += point->state == RB_POINT_DONE;
+	if (point->state != RB_POINT_FAILED)
+		return;
+	tally->failed++;
+	if (lacked(point->exit_code) && (tally->lack == 0 || index < tally->lacking)) {
+		tally->lack = point->exit_code;
+		tally->lacking = index;
+	}
+}
+
 /*
  * Looks at all points of the share and counts them. Failed points that stay so are reported here,
  * so that a sweep that goes on lists all failures, not only new ones.
@@ -115,12 +137,12 @@ static enum rb_status survey(struct jobs *jobs, struct rb_error *err)
 		const bool due = rb_point_is_due(&point, order->retry);
 		jobs->due[k] = point.state == RB_POINT_RUNNING ? ELSEWHERE : due ? DUE : 0;
 		tally->due += due;
-		tally->done += point.state == RB_POINT_DONE;
 		tally->elsewhere += point.state == RB_POINT_RUNNING;
-		if (point.state == RB_POINT_FAILED && !due) {
-			tally->failed++;
+		if (due)
+			continue;
+		count(tally, index, &point);
+		if (point.state == RB_POINT_FAILED)
 			tell(jobs, index, &point);
-		}
 	}
 	return RB_OK;
 }
@@ -311,8 +333,7 @@ static enum rb_status look_elsewhere(struct jobs *jobs, struct rb_error *err)
 			continue;
 		RB_ASSERT(tally->elsewhere > 0);
 		tally->elsewhere--;
-		tally->done += point.state == RB_POINT_DONE;
-		tally->failed += point.state == RB_POINT_FAILED;
+		count(tally, index_of(jobs, number), &point);
 	}
 	return status;
 }
@@ -339,8 +360,7 @@ static enum rb_status take_point(struct jobs *jobs, struct place *place, struct 
 	enum rb_status status = rb_point_look(order->folder, order->plan, place->index,
 	                                      order->module, &point, err);
 	if (!status && !rb_point_is_due(&point, order->retry)) {
-		tally->done += point.state == RB_POINT_DONE;
-		tally->failed += point.state == RB_POINT_FAILED;
+		count(tally, place->index, &point);
 		if (point.state == RB_POINT_RUNNING)
 			leave_elsewhere(jobs, jobs->next - 1);
 		if (point.state == RB_POINT_FAILED)
@@ -420,8 +440,7 @@ static enum rb_status end_run(struct jobs *jobs, struct place *place, int outcom
 		status = tell_crash(jobs, place, outcome, &point, err);
 	if (status)
 		return status;
-	tally->done += point.state == RB_POINT_DONE;
-	tally->failed += point.state == RB_POINT_FAILED;
+	count(tally, place->index, &point);
 	tell(jobs, place->index, &point);
 	return RB_OK;
 }

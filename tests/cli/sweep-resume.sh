@@ -136,7 +136,7 @@ bound=$((3 + 3 * ($(date +%s) - begun))) # as this machine is
 says err 'point 1 .*took longer than '$bound' s'
 [ -s slow/point-00001.h5.checkpoint ] || fail "no checkpoint of a point that takes too long"
 "$RBSIM" sweep bound.lua -p n=0.1,40 -p work=1 -o large --jobs 2 --point-disk 1000000 --no-render >out 2>err
-[ $? -eq 1 ] || fail "a point that takes too much disk: $(cat err)"
+[ $? -eq 74 ] || fail "a point that takes too much disk: $(cat err)"
 says err 'point 1 .*File too large'
 [ -z "$(find large -size +1000000c)" ] || fail "a file beyond the bound"
 exits 0 sweep large --jobs 2
