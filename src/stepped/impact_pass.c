@@ -20,9 +20,9 @@
 #include "stepped/points_of.h"
 #include "stepped/tally.h"
 
-/* Limit of events in a step: after 64 + 4 per point what is left rebounds at the end. */
-/* STALE_MAX: of what is foreseen anew, beside as many as there are points, stays queued. */
+/* Of what is foreseen anew, so many and twice as many as there are points stay queued. */
 enum { STALE_MAX = 64 };
+/* Limit of events in a step: after 64 + 4 per point what is left rebounds at the end. */
 enum { EVENTS_MAX = 64, EVENTS_PER_POINT = 4, EVENT_WORK = 1 << 13 /* as multiplications */ };
 /*
  * What gives nothing back is resolved in its time between two bodies that touch no third one that

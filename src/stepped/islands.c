@@ -12,10 +12,10 @@
 #include "stepped/islands.h"
 
 #include "base/error.h"
-#include "force/spring.h"
 #include "base/forest.h"
 #include "base/memory.h"
 #include "constraint/effective_mass.h"
+#include "force/spring.h"
 #include "stepped/pivot.h"
 #include "stepped/stiffening.h"
 #include "world/joint_state.h"
