@@ -10,12 +10,23 @@ small_scene 'camera { name = "main", position = {0, -4, 1}, look_at = {0, 0, 0.2
 camera { name = "moving", position = function(t) return {t, -4, 1} end, size = {64, 48}, samples = 1 }' >s.lua
 exits 0 s.lua -q
 
+# an ffmpeg that says, by a file, when the first picture has come
+cat >watched <<'END'
+#!/bin/sh
+case "$*" in *-encoders*) exec ffmpeg "$@" ;; esac
+head -c $((64 * 48 * 3)) >taken && mv taken first
+{ cat first && exec cat; } | ffmpeg "$@"
+END
+chmod +x watched
+export RBSIM_FFMPEG=$PWD/watched
+
 # ends STATUSES SIGNAL ARGUMENT...: gets the signal once its film has begun and `enough` is there, and is given a minute
-enough='sleep 1.5'
+enough='[ -s first ]'
 ends()
 {
 	wanted=$1 signal=$2
 	shift 2
+	rm -f first
 	"$RBSIM" "$@" >out 2>err </dev/null &
 	pid=$!
 	until_true sh -c 'find . -name "*.png" -o -name "*film*" | grep -q .'
@@ -50,7 +61,7 @@ rm -r pictures
 small_scene 'camera { name = "main", position = {0, -4, 1}, size = {64, 48}, samples = 1, speed = 1e-5, video = "film.mp4" }' >run.lua
 has_frames()
 {
-	"$RBSIM" info run.h5 --json >info 2>/dev/null && [ "$(value frames info)" -gt 1 ] && sleep 1
+	[ -s first ] && "$RBSIM" info run.h5 --json >info 2>/dev/null && [ "$(value frames info)" -gt 1 ]
 }
 enough=has_frames
 ends '130 75' INT run.lua
