@@ -36,9 +36,12 @@ static void a_long_text_is_cut_visibly_and_never_overruns(void **state)
 	memset(record.after, 0xa5, sizeof record.after);
 	memset(text, 'x', sizeof text - 1);
 	text[sizeof text - 1] = '\0';
-	(void)RB_FAIL(&record.err, RB_ERR_SCENE, "%s", text);
+	(void)RB_FAIL(&record.err, RB_ERR_SCENE, "cannot open '%s': No such file", text);
 	assert_int_equal(strlen(record.err.text), RB_ERROR_TEXT_SIZE - 1);
-	assert_string_equal(record.err.text + RB_ERROR_TEXT_SIZE - 5, "x...");
+	assert_non_null(strstr(record.err.text, "x...x"));
+	/* what failed and why stay */
+	assert_ptr_equal(strstr(record.err.text, "cannot open 'xxx"), record.err.text);
+	assert_string_equal(record.err.text + RB_ERROR_TEXT_SIZE - 18, "xx': No such file");
 	for (size_t i = 0; i < sizeof record.after; i++)
 		assert_int_equal(record.after[i], 0xa5);
 }
@@ -67,11 +70,23 @@ static void cutting_does_not_split_a_character(void **state)
 		for (int i = 0; i < 150; i++)
 			strcat(text, "\xc3\xa9");
 		(void)RB_FAIL(&err, RB_ERR_SCENE, "%s", text);
-		const size_t length = strlen(err.text);
-		assert_true(length >= RB_ERROR_TEXT_SIZE - 2);
-		assert_string_equal(err.text + length - 3, "...");
-		assert_int_equal((unsigned char)err.text[length - 4], 0xa9);
+		assert_true(strlen(err.text) >= RB_ERROR_TEXT_SIZE - 3);
+		const char *const cut = strstr(err.text, "...");
+		assert_non_null(cut);
+		assert_int_equal((unsigned char)cut[-1], 0xa9);
+		assert_int_equal((unsigned char)cut[3], 0xc3);
 	}
+}
+
+static void a_place_keeps_the_end_of_a_long_name(void **state)
+{
+	char out[24];
+
+	(void)state;
+	assert_string_equal(rb_error_place("a.lua", 12, out, sizeof out), "a.lua:12: ");
+	assert_string_equal(rb_error_place("a.lua", 0, out, sizeof out), "a.lua: ");
+	assert_string_equal(rb_error_place("12345678901234567.lua", 7, out, sizeof out),
+	                    "...678901234567.lua:7: ");
 }
 
 static void a_record_may_be_quoted_in_its_successor(void **state)
@@ -106,6 +121,7 @@ int main(void)
 		cmocka_unit_test(a_long_text_is_cut_visibly_and_never_overruns),
 		cmocka_unit_test(a_text_that_just_fits_is_not_cut),
 		cmocka_unit_test(cutting_does_not_split_a_character),
+		cmocka_unit_test(a_place_keeps_the_end_of_a_long_name),
 		cmocka_unit_test(a_record_may_be_quoted_in_its_successor),
 		cmocka_unit_test(exit_codes_are_those_of_the_manual),
 	};

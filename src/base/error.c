@@ -8,8 +8,14 @@
 #include "base/error.h"
 
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+/* Bytes of a message before it is cut: two names as long as can be, and what is said of them. */
+enum { LONGEST = 9216 };
+static const char left_out[] = "...";
 
 static const struct {
 	int exit_code;
@@ -47,6 +53,51 @@ const char *rb_status_name(enum rb_status status)
 	return status_table[known(status)].name;
 }
 
+/* True for a byte of UTF-8 within a character. */
+static bool is_inside(char byte)
+{
+	return ((unsigned char)byte & 0xc0) == 0x80;
+}
+
+/*
+ * Copies a text; of one that is too long the middle is left out, visibly: it begins with what
+ * failed and ends with the reason, and what is long is the name of a file between these.
+ */
+static void copy_cut(char out[RB_ERROR_TEXT_SIZE], const char *text)
+{
+	const size_t length = strlen(text), room = RB_ERROR_TEXT_SIZE - sizeof left_out;
+	size_t head = room / 2, tail = length - (room - room / 2);
+
+	if (length < RB_ERROR_TEXT_SIZE) {
+		memcpy(out, text, length + 1);
+		return;
+	}
+	while (head > 0 && is_inside(text[head]))
+		head--;
+	while (is_inside(text[tail]))
+		tail++;
+	memcpy(out, text, head);
+	memcpy(out + head, left_out, sizeof left_out - 1);
+	memcpy(out + head + sizeof left_out - 1, text + tail, length - tail + 1);
+}
+
+const char *rb_error_place(const char *file, int line, char *out, size_t size)
+{
+	char number[16] = "";
+	size_t from = 0;
+
+	if (line > 0)
+		snprintf(number, sizeof number, ":%d", line);
+	const size_t length = strlen(file), rest = strlen(number) + sizeof ": ";
+	RB_ASSERT(size > rest + sizeof left_out);
+	const bool cut = length + rest > size;
+	if (cut)
+		for (from = length + rest + sizeof left_out - 1 - size; is_inside(file[from]);)
+			from++;
+	snprintf(out, size, "%s%s%s: ", cut ? left_out : "", file + from, number);
+	return out;
+}
+
 enum rb_status rb_error_set(struct rb_error *err, enum rb_status status, const char *file, int line,
                             const char *format, ...)
 {
@@ -54,27 +105,17 @@ enum rb_status rb_error_set(struct rb_error *err, enum rb_status status, const c
 		return status;
 
 	/* Into a buffer of its own: the text may quote the record it replaces ("%s: %s"). */
-	char text[RB_ERROR_TEXT_SIZE];
+	char text[LONGEST];
 	va_list arguments;
 	va_start(arguments, format);
 	const int length = vsnprintf(text, sizeof text, format, arguments);
 	va_end(arguments);
 
 	*err = (struct rb_error){.status = status, .file = file, .line = line};
-	if (length < 0)
-		return status;
-	size_t end = 0;
-	for (; text[end]; end++)
-		err->text[end] = text[end];
-	if ((size_t)length < sizeof text)
-		return status;
-	/* Cut: not inside a UTF-8 character, and visibly. */
-	end = sizeof text - 4;
-	while (end > 0 && ((unsigned char)err->text[end] & 0xc0) == 0x80)
-		end--;
-	for (int i = 0; i < 3; i++)
-		err->text[end++] = '.';
-	err->text[end] = '\0';
+	if (length >= (int)sizeof text)
+		memcpy(text + sizeof text - sizeof left_out, left_out, sizeof left_out);
+	if (length >= 0)
+		copy_cut(err->text, text);
 	return status;
 }
 

@@ -5,6 +5,8 @@
 #ifndef RB_BASE_ERROR_H
 #define RB_BASE_ERROR_H
 
+#include <stddef.h>
+
 #include <rbsim/error.h>
 
 /* For our own bugs: says where and aborts, in release too. Not inside inner loops. */
@@ -21,6 +23,12 @@ enum { RB_IS_CHECKED_BUILD = 1 };
 enum { RB_IS_CHECKED_BUILD = 0 };
 #define RB_ASSERT_COSTLY(cond) ((void)sizeof((cond) ? 1 : 0))
 #endif
+
+/*
+ * Writes "FILE:LINE: ", or without a line "FILE: ", as mistakes begin; of a name that is too long,
+ * the end.
+ */
+const char *rb_error_place(const char *file, int line, char *out, size_t size);
 
 _Noreturn void rb_bug(const char *file, int line, const char *what);
 

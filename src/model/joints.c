@@ -39,7 +39,7 @@ const char *rb_joint_source(const struct rb_scene *scene, int k, char out[96])
 	RB_ASSERT(k >= 0 && k < scene->joint_count);
 	out[0] = '\0';
 	if (scene->joints[k].line > 0)
-		snprintf(out, 96, "%.80s:%d: ", scene->file, scene->joints[k].line);
+		rb_error_place(scene->file, scene->joints[k].line, out, 96);
 	return out;
 }
 

@@ -515,7 +515,7 @@ const char *rb_scene_body_source(const struct rb_scene *scene, int id, char out[
 	RB_ASSERT(id >= 0 && id < scene->body_count);
 	out[0] = '\0';
 	if (scene->bodies[id].line > 0)
-		snprintf(out, 96, "%.80s:%d: ", scene->file, scene->bodies[id].line);
+		rb_error_place(scene->file, scene->bodies[id].line, out, 96);
 	return out;
 }
 

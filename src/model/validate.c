@@ -112,10 +112,8 @@ rb_mat3 rb_body_inertia(const struct rb_scene *scene, const struct rb_body_def *
 static void place(const struct rb_scene *scene, int line, char out[256])
 {
 	out[0] = '\0';
-	if (scene->file && scene->file[0] != '\0' && line > 0)
-		snprintf(out, 256, "%.200s:%d: ", scene->file, line);
-	else if (scene->file && scene->file[0] != '\0')
-		snprintf(out, 256, "%.200s: ", scene->file);
+	if (scene->file && scene->file[0] != '\0')
+		rb_error_place(scene->file, line, out, 256);
 }
 
 /* sphere 'ball', or sphere #3 */

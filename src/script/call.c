@@ -44,12 +44,10 @@ int rb_scene_line(lua_State *L, char *helper, size_t helper_size)
 /* Adds a mistake: made printable, with its place in front. */
 static void note(struct rb_script *script, int line, const char *text)
 {
-	char whole[1024];
+	char whole[sizeof script->first_mistake], place[256];
 
-	if (line > 0)
-		snprintf(whole, sizeof whole, "%s:%d: %s", script->source, line, text);
-	else
-		snprintf(whole, sizeof whole, "%s: %s", script->source, text);
+	snprintf(whole, sizeof whole, "%s%s",
+	         rb_error_place(script->source, line, place, sizeof place), text);
 	/* a text from the scene may hold anything: one line stays one line */
 	for (char *c = whole; *c; c++)
 		if ((unsigned char)*c < ' ' || *c == 127)
@@ -60,8 +58,7 @@ static void note(struct rb_script *script, int line, const char *text)
 		return;
 	script->last_mistake = hash;
 	if (script->mistake_count++ == 0)
-		snprintf(script->first_mistake, sizeof script->first_mistake, "%.*s",
-		         (int)sizeof script->first_mistake - 1, whole);
+		memcpy(script->first_mistake, whole, sizeof whole);
 	if (script->mistakes)
 		rb_mistakes_add(script->mistakes, "%s", whole);
 }

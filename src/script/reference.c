@@ -138,8 +138,9 @@ static int serve(lua_State *L)
 		return luaL_error(L, "the scene states no reference");
 	lua_pushvalue(L, -1);
 	lua_getinfo(L, ">S", &about);
-	snprintf(request->place, sizeof request->place, "%.120s:%d: reference", scene->file,
-	         about.linedefined);
+	rb_error_place(scene->file, about.linedefined, request->place,
+	               sizeof request->place - strlen("reference"));
+	strcat(request->place, "reference");
 	lua_pushnumber(L, request->time_s);
 	lua_call(L, 1, 1);
 	if (lua_type(L, 2) != LUA_TTABLE)

@@ -59,7 +59,7 @@ struct rb_script {
 	const struct rb_script_options *options; /* borrowed */
 	int mistake_count, usage_mistake_count;
 	uint64_t last_mistake; /* hash of its text */
-	char first_mistake[RB_ERROR_TEXT_SIZE];
+	char first_mistake[1024];
 	int world_line, record_line; /* of their only call, 0: none yet */
 	uint64_t world_given;        /* bits: rows of world { } that were */
 	char *folder;                /* owned: of the source, "." for the current one */

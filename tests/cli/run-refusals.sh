@@ -150,6 +150,23 @@ exits 0 info "$long"
 exits 73 s.lua -o "0$long"
 says err "cannot create '00"
 
+# However long names are, what was wrong, in which line and why is told.
+folder=$(printf "%0200d" 0)
+deep=$folder/$folder
+mkdir -p "$deep"
+exits 66 info "$deep/none.h5"
+says err '^rbsim: cannot open .*none.h5.: No such file'
+exits 73 s.lua -o "$deep/none/s.h5"
+says err '^rbsim: cannot create .*No such file'
+printf 'world { duration = 1 }\nsphere { radius = -1 }\n' >"$deep/wrong.lua"
+exits 65 "$deep/wrong.lua" --json
+says err "wrong.lua:2: sphere: 'radius' must be positive \(got -1\)"
+says out '"reason":"[^"]*wrong.lua:2: sphere: .radius. must be positive'
+printf 'world { duration = 1 }\nsphere { radius = 1, inertia = {1, 1, 3} }\n' >"$deep/wrong.lua"
+exits 65 "$deep/wrong.lua"
+says err 'wrong.lua:2: sphere'
+rm -r "$folder"
+
 # without /proc, or with something else in its place: what is missing is told, and what does not need it goes on; sanitizers
 # do not go on without it
 case ${RBSIM_MODE:-release} in
