@@ -3,6 +3,7 @@
 #include "support.h"
 
 #include <dirent.h>
+#include <errno.h>
 #include <sys/stat.h>
 
 #include "base/outfile.h"
@@ -156,6 +157,7 @@ static void a_write_that_fails_shows_when_the_file_is_published(void **state)
 		fputs("lost", out.file);
 		assert_int_equal(rb_outfile_publish(&out, &err), RB_ERR_IO);
 		assert_non_null(strstr(err.text, "cannot write '"));
+		assert_non_null(strstr(err.text, strerror(ENOSPC)));
 		assert_int_equal(names_in(folder), 0);
 	}
 }

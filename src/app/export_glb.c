@@ -10,6 +10,7 @@
  */
 #include "app/exported.h"
 
+#include <errno.h>
 #include <math.h>
 #include <string.h>
 
@@ -479,8 +480,8 @@ static void put_binary(const struct glb *glb, FILE *file)
 /*
  * Header, JSON, binary. Lengths stand in front of what they are of: they are filled in at the end.
  */
-static enum rb_status put_file(const struct glb *glb, FILE *file, uint64_t binary,
-                               struct rb_error *err)
+static enum rb_status put_file(const struct glb *glb, const char *name, FILE *file,
+                               uint64_t binary, struct rb_error *err)
 {
 	enum { HEADER = 12, CHUNK = 8 };
 
@@ -504,7 +505,7 @@ static enum rb_status put_file(const struct glb *glb, FILE *file, uint64_t binar
 	fwrite("BIN", 1, 4, file);
 	put_binary(glb, file);
 	if (fseek(file, 8, SEEK_SET) != 0)
-		return RB_FAIL(err, RB_ERR_IO, "cannot write the lengths of a glTF file");
+		return RB_FAIL(err, RB_ERR_IO, "cannot write '%s': %s", name, strerror(errno));
 	put_u32(file, (uint32_t)whole);
 	put_u32(file, (uint32_t)(end - HEADER - CHUNK));
 	return RB_OK;
@@ -549,7 +550,7 @@ static enum rb_status write_glb(struct rb_exported *exported, const char *name,
 		return status;
 	status = gather(&glb, &binary, err);
 	if (!status)
-		status = put_file(&glb, out.file, binary, err);
+		status = put_file(&glb, name, out.file, binary, err);
 	release(&glb);
 	if (!status)
 		return rb_exported_publish(exported, &out, name, true, err);

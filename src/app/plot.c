@@ -256,7 +256,7 @@ static bool copy(FILE *from, FILE *to, bool text)
 	while ((size = fread(block, 1, sizeof block, from)) > 0) {
 		const size_t skip = text && block[0] == '\f';
 		if (fwrite(block + skip, 1, size - skip, to) != size - skip)
-			return false;
+			return true;
 		text = false;
 	}
 	return !ferror(from);
@@ -276,7 +276,8 @@ enum rb_status rb_plot_draw(const struct rb_plot *plot, enum rb_plot_kind kind,
 	if (!status)
 		status = feed(plot, kind, size, drawing, complaints, err);
 	if (!status && !copy(drawing, to, kind == RB_PLOT_TEXT))
-		status = RB_FAIL(err, RB_ERR_IO, "cannot write a drawing: %s", strerror(errno));
+		status = RB_FAIL(err, RB_ERR_IO, "cannot read a temporary file: %s",
+		                 strerror(errno));
 	if (drawing)
 		fclose(drawing);
 	if (complaints)

@@ -73,17 +73,34 @@ enum rb_status rb_outfile_open(struct rb_outfile *out, const char *name, unsigne
 	return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", name, strerror(number));
 }
 
+/*
+ * Why a write has failed, of which only that is known: the system is asked once more, at the end of
+ * a file that goes anyway. 0: it does not say.
+ */
+static int failure_of(FILE *file)
+{
+	static const char zeros[1 << 16];
+
+	for (int tries = 0; tries < 16; tries++)
+		if (write(fileno(file), zeros, sizeof zeros) < 0)
+			return errno;
+	return 0;
+}
+
 enum rb_status rb_outfile_publish(struct rb_outfile *out, struct rb_error *err)
 {
 	RB_ASSERT(out->file && out->partial[0]);
 
 	enum rb_status status = RB_OK;
 	const bool broken = ferror(out->file) != 0;
+	int number = broken ? failure_of(out->file) : 0;
 
 	errno = 0;
-	if (fclose(out->file) != 0 || broken)
+	const bool closed = fclose(out->file) == 0;
+	number = number ? number : errno;
+	if (!closed || broken)
 		status = RB_FAIL(err, RB_ERR_IO, "cannot write '%s': %s", out->place.path,
-		                 errno ? strerror(errno) : "an earlier write failed");
+		                 number ? strerror(number) : "an earlier write failed");
 	out->file = NULL;
 	if (!status)
 		status = rb_place_publish(&out->place, out->partial, err);

@@ -112,8 +112,13 @@ hid_t rb_h5_create(const char *path, hid_t access)
 
 void rb_h5_done(hid_t id)
 {
-	if (id >= 0)
-		H5Idec_ref(id);
+	if (id < 0)
+		return;
+	/* closing empties the stack, and who tells what failed closes before */
+	const hid_t failure = H5Eget_num(H5E_DEFAULT) > 0 ? H5Eget_current_stack() : -1;
+	H5Idec_ref(id);
+	if (failure >= 0)
+		H5Eset_current_stack(failure);
 }
 
 /* What the library's error stack tells. */

@@ -29,3 +29,22 @@ for limit in 100 400; do
 	[ -e little.h5 ] || ! grep -q 'little.h5, ' err out || fail "a recording that is not there: $(cat err)"
 	rm -f little.h5
 done
+
+# Not a byte fits: what it says comes through a pipe, because files may hold nothing. The reason is told, and the file's name.
+limited()
+{
+	said=$(
+		ulimit -f 0
+		timeout "$PATIENCE" "$RBSIM" "$@" 2>&1
+		echo "status $?"
+	)
+	echo "$said" >err
+}
+limited s.lua -o little.h5
+says err '^status 73'
+says err "^rbsim: cannot create 'little.h5': File too large"
+for to in csv dump glb; do
+	limited export s.h5 --to $to -o x.$to
+	says err '^status 74'
+	says err "^rbsim: cannot write 'x.*': File too large"
+done
