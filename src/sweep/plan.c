@@ -100,6 +100,15 @@ static enum rb_status count_points(struct rb_plan *plan, struct rb_error *err)
 	return RB_OK;
 }
 
+/* True if a text would not stay on its line of the plan. */
+static bool is_broken(const char *text)
+{
+	for (const char *c = text; *c; c++)
+		if ((unsigned char)*c < ' ')
+			return true;
+	return false;
+}
+
 /*
  * Copies what the plan needs of the wish and the scene's files. Control characters are refused: the
  * words are lines of plan.csv and of a shell script.
@@ -114,17 +123,21 @@ static enum rb_status take_texts(struct rb_plan *plan, const struct rb_plan_wish
 	plan->files = rb_memory_take((size_t)file_count + 1, sizeof *plan->files);
 	bool right = plan->scene && plan->words && plan->files;
 	for (int i = 0; right && i < wish->word_count; i++) {
-		for (const char *c = wish->words[i]; *c; c++)
-			if ((unsigned char)*c < ' ')
-				return RB_FAIL(err, RB_ERR_USAGE,
-				               "option '%.*s' holds a line break or another "
-				               "control character",
-				               (int)strcspn(wish->words[i], "="), wish->words[i]);
+		if (is_broken(wish->words[i]))
+			return RB_FAIL(
+				err, RB_ERR_USAGE,
+				"option '%.*s' holds a line break or another control character",
+				(int)strcspn(wish->words[i], "="), wish->words[i]);
 		right = (plan->words[plan->word_count++] = rb_memory_copy_text(wish->words[i])) !=
 		        NULL;
 	}
 	for (int i = 0; right && i < file_count; i++) {
 		struct rb_plan_file *const file = &plan->files[plan->file_count++];
+		if (is_broken(files[i].name))
+			return RB_FAIL(err, RB_ERR_USAGE,
+			               "cannot sweep '%s': its name holds a line break or another "
+			               "control character",
+			               files[i].name);
 		memcpy(file->sha256, files[i].sha256, sizeof file->sha256);
 		right = (file->name = rb_memory_copy_text(files[i].name)) != NULL;
 	}
