@@ -63,6 +63,7 @@ struct unknown {
 	enum bound bound;
 	/* it holds one way, and others did not let it have what it wants; it is not asked again */
 	bool changed, dropped;
+	bool is_wrong; /* where it is, as found by the round under way */
 };
 
 struct system {
@@ -431,39 +432,53 @@ static void go_back(struct system *s)
 	}
 }
 
-/* Brings an impulse that is beyond a bound there, or lets one go that should leave it; whether. */
-static bool pivot(struct system *s, struct unknown *x, double tolerance)
+/*
+ * Whether an impulse is beyond a bound, or is at one that it should leave. Asked of all before any
+ * is changed: where rows against each other come to large impulses, what is at a bound would else
+ * be asked amid these.
+ */
+static bool is_wrong(const struct system *s, const struct unknown *x, double tolerance)
 {
-	struct rb_constraint *row = &s->dense->row[x->row];
+	const struct rb_constraint *row = &s->dense->row[x->row];
 
 	if (row->set != RB_CONSTRAINT_INTERVAL)
 		return false;
-	const double p = row->impulse.n;
-
-	if (x->bound == INSIDE && (p < row->low || p > row->high)) {
-		x->dropped = x->changed;
-		x->bound = p < row->low ? AT_LOW : AT_HIGH;
-		give(s, x, (p < row->low ? row->low : row->high) - p);
-		row->impulse.n = x->bound == AT_LOW ? row->low : row->high;
-		return true;
-	}
-	if (x->bound == INSIDE || x->dropped || row->low == row->high)
+	if (x->bound == INSIDE)
+		return row->impulse.n < row->low || row->impulse.n > row->high;
+	if (x->dropped || row->low == row->high)
 		return false;
 	const double off = short_of(s, x);
 
-	if (x->bound == AT_LOW ? off > tolerance : off < -tolerance) {
+	return x->bound == AT_LOW ? off > tolerance : off < -tolerance;
+}
+
+/* Brings an impulse that is beyond a bound there, or lets one go that should leave it. */
+static void pivot(struct system *s, struct unknown *x)
+{
+	struct rb_constraint *row = &s->dense->row[x->row];
+	const double p = row->impulse.n;
+
+	if (x->bound != INSIDE) {
 		x->bound = INSIDE;
-		return true;
+		return;
 	}
-	return false;
+	x->dropped = x->changed;
+	x->bound = p < row->low ? AT_LOW : AT_HIGH;
+	give(s, x, (p < row->low ? row->low : row->high) - p);
+	row->impulse.n = x->bound == AT_LOW ? row->low : row->high;
 }
 
 static bool pivot_all(struct system *s, bool together, double tolerance)
 {
 	bool any = false;
 
-	for (int k = 0; k < s->count && (together || !any); k++)
-		any = pivot(s, &s->unknown[k], tolerance) || any;
+	for (int k = 0; k < s->count; k++) {
+		s->unknown[k].is_wrong = (together || !any) && is_wrong(s, &s->unknown[k], tolerance);
+		any = any || s->unknown[k].is_wrong;
+	}
+	for (int k = 0; k < s->count; k++)
+		if (s->unknown[k].is_wrong)
+			pivot(s, &s->unknown[k]);
 	return any;
 }
 
@@ -574,6 +589,8 @@ static bool is_to_agree(struct system *s, int round, bool *one_way)
 		return false;
 	for (int k = 0; k < s->dense->row_count; k++)
 		s->dense->row[k].target = s->wanted[k];
+	for (int x = 0; x < s->count; x++)
+		s->unknown[x].changed = false;
 	return has_suspects(s);
 }
 
