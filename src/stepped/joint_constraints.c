@@ -567,11 +567,14 @@ static void note_held(const struct filling *f, int k, const struct rb_constraint
 	const bool first = f->query->lasts_s < f->query->h_s && !f->query->at_end;
 	const rb_vec3 p = rb_constraint_impulse(row);
 	const double at_end = 0.5 * rb_vec3_dot(p, rb_constraint_velocity(f->query->bodies, row));
+	const bool rope = f->joint->link.type->one_sided;
 
-	f->of->work.held += first || was_set ? at_end : done;
+	/* what comes taut is an impact, of which no shorter step takes less */
+	if (!rope || f->of->last.force[0] != 0)
+		f->of->work.held += first || was_set ? at_end : done;
 	f->of->work.pushed += rb_vec3_length(p);
 	/* of ropes all of it is */
-	if (was_set && !f->joint->link.type->one_sided)
+	if (was_set && !rope)
 		f->of->work.impacts -= done - at_end;
 }
 
