@@ -783,3 +783,9 @@ enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
 	rb_arena_back(arena, here); /* a step may have many tries */
 	return status;
 }
+
+double rb_islands_joint_tolerance(const struct rb_solver *solver)
+{
+	return solver->tolerance * solver->h_s / fmax(solver->h_s, solver->whole_s);
+}
+

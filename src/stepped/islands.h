@@ -257,4 +257,10 @@ static inline double rb_islands_lasts(const struct rb_solver *solver,
 void rb_islands_end(struct rb_solver *solver, struct rb_world *world,
                     struct rb_step_points *points);
 
+/*
+ * m/s: approaches and rebounds of limits and ropes that are none. Of the step that was tried first:
+ * they are solved far better, and in short parts of a step all of them would be below.
+ */
+double rb_islands_joint_tolerance(const struct rb_solver *solver);
+
 #endif

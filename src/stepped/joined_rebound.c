@@ -30,6 +30,7 @@ struct group {
 	rb_mat3 *root;
 	struct rb_constraint *row; /* those that take part, contacts first, of the problem */
 	int *contact, *held;       /* which they are of the group's */
+	double *restitution;       /* by row of the group: of limits and ropes */
 	int body_count, contact_count, held_count;
 	int unit; /* 2^unit kg is that of masses, so that all of them times two come to the same */
 };
@@ -102,17 +103,20 @@ static int place_of(struct group *g, int i)
 	return g->body_count++;
 }
 
-/* Whether a row of a joint holds its bodies, now or all the time; `*rebounds`: it gives back. */
-static bool holds(const struct rb_constraint *row, bool *rebounds)
+/* Whether a row of a joint holds its bodies, now or all the time. */
+static bool holds(const struct rb_constraint *row)
 {
-	const int side = rb_constraint_side(row);
-
 	if (row->set == RB_CONSTRAINT_FREE)
 		return true;
 	if (!(row->low < row->high) || row->softness > 0 || !isfinite(row->target.n))
 		return false;
-	*rebounds = *rebounds || (side != 0 && side * row->target.n > 0);
-	return side != 0 || (isinf(row->low) && isinf(row->high));
+	return rb_constraint_side(row) != 0 || (isinf(row->low) && isinf(row->high));
+}
+
+/* A limit or a rope. */
+static bool is_stop(const struct rb_constraint *row)
+{
+	return row->set == RB_CONSTRAINT_INTERVAL && rb_constraint_side(row) != 0;
 }
 
 static const struct rb_step_point *point_of(const struct group *g, int row)
@@ -137,19 +141,39 @@ static bool touches(const struct group *g, int row)
 	       point->gap + g->solver->h_s * now_of(g, row) <= g->world->model->stepped_tolerance_m;
 }
 
-/* The rows that take part; false: the law is not for these. */
+static void take_restitution(struct group *g)
+{
+	const struct rb_solver *solver = g->solver;
+
+	for (int k = 0; k < solver->joined_count; k++) {
+		const struct rb_joint *joint = &g->world->model->joints->joint[solver->joined[k]];
+		const int first = solver->joint[solver->joined[k]].first_row;
+		const int at = first - (int)g->island->first_row;
+
+		if (first < 0 || at < 0 || at >= g->island->row_count)
+			continue;
+		for (int r = 0; r < rb_step_joint_rows_count(joint); r++)
+			g->restitution[at + r] = joint->restitution;
+	}
+}
+
+/* The rows that take part; false: one limit or rope alone needs no law, nor contacts alone. */
 static bool take_rows(struct group *g)
 {
 	const struct rb_island *island = g->island;
-	bool rebounds = false;
+	int stops = 0;
 
 	for (int k = 0; k < island->contact_count; k++)
 		if (touches(g, k))
 			g->contact[g->contact_count++] = k;
 	for (int k = island->contact_count; k < island->row_count - island->spring_count; k++)
-		if (holds(&g->rows.row[k], &rebounds))
+		if (holds(&g->rows.row[k])) {
 			g->held[g->held_count++] = k;
-	return g->contact_count > 0 && g->held_count > 0 && g->held_count <= HELD_MAX && !rebounds;
+			stops += is_stop(&g->rows.row[k]);
+		}
+	take_restitution(g);
+	return g->contact_count + stops > (g->contact_count > 0 ? 0 : 1) && g->held_count > 0 &&
+	       g->held_count <= HELD_MAX;
 }
 
 /* A row between bodies of the problem. */
@@ -174,8 +198,8 @@ static struct rb_constraint posed(struct group *g, const struct rb_constraint *o
 }
 
 /*
- * The rows between bodies as they were before: those of joints keep their velocities, contacts are
- * left with what the step's solution has left them with.
+ * The rows between bodies as they were before: those of joints keep their velocities; contacts,
+ * limits and ropes are left with what the step's solution has left them with.
  */
 static bool pose(struct group *g)
 {
@@ -197,7 +221,15 @@ static bool pose(struct group *g)
 
 		*row = posed(g, &g->rows.row[g->held[k]]);
 		const struct rb_solver_bodies bodies = {.body = g->before, .root = g->root};
-		row->target = rb_constraint_split(row, rb_constraint_velocity(&bodies, row));
+		if (is_stop(row)) {
+			const double now = rb_constraint_side(&g->rows.row[g->held[k]]) *
+			                   now_of(g, g->held[k]);
+
+			row->target = (rb_along_across){fmin(now, 0), {0, 0, 0}};
+		} else {
+			row->target = rb_constraint_split(row,
+			                                  rb_constraint_velocity(&bodies, row));
+		}
 	}
 	return true;
 }
@@ -250,8 +282,19 @@ static bool apply_law(const struct group *g, struct rb_simultaneous *law)
 		                                             .noise = g->solver->tolerance};
 		approach = fmax(approach, point->approach);
 	}
-	for (int k = 0; k < g->held_count; k++)
-		law->joint_row[k] = (struct rb_cone_row){.base = g->row[g->contact_count + k]};
+	for (int k = 0; k < g->held_count; k++) {
+		const struct rb_constraint *const row = &g->row[g->contact_count + k];
+		const struct rb_solver_bodies bodies = {.body = g->before, .root = g->root};
+
+		law->joint_row[k] = (struct rb_cone_row){.base = *row};
+		if (!is_stop(row))
+			continue;
+		law->joint_row[k].base.target.n = 0;
+		law->joint_row[k].restitution = g->restitution[g->held[k]];
+		law->joint_row[k].noise = rb_islands_joint_tolerance(g->solver);
+		approach = fmax(approach, -rb_vec3_dot(rb_constraint_velocity(&bodies, row),
+		                                       row->normal));
+	}
 	law->tolerance = fine_share * approach;
 	return rb_simultaneous_impact(law, NULL) && !rb_simultaneous_is_over(law);
 }
@@ -339,7 +382,8 @@ bool rb_joined_rebound(struct rb_solver *solver, const struct rb_world *world,
 	g.root = rb_arena_take(arena, bodies, sizeof *g.root);
 	g.contact = rb_arena_take(arena, (size_t)island->row_count, sizeof *g.contact);
 	g.held = rb_arena_take(arena, (size_t)island->row_count, sizeof *g.held);
-	if (!g.place || !g.before || !g.root || !g.contact || !g.held)
+	g.restitution = rb_arena_take(arena, (size_t)island->row_count, sizeof *g.restitution);
+	if (!g.place || !g.before || !g.root || !g.contact || !g.held || !g.restitution)
 		return false;
 	if (!take_members(&g) || !take_rows(&g) || !pose(&g) || !apply_law(&g, &law) ||
 	    !stop_all(&g, &stopped))

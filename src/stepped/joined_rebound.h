@@ -13,7 +13,8 @@
  * whose balls hang free: to add restitution to what was stopped at once would throw all of them.
  *
  * Rows are those of the step's solution, turned to where bodies stand now; what it has not closed
- * takes no part. Any worker, groups apart from each other.
+ * takes no part. Limits and ropes are among them, by their own restitution. Any worker, groups
+ * apart from each other.
  */
 #ifndef RB_STEPPED_JOINED_REBOUND_H
 #define RB_STEPPED_JOINED_REBOUND_H
@@ -23,7 +24,7 @@
 /*
  * Leaves in the group's rows the impulses of L less those of P, and adds to its bodies what these
  * do. False: nothing has changed, since the group has no joints, is larger than the law is for
- * (RB_IMPACT_CONTACTS), has limits or ropes that rebound, or has not settled.
+ * (RB_IMPACT_CONTACTS), is of one limit or rope alone, or has not settled.
  */
 bool rb_joined_rebound(struct rb_solver *solver, const struct rb_world *world,
                        const struct rb_step_points *points, const struct rb_island *island,

@@ -40,7 +40,7 @@ static enum rb_status add_impact(const struct recording *r, const struct rb_join
 	const double lever = rb_linkage_turns(&joint->link) ? joint->size : 1;
 
 	if (of->impulse[part] == 0 || of->last.force[part] != 0 ||
-	    !(lever * approach > rb_solver_joint_tolerance(&r->world->stepped->solver)))
+	    !(lever * approach > rb_islands_joint_tolerance(&r->world->stepped->solver)))
 		return RB_OK;
 	return add(r, rope ? RB_EVENT_TAUT : RB_EVENT_LIMIT, of->impulse[part], approach);
 }

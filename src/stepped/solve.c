@@ -132,11 +132,6 @@ void rb_solver_release(struct rb_solver *solver)
 	*solver = (struct rb_solver){0};
 }
 
-double rb_solver_joint_tolerance(const struct rb_solver *solver)
-{
-	return solver->tolerance * solver->h_s / fmax(solver->h_s, solver->whole_s);
-}
-
 double rb_solver_tolerance(const struct rb_model *model, double h)
 {
 	return RB_STRATEGY_SWEEP_SHARE * model->stepped_tolerance_m / h;
@@ -391,7 +386,7 @@ static void add_rebound(struct rb_solver *solver, struct rb_world *world)
 static bool joints_rebound(struct rb_solver *solver, const struct rb_world *world)
 {
 	const struct rb_joint_query query = rb_islands_joints(solver, world);
-	const double tolerance = rb_solver_joint_tolerance(solver);
+	const double tolerance = rb_islands_joint_tolerance(solver);
 	bool any = false;
 
 	for (int k = 0; k < solver->joined_count; k++) {

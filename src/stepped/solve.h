@@ -17,11 +17,6 @@ void rb_solver_release(struct rb_solver *solver);
 
 /* m/s: what a solution of a step of h_s may leave of the closing of gaps. */
 double rb_solver_tolerance(const struct rb_model *model, double h_s);
-/*
- * m/s: approaches and rebounds of limits and ropes that are none. Of the step that was tried first:
- * they are solved far better, and in short parts of a step all of them would be below.
- */
-double rb_solver_joint_tolerance(const struct rb_solver *solver);
 
 /*
  * Takes velocities with the step's forces from the world, those before it from `before`; solves;

@@ -300,3 +300,25 @@ for how in 'located --time-step 1e-3' 'stepped --time-step 1e-3' 'stepped --time
 	awk -v v="$(speed_of)" 'BEGIN {d = v + 0.23065; exit !(v != "" && d*d < 1e-12)}' || fail "a jerk through two ropes, $how: $(speed_of) m/s"
 	[ "$(value rollbacks)" = 0 ] || fail "a jerk through two ropes, $how: $(value rollbacks) steps were cut"
 done
+# limits that a shock reaches through others: by steps they rebounded all at once (-0.5, 0.3 and 0.3 m/s), not one after the other
+cat >stops.lua <<'END'
+world { duration = 0.2, frame_rate = 10, time_step = 1e-3 }
+local kind = param("kind", "slider", "of joints")
+local a = sphere { radius = 0.1, mass = 1, velocity = {kind == "rope" and -1 or 1, 0, 0}, collides_with = {} }
+local b = sphere { radius = 0.1, mass = 3, position = {1, 0, 0}, collides_with = {} }
+local c = sphere { radius = 0.1, mass = 2, position = {2, 0, 0}, collides_with = {} }
+if kind == "rope" then
+	joint { kind = kind, a = a, b = b, length = 1.1, restitution = 0.8 }
+	joint { kind = kind, a = b, b = c, restitution = 0.4 }
+else
+	joint { kind = kind, a = a, b = b, axis = {1, 0, 0}, limits = {-0.1, 1}, restitution = 0.8 }
+	joint { kind = kind, a = b, b = c, axis = {1, 0, 0}, limits = {0, 1}, restitution = 0.4 }
+end
+local way = kind == "rope" and -1 or 1
+expect("the first one", function() return math.abs(a.velocity.x - way * -0.35), 1e-8 end)
+expect("the middle one", function() return math.abs(b.velocity.x - way * 0.198), 1e-8 end)
+expect("the last one", function() return math.abs(c.velocity.x - way * 0.378), 1e-8 end)
+END
+for kind in slider rope; do for method in located stepped; do
+	exits 0 stops.lua --no-record -q --method "$method" -p kind="$kind"
+done; done
