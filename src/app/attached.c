@@ -321,12 +321,14 @@ static int words_of_console(char *const *argv, int i, int argc)
 
 /* The words of the run, to be freed; NULL: no memory. */
 static const char **make_words(const struct rb_process *child, const struct rb_options *options,
-                               bool again)
+                               const struct rb_viewer_run *again)
 {
 	static const char verb[] = "console";
-	const char **const words = rb_memory_take((size_t)options->argc + 8, sizeof *words);
+	const int set_count = again ? again->set_count : 0;
+	const char **const words = rb_memory_take((size_t)options->argc + (size_t)set_count * 2 + 8,
+	                                          sizeof *words);
 	bool seen = false;
-	int count = 0;
+	int count = 0, last = options->argc;
 
 	if (!words)
 		return NULL;
@@ -336,7 +338,17 @@ static const char **make_words(const struct rb_process *child, const struct rb_o
 	words[count++] = child->address;
 	if (again && !options->no_record)
 		words[count++] = "--force";
-	for (int i = 1; i < options->argc; i++) {
+	/* of two values of a parameter the last one counts; after -- there are only names of files */
+	for (int i = options->argc - 1; i > 0; i--)
+		if (strcmp(options->argv[i], "--") == 0)
+			last = i;
+	for (int i = 1; i <= options->argc; i++) {
+		for (int k = 0; i == last && k < set_count; k++) {
+			words[count++] = "--param";
+			words[count++] = again->sets[k].text;
+		}
+		if (i == options->argc)
+			break;
 		const int skip = words_of_console(options->argv, i, options->argc);
 		if (skip > 0)
 			i += skip - 1;
@@ -370,7 +382,7 @@ _Noreturn static void become_run(const char **words, int errors, bool stays, pid
 }
 
 enum rb_status rb_process_start(struct rb_process *child, const struct rb_options *options,
-                                bool again, bool stays, struct rb_error *err)
+                                const struct rb_viewer_run *again, struct rb_error *err)
 {
 	const pid_t parent = getpid();
 	char program[PATH_MAX];
@@ -390,7 +402,7 @@ enum rb_status rb_process_start(struct rb_process *child, const struct rb_option
 	}
 	const pid_t process = fork();
 	if (process == 0)
-		become_run(words, ends[1], stays, parent);
+		become_run(words, ends[1], options->detach, parent);
 	const int reason = errno;
 	close(ends[1]);
 	rb_memory_free(words);

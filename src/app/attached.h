@@ -10,6 +10,7 @@
 
 #include "app/common.h"
 #include "control/client.h"
+#include "control/viewer.h"
 
 /*
  * The scene of the run behind `client`, and where its recording is (owned by the caller, NULL: it
@@ -30,11 +31,12 @@ struct rb_process {
 
 /*
  * Starts `rbsim run` with this command line but for the verb and what only the console takes.
- * `again`: it may replace its own recording. `stays`: it goes on when this process ends.
+ * `again`: started anew, with these values of parameters; it may replace its own recording. NULL:
+ * for the first time. It goes on when this process ends if the options say so.
  */
 RB_CHECKED enum rb_status rb_process_start(struct rb_process *child,
-                                           const struct rb_options *options, bool again, bool stays,
-                                           struct rb_error *err);
+                                           const struct rb_options *options,
+                                           const struct rb_viewer_run *again, struct rb_error *err);
 /* False once it has ended. */
 bool rb_process_lives(struct rb_process *child);
 /* Connects as soon as it listens; RB_OK with *client NULL where it ended before. */

@@ -41,6 +41,7 @@ struct console {
 	struct rb_client *client; /* NULL: no run */
 	char *recording;          /* owned; NULL: there is none */
 	struct rb_process child;
+	struct rb_viewer_run run;
 	struct rb_source *source;
 	struct rb_viewer *viewer;
 	double speed; /* of the viewer before this one; NAN: there was none */
@@ -81,11 +82,24 @@ static enum rb_status open_source(struct console *c, struct rb_error *err)
 	               "the run was over before it could be watched, and made no recording");
 }
 
+/* Whether the run of one's own has ended; how. */
+static bool has_ended(void *user, int *exit_code)
+{
+	struct rb_process *const child = user;
+	const bool lives = rb_process_lives(child);
+
+	*exit_code = child->exit_code;
+	return !lives;
+}
+
 /* One viewer from beginning to end; `*wish`: why it ended. */
 static enum rb_status show(struct console *c, enum rb_viewer_wish *wish, struct rb_error *err)
 {
 	const struct rb_options *const options = c->options;
 	const bool own = c->child.address[0] != '\0';
+
+	c->run.ended = has_ended;
+	c->run.user = &c->child;
 	const double wanted = isnan(options->speed) ? 1 : options->speed;
 	enum rb_status status = open_source(c, err);
 
@@ -99,7 +113,7 @@ static enum rb_status show(struct console *c, enum rb_viewer_wish *wish, struct 
 			.fps = isnan(options->fps) ? usual_fps : options->fps,
 			.speed = isnan(c->speed) ? wanted : c->speed,
 			.live = c->client && !own && isnan(options->speed) && isnan(c->speed),
-			.can_restart = own,
+			.run = own ? &c->run : NULL,
 		};
 		status = rb_viewer_create(&c->viewer, &viewer, rb_clock_now_ns(), err);
 	}
@@ -126,44 +140,9 @@ static enum rb_status load_run(struct console *c, struct rb_error *err)
 	return rb_attached_load(&c->loaded, &c->recording, c->client, c->options->trust, err);
 }
 
-/*
- * Starts a run of one's own, or starts it again. What it says before it can be watched is reported
- * as if it had been started alone.
- */
-static enum rb_status start_run(struct console *c, bool again, struct rb_error *err)
+/* Loads the scene of a recording. */
+static enum rb_status load_recording(struct console *c, const char *path, struct rb_error *err)
 {
-	rb_client_close(c->client);
-	c->client = NULL;
-	rb_process_release(&c->child);
-	enum rb_status status = rb_process_start(&c->child, c->options, again, c->options->detach,
-	                                         err);
-	if (!status)
-		status = rb_process_connect(&c->child, &c->client, err);
-	return status;
-}
-
-/* Viewers, until one is left for good. */
-static enum rb_status watch(struct console *c, struct rb_error *err)
-{
-	enum rb_status status = RB_OK;
-	enum rb_viewer_wish wish;
-
-	do {
-		status = show(c, &wish, err);
-		if (!status && wish == RB_VIEWER_RESTARTS)
-			status = start_run(c, true, err);
-		else if (!status && wish == RB_VIEWER_RELOADS)
-			status = load_run(c, err);
-	} while (!status && wish != RB_VIEWER_QUITS);
-	return status;
-}
-
-/* ---- what there is to be viewed ---- */
-
-/* Loads the scene of the recording. */
-static enum rb_status open_recording(struct console *c, struct rb_error *err)
-{
-	const char *const path = c->options->operand[0];
 	const struct rb_hdf5_module *module;
 	struct rb_reader *reader;
 	enum rb_status status = rb_module_hdf5(&module, err);
@@ -175,6 +154,62 @@ static enum rb_status open_recording(struct console *c, struct rb_error *err)
 	status = rb_recorded_load(&c->loaded, module->reader_reading(reader), path,
 	                          c->options->trust, err);
 	module->reader_close(reader);
+	return status;
+}
+
+/*
+ * Starts a run of one's own, or starts it again. What it says before it can be watched is reported
+ * as if it had been started alone.
+ */
+static enum rb_status start_run(struct console *c, bool again, struct rb_error *err)
+{
+	rb_client_close(c->client);
+	c->client = NULL;
+	rb_process_release(&c->child);
+	enum rb_status status = rb_process_start(&c->child, c->options, again ? &c->run : NULL,
+	                                         err);
+	if (!status)
+		status = rb_process_connect(&c->child, &c->client, err);
+	return status;
+}
+
+/* Starts the run of one's own again: with other values it may have another scene. */
+static enum rb_status start_again(struct console *c, struct rb_error *err)
+{
+	enum rb_status status = start_run(c, true, err);
+
+	if (status || (!c->client && !c->recording))
+		return status;
+	if (c->client)
+		return load_run(c, err);
+	rb_loaded_release(&c->loaded);
+	return load_recording(c, c->recording, err);
+}
+
+/* Viewers, until one is left for good. */
+static enum rb_status watch(struct console *c, struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+	enum rb_viewer_wish wish;
+
+	do {
+		status = show(c, &wish, err);
+		if (!status && wish == RB_VIEWER_RESTARTS)
+			status = start_again(c, err);
+		else if (!status && wish == RB_VIEWER_RELOADS)
+			status = load_run(c, err);
+	} while (!status && wish != RB_VIEWER_QUITS);
+	return status;
+}
+
+/* ---- what there is to be viewed ---- */
+
+/* Loads the scene of the recording that is named. */
+static enum rb_status open_recording(struct console *c, struct rb_error *err)
+{
+	const char *const path = c->options->operand[0];
+	const enum rb_status status = load_recording(c, path, err);
+
 	c->recording = rb_memory_copy_text(path);
 	if (!status && !c->recording)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot view '%s': out of memory", path);

@@ -17,6 +17,7 @@
 #include "base/error.h"
 #include "film/pixmap.h"
 #include "math/vec3.h"
+#include "script/load.h"
 #include "script/nearest.h"
 
 /* One command at work; all borrowed. */
@@ -177,7 +178,7 @@ static enum rb_status execute_restart(const struct order *order)
 
 	if (source_of(order)->is_run)
 		return tell(order, "restart", false);
-	if (!viewer->options.can_restart)
+	if (!viewer->options.run)
 		return RB_FAIL(order->err, RB_ERR_USAGE,
 		               "'restart' needs a run that goes on, this is a recording");
 	viewer->wish = RB_VIEWER_RESTARTS;
@@ -452,10 +453,38 @@ static enum rb_status execute_snapshot(const struct order *order)
 static enum rb_status execute_for_run(const struct order *order)
 {
 	if (!source_of(order)->is_run)
-		return RB_FAIL(order->err, RB_ERR_USAGE,
-		               "'%s' needs a run that goes on, this is a recording",
-		               rb_commands[order->command->kind].name);
+		return RB_FAIL(order->err, RB_ERR_USAGE, "'%s' needs a run that goes on, %s",
+		               rb_commands[order->command->kind].name,
+		               order->viewer->options.run ? "this one has ended"
+		                                          : "this is a recording");
 	return tell(order, order->line, true);
+}
+
+/*
+ * A run of one's own may have ended before the value is typed, or end before it is started again:
+ * the value is kept here, too.
+ */
+static enum rb_status execute_set(const struct order *order)
+{
+	const struct rb_command *const command = order->command;
+	struct rb_viewer_run *const run = order->viewer->options.run;
+	const bool goes_on = source_of(order)->is_run;
+	enum rb_status status = RB_OK;
+
+	if (goes_on || !run)
+		status = execute_for_run(order);
+	else
+		status = rb_script_check_param(order->viewer->options.model->scene, command->text,
+		                               command->value, order->err);
+	if (status || !run)
+		return status;
+	const char *const kept = rb_session_keep_set(run->sets, &run->set_count, command->text,
+	                                             command->value, order->err);
+	if (!kept)
+		return RB_ERR_USAGE;
+	if (!goes_on)
+		rb_viewer_say(order->viewer, "%s from the next restart on", kept);
+	return RB_OK;
 }
 
 static enum rb_status execute_status(const struct order *order)
@@ -514,7 +543,7 @@ static execute *const executes[RB_COMMAND_KIND_COUNT] = {
 	[RB_COMMAND_PREVIOUS] = execute_next, [RB_COMMAND_FOLLOW] = execute_follow,
 	[RB_COMMAND_CAMERA] = execute_camera, [RB_COMMAND_SNAPSHOT] = execute_snapshot,
 	[RB_COMMAND_FILM] = execute_for_run,  [RB_COMMAND_CHECKPOINT] = execute_for_run,
-	[RB_COMMAND_BODY] = execute_body,     [RB_COMMAND_SET] = execute_for_run,
+	[RB_COMMAND_BODY] = execute_body,     [RB_COMMAND_SET] = execute_set,
 	[RB_COMMAND_VIEW] = execute_view,     [RB_COMMAND_STATUS] = execute_status,
 	[RB_COMMAND_HELP] = execute_help,     [RB_COMMAND_QUIT] = execute_quit,
 };

@@ -590,35 +590,43 @@ int rb_session_sets(struct rb_session *session, struct rb_session_set *out)
 	return count;
 }
 
-/*
- * Checks a parameter's value and keeps it for the next restart, in place of an earlier one of the
- * same parameter.
- */
+const char *rb_session_keep_set(struct rb_session_set *sets, int *count, const char *name,
+                                const char *value, struct rb_error *err)
+{
+	const size_t size = strlen(name);
+	int place = 0;
+
+	RB_ASSERT(*count >= 0 && *count <= RB_SESSION_SETS_MAX);
+	while (place < *count &&
+	       (strncmp(sets[place].text, name, size) != 0 || sets[place].text[size] != '='))
+		place++;
+	if (place == RB_SESSION_SETS_MAX) {
+		(void)!RB_FAIL(err, RB_ERR_USAGE, "%d parameters are set already: restart first",
+		               place);
+		return NULL;
+	}
+	snprintf(sets[place].text, sizeof sets[place].text, "%s=%s", name, value);
+	if (place == *count)
+		++*count;
+	return sets[place].text;
+}
+
+/* Checks a parameter's value and keeps it for the next restart. */
 static enum rb_status set_param(struct line *line, const struct rb_command *command)
 {
 	struct rb_session *const session = line->session;
 	enum rb_status status = need_run(line);
-	const size_t size = strlen(command->text);
-	int place = 0;
 
-	RB_ASSERT(line->session->set_count >= 0 && line->session->set_count <= RB_SESSION_SETS_MAX);
 	if (!status)
 		status = rb_script_check_param(session->info->scene, command->text, command->value,
 		                               line->err);
 	if (status)
 		return status;
-	while (place < session->set_count &&
-	       (strncmp(session->sets[place].text, command->text, size) != 0 ||
-	        session->sets[place].text[size] != '='))
-		place++;
-	if (place == RB_SESSION_SETS_MAX)
-		return RB_FAIL(line->err, RB_ERR_USAGE,
-		               "%d parameters are set already: restart first", place);
-	snprintf(session->sets[place].text, sizeof session->sets[place].text, "%s=%s",
-	         command->text, command->value);
-	if (place == session->set_count)
-		session->set_count++;
-	rb_answer_line(line->answer, "%s from the next restart on", session->sets[place].text);
+	const char *const kept = rb_session_keep_set(session->sets, &session->set_count,
+	                                             command->text, command->value, line->err);
+	if (!kept)
+		return RB_ERR_USAGE;
+	rb_answer_line(line->answer, "%s from the next restart on", kept);
 	return RB_OK;
 }
 

@@ -26,6 +26,13 @@ struct rb_session_set {
 	char text[2 * RB_COMMAND_TEXT_SIZE];
 };
 
+/*
+ * Keeps a value of a parameter among `sets` of RB_SESSION_SETS_MAX, in place of an earlier one of
+ * the same; its text, NULL: there are too many.
+ */
+const char *rb_session_keep_set(struct rb_session_set *sets, int *count, const char *name,
+                                const char *value, struct rb_error *err);
+
 /* The player is borrowed. */
 RB_CHECKED enum rb_status rb_session_create(struct rb_session **session, struct rb_player *player,
                                             struct rb_error *err);

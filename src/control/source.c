@@ -58,6 +58,8 @@ struct rb_source {
 	char *path; /* owned: of the recording, NULL: there is none */
 	const struct rb_hdf5_module *module;
 	struct rb_reader *reader; /* NULL: not there yet */
+	ino_t inode;              /* of the file that the reader of a run has opened */
+	dev_t device;
 	struct rows rows;
 	struct rb_frame frame; /* that came through the socket */
 	bool has_frame;        /* and is whole */
@@ -273,20 +275,39 @@ static enum rb_status look(struct rb_source *source, bool *changed, struct rb_er
 	return status;
 }
 
+/* Closes the recording of a run; it may be opened again. */
+static void close_recording(struct rb_source *source)
+{
+	source->module->reader_close(source->reader);
+	source->reader = NULL;
+	source->rows.count = 0;
+}
+
 /*
  * Opens the recording of a run, which comes into being with its first frame; fails silently until
- * it does.
+ * it does. Until then an older one may stand under its name, which is not that of a run that goes
+ * on; one that was left by a killed run says that it is, and is then found to be replaced.
  */
 static void open_late(struct rb_source *source)
 {
 	struct rb_error err;
 	struct stat file;
 
-	if (!source->path || source->reader || stat(source->path, &file) != 0 ||
-	    rb_module_hdf5(&source->module, &err))
+	if (!source->path || stat(source->path, &file) != 0)
 		return;
-	if (source->module->reader_open(&source->reader, source->path, &err))
+	if (source->reader && (file.st_ino != source->inode || file.st_dev != source->device))
+		close_recording(source);
+	if (source->reader || rb_module_hdf5(&source->module, &err))
+		return;
+	if (source->module->reader_open(&source->reader, source->path, &err)) {
 		source->reader = NULL;
+		return;
+	}
+	source->inode = file.st_ino;
+	source->device = file.st_dev;
+	const struct rb_reading *const reading = source->module->reader_reading(source->reader);
+	if (source->client && strcmp(reading->status, "running") != 0)
+		close_recording(source);
 }
 
 enum rb_status rb_source_of_recording(struct rb_source **source, const char *path,
@@ -467,7 +488,8 @@ enum rb_status rb_source_refresh(struct rb_source *source, uint64_t now_ns, bool
 	}
 	if (source->looked_after_end || (now_ns < source->next_look_ns && !now))
 		return RB_OK;
-	open_late(source);
+	if (source->was_run)
+		open_late(source);
 	source->next_look_ns = now_ns + look_ns;
 	if (!source->reader)
 		return RB_OK;
@@ -475,9 +497,7 @@ enum rb_status rb_source_refresh(struct rb_source *source, uint64_t now_ns, bool
 	const enum rb_status status = look(source, changed, &own);
 	/* a recording that goes on after a restart is another file under the same name */
 	if (status && source->client) {
-		source->module->reader_close(source->reader);
-		source->reader = NULL;
-		source->rows.count = 0;
+		close_recording(source);
 		return RB_OK;
 	}
 	if (status && err)

@@ -12,6 +12,7 @@
 #include "control/viewer.h"
 
 #include <math.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <string.h>
 
@@ -354,6 +355,21 @@ static void follow_run(struct rb_viewer *viewer)
 	}
 }
 
+/* Says how the run's process has ended, once it has, unless all went well. */
+static void tell_end(struct rb_viewer *viewer)
+{
+	const struct rb_viewer_run *const run = viewer->options.run;
+	int exit_code;
+
+	if (!run->ended(run->user, &exit_code))
+		return;
+	viewer->wants_end = false;
+	if (exit_code == 128 + SIGKILL)
+		rb_viewer_say(viewer, "it was killed: by somebody, or for lack of memory");
+	else if (exit_code != 0)
+		rb_viewer_say(viewer, "its exit status is %d", exit_code);
+}
+
 /* Looks for news of the source and of what it says about itself. */
 static void look(struct rb_viewer *viewer, uint64_t now_ns)
 {
@@ -365,8 +381,12 @@ static void look(struct rb_viewer *viewer, uint64_t now_ns)
 	if (rb_source_refresh(source, now_ns, false, &changed, &err))
 		rb_viewer_say(viewer, "%s", err.text);
 	const struct rb_source_status *const status = rb_source_status(source);
-	if (was_run && !status->is_run)
+	if (was_run && !status->is_run) {
 		rb_viewer_say(viewer, "the run has ended");
+		viewer->wants_end = viewer->options.run != NULL;
+	}
+	if (viewer->wants_end)
+		tell_end(viewer);
 	if (status->is_run && status->restarts != viewer->restarts)
 		viewer->wish = RB_VIEWER_RELOADS;
 	/*

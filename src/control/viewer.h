@@ -13,6 +13,7 @@
 
 #include "control/command.h"
 #include "control/pace.h"
+#include "control/session.h"
 #include "control/source.h"
 #include "control/steer.h"
 #include "flow/framing.h"
@@ -26,7 +27,7 @@ enum rb_viewer_wish {
 	RB_VIEWER_GOES_ON,
 	RB_VIEWER_QUITS,
 	RB_VIEWER_RELOADS, /* the run began anew: its scene may be another one */
-	RB_VIEWER_RESTARTS /* a run that has ended is to be started again (options.can_restart) */
+	RB_VIEWER_RESTARTS /* a run that has ended is to be started again (options.run) */
 };
 
 struct rb_viewer_options {
@@ -36,8 +37,18 @@ struct rb_viewer_options {
 	const char *name;         /* of what is viewed: a file, a socket */
 	double fps;               /* pictures a second at most */
 	double speed;
-	bool live;        /* begins with the newest frame and stays with it */
-	bool can_restart; /* a run that has ended can be started again */
+	bool live; /* begins with the newest frame and stays with it */
+	/* a run that can be started again once it has ended; NULL: it cannot */
+	struct rb_viewer_run *run;
+};
+
+/* A run of the console's own. */
+struct rb_viewer_run {
+	struct rb_session_set sets[RB_SESSION_SETS_MAX]; /* for when it is started again */
+	int set_count;
+	/* Whether its process has ended; how, as the exit status of a shell tells it. */
+	bool (*ended)(void *user, int *exit_code);
+	void *user;
 };
 
 struct rb_viewer {
@@ -81,6 +92,7 @@ struct rb_viewer {
 	uint64_t log_count;
 	char log[RB_VIEWER_LOG_LINES][RB_VIEWER_LOG_SIZE];
 	bool wants_help;
+	bool wants_end; /* the run has ended, and it is not said how */
 };
 
 RB_CHECKED enum rb_status rb_viewer_create(struct rb_viewer **viewer,

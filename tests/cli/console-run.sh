@@ -16,11 +16,32 @@ END
 terminal 110 34
 
 # one that is over before it can be watched, and one that has ended is started again
-enters "$RBSIM console s.lua --duration 0.2"
+# an older recording stands under its name until it has a frame of its own, and is not shown as its own
+exits 0 s.lua --duration 0.2 --param height=9
+enters "$RBSIM console s.lua --duration 0.2 --force"
 sees 'at the end .*frame 10 of 10'
-types R
-sees 'at the end|playing'
-sees 'frame 10 of 10'
+types Home : && enters 'body ball'
+sees 'position +0 +0 +3 m'
+# with another value, which holds for every run from then on
+types : && enters 'set hight 7'
+sees "has no parameter 'hight'"
+types : && enters 'set height 7'
+sees 'height=7 from the next restart on'
+for round in 1 2; do
+	types R
+	# the screen is another one then: what was said is gone
+	sees_not 'height=7|position'
+	sees 'frame 10 of 10'
+	types Home : && enters 'body ball'
+	sees 'position +0 +0 +7 m'
+done
+types q
+sees '^ready>'
+# one that is killed says so
+enters "clear; $RBSIM console s.lua --force --duration 1e6 -p work=100000"
+sees 'frame [0-9]+ of 50000000'
+kill -s KILL "$(pgrep -f "run --listen .* s.lua --force --duration 1e6")"
+sees 'it was killed: by somebody, or for lack of memory'
 types q
 sees '^ready>'
 enters "clear; $RBSIM console s.lua"
