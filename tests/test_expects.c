@@ -166,7 +166,7 @@ static void booleans_and_numbers_are_judged(void **state)
 	judged.def.always = true;
 	assert_int_equal(judged_of(&it, "1, true", &judged), RB_ERR_SCENE);
 	assert_non_null(strstr(it.err.text, "expect_always 'it holds'"));
-	assert_non_null(strstr(it.err.text, "(got number and boolean)"));
+	assert_non_null(strstr(it.err.text, "(got 1 and true)"));
 	unload(&it);
 }
 

@@ -109,7 +109,7 @@ static void mistakes_are_told_with_place_and_body(void **state)
 	assert_wrong("return {c = {}}", "t.lua:5: reference: no body is called 'c'");
 	assert_wrong("return {a = {}, c = {}}", "no body is called 'c'");
 	assert_wrong("return {[1] = {position = {0, 0, 0}}}", "no body is called '?'");
-	assert_wrong("return {a = 5}", "'a' must be a table {position = ...} (got number)");
+	assert_wrong("return {a = 5}", "'a' must be a table {position = ...} (got 5)");
 	assert_wrong("return {[b] = 5}", "'sphere' must be a table");
 	assert_wrong("return {a = {place = {0, 0, 0}}}", "'a': unknown key 'place'");
 	assert_wrong("return {a = {{0, 0, 0}}}", "'a': unknown key ''");

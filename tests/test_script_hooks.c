@@ -235,9 +235,9 @@ static void mistakes_in_callbacks_are_told(void **state)
 		{"on_step(function() f:set_velocity {0, 0, 1} end)",
 	         "t.lua:1: set_velocity: body f is static"},
 		{"on_step(function() b:set_velocity(5) end)",
-	         "t.lua:1: set_velocity: expected a vector {x, y, z} (got number)"},
+	         "t.lua:1: set_velocity: expected a vector {x, y, z} (got 5)"},
 		{"on_step(function() b:set_velocity {0, 0, 0 / 1, 1} end)",
-	         "t.lua:1: set_velocity: expected a vector {x, y, z} (got table)"},
+	         "t.lua:1: set_velocity: expected a vector {x, y, z} (got {0, 0, 0, 1})"},
 		{"on_step(function() b:apply_force({1, 0, math.huge}) end)",
 	         "t.lua:1: apply_force: expected finite numbers (got {1, 0, inf})"},
 		{"on_step(function() b:aply_force({1, 0, 0}) end)",
@@ -257,10 +257,10 @@ static void mistakes_in_callbacks_are_told(void **state)
 	         "on_transition"},
 		{"expect('e', function() return 1 end)",
 	         "t.lua:1: expect 'e': the function must return a boolean, or measured and bound "
-	         "(got number and nil)"},
+	         "(got 1 and nothing)"},
 		{"expect_always('e', function() return 'x' end)",
 	         "t.lua:1: expect_always 'e': the function must return a boolean, or measured and "
-	         "bound (got string and nil)"},
+	         "bound (got the text 'x' and nothing)"},
 		{"on_step(function() b.position = {0, 0, 0} end)",
 	         "t.lua:1: a body's 'position' can't be assigned: call body:set_position(p) in a "
 	         "callback"},

@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "script/describe.h"
 #include "script/rows.h"
 #include "script/script.h"
 
@@ -42,18 +43,11 @@ void rb_call_mistake(const struct rb_call *call, const char *format, ...) RB_PRI
 /* file:line: what, or file: what for line 0. */
 void rb_script_mistake(struct rb_script *script, int line, const char *format, ...) RB_PRINTF(3, 4);
 
-/* What was found, for "(got ...)": a number, the text 'x', a table ... Returns `out`. */
-const char *rb_describe(lua_State *L, int index, char out[80]);
-
 /* The line of the scene's own file that is being run (0: none), and the helper that it called (may
  * be NULL). */
 int rb_scene_line(lua_State *L, char *helper, size_t helper_size);
 
-/* A body's id from a handle; -1: it is none. The metatables are made by script/handles and
- * script/bind. */
+/* A body's id from a handle; -1: it is none. */
 int rb_handle_id(lua_State *L, int index);
-#define RB_HANDLE_TYPE "rbsim.body"
-#define RB_MATERIAL_TYPE "rbsim.material"
-#define RB_JOINT_TYPE "rbsim.joint"
 
 #endif

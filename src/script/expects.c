@@ -137,11 +137,12 @@ void rb_expect_judge(lua_State *L, const struct rb_expect_def *def, struct rb_ex
 			snprintf(result->message, sizeof result->message,
 			         "measured %.9g, bound %.9g", result->measured, result->bound);
 	} else {
+		char found[2][80];
 		luaL_error(L,
 		           "%s:%d: %s '%s': the function must return a boolean, or measured and "
 		           "bound (got %s and %s)",
 		           file, def->line, def->always ? "expect_always" : "expect", def->text,
-		           lua_typename(L, first), lua_typename(L, second));
+		           rb_describe(L, -2, found[0]), rb_describe(L, -1, found[1]));
 	}
 }
 

@@ -230,11 +230,11 @@ static int l_require(lua_State *L)
 {
 	size_t name_size, size;
 	const char *text;
-	char chunk[PATH_BYTES];
+	char chunk[PATH_BYTES], found[80];
 
 	lua_settop(L, 1);
 	if (lua_type(L, 1) != LUA_TSTRING)
-		return luaL_error(L, "require: expected a name (got %s)", luaL_typename(L, 1));
+		return luaL_error(L, "require: expected a name (got %s)", rb_describe(L, 1, found));
 	const char *name = lua_tolstring(L, 1, &name_size);
 	const int known = push_known(L);
 	if (known == LUA_TLIGHTUSERDATA)

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "script/describe.h"
 #include "script/nearest.h"
 
 void rb_handle_kind_push(lua_State *L, const struct rb_handle_kind *kind, int id)
@@ -55,7 +56,7 @@ static int l_index(lua_State *L)
 	char label[96], hint[96];
 
 	if (lua_type(L, 2) != LUA_TSTRING)
-		return luaL_error(L, "a %s has no field %s", kind->word, luaL_typename(L, 2));
+		return luaL_error(L, "a %s has no field %s", kind->word, rb_describe(L, 2, label));
 	const char *key = lua_tostring(L, 2);
 	lua_pushvalue(L, 2);
 	const int type = lua_rawget(L, lua_upvalueindex(2));

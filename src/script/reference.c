@@ -60,9 +60,11 @@ static rb_quat check_orientation(lua_State *L, const char *place, const char *bo
 static void take_pose(lua_State *L, const char *place, const char *body,
                       struct rb_reference_pose *pose)
 {
+	char found[80];
+
 	if (lua_type(L, -1) != LUA_TTABLE)
 		luaL_error(L, "%s: '%s' must be a table {position = ...} (got %s)", place, body,
-		           luaL_typename(L, -1));
+		           rb_describe(L, -1, found));
 	lua_pushnil(L);
 	while (lua_next(L, -2)) {
 		const char *key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
@@ -143,9 +145,10 @@ static int serve(lua_State *L)
 	strcat(request->place, "reference");
 	lua_pushnumber(L, request->time_s);
 	lua_call(L, 1, 1);
+	char got[80];
 	if (lua_type(L, 2) != LUA_TTABLE)
 		return luaL_error(L, "%s: must return a table of bodies { NAME = {...} } (got %s)",
-		                  request->place, luaL_typename(L, 2));
+		                  request->place, rb_describe(L, 2, got));
 	luaL_checkstack(L, 8, NULL);
 	for (int id = 0; id < scene->body_count; id++) {
 		const char *name = scene->bodies[id].name;

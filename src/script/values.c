@@ -69,7 +69,9 @@ static bool out_of_range(struct rb_call *call, const struct rb_row *row, int ind
 		                rb_describe(call->L, index, found));
 		return false;
 	}
-	snprintf(wanted, sizeof wanted, "%s", range);
+	/* a positive number may be too small */
+	const bool tiny = row->range == RB_RANGE_POSITIVE && lua_tonumber(call->L, index) > 0;
+	snprintf(wanted, sizeof wanted, "%s%s", range, tiny ? ", and not below 2.3e-308" : "");
 	return is_wrong(call, row, index, wanted);
 }
 

@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "math/quat.h"
+#include "script/describe.h"
 
 void rb_vector_push(lua_State *L, rb_vec3 v)
 {
@@ -126,36 +127,33 @@ static bool get(lua_State *L, int index, rb_vec3 *v)
 
 rb_vec3 rb_vector_check(lua_State *L, int index, const char *what)
 {
+	char found[80];
 	rb_vec3 v;
 
 	if (!get(L, index, &v))
 		luaL_error(L, "%s: expected a vector {x, y, z} (got %s)", what,
-		           luaL_typename(L, index));
-	if (!rb_vec3_finite(v)) {
-		char found[80];
-
-		/* 0/0 has a sign on some processors, which would be printed */
-		snprintf(found, sizeof found, "{%.14g, %.14g, %.14g}",
-		         isnan(v.x) ? (double)NAN : v.x, isnan(v.y) ? (double)NAN : v.y,
-		         isnan(v.z) ? (double)NAN : v.z);
-		luaL_error(L, "%s: expected finite numbers (got %s)", what, found);
-	}
+		           rb_describe(L, index, found));
+	if (!rb_vec3_finite(v))
+		luaL_error(L, "%s: expected finite numbers (got %s)", what,
+		           rb_describe(L, index, found));
 	return v;
 }
 
 /* An operand of an operator, or an error that names it. */
 static rb_vec3 operand(lua_State *L, int index, const char *operator)
 {
+	char found[80];
 	rb_vec3 v;
 
 	if (!get(L, index, &v))
 		luaL_error(L, "vec3: '%s' needs two vectors (got %s)", operator,
-		           luaL_typename(L, index));
+		           rb_describe(L, index, found));
 	return v;
 }
 
 static int l_vec3(lua_State *L)
 {
+	char found[80];
 	rb_vec3 v;
 
 	if (lua_gettop(L) == 1 && get(L, 1, &v)) {
@@ -165,7 +163,7 @@ static int l_vec3(lua_State *L)
 	for (int i = 1; i <= 3; i++)
 		if (lua_type(L, i) != LUA_TNUMBER)
 			return luaL_error(L, "vec3: expected three numbers (got %s for number %d)",
-			                  luaL_typename(L, i), i);
+			                  rb_describe(L, i, found), i);
 	rb_vector_push(L, (rb_vec3){lua_tonumber(L, 1), lua_tonumber(L, 2), lua_tonumber(L, 3)});
 	return 1;
 }

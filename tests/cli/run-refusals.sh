@@ -64,7 +64,7 @@ exits 65 broken.lua
 says err 'expectations +1 of 5 hold'
 says err 'ok +first$'
 says err 'FAIL breaks: broken.lua:4: attempt to perform arithmetic on a nil value'
-says err "FAIL wrong type: broken.lua:5: expect 'wrong type': .*got string and nil"
+says err "FAIL wrong type: broken.lua:5: expect 'wrong type': .*got the text 'yes' and nothing"
 says err 'FAIL no number: measured nan, bound 1'
 says err 'FAIL last: measured 2, bound 1'
 says err '^broken.lua:4: attempt'

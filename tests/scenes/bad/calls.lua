@@ -17,8 +17,8 @@ sphere { radius = 1 }
 -- expect: :4: on_step: expected a function (got 3)
 -- expect: :5: on_frame: expected a function (got nothing)
 -- expect: :6: expect_refused: expected an exit status of rbsim(1) first, like 65 (got the text '65')
--- expect: :7: reference: expected a function of t (got a table)
--- expect: :8: param 'a': the default must be a number, a boolean or a text (got a table)
+-- expect: :7: reference: expected a function of t (got {})
+-- expect: :8: param 'a': the default must be a number, a boolean or a text (got {})
 -- expect: :9: param: expected a name, a default, a help text (got 1 for the name)
 -- expect: :10: param 'b': the default must be at least 6 (got 5)
 -- expect: :11: param 'b': the help must be a text (got 3)
@@ -26,4 +26,4 @@ sphere { radius = 1 }
 -- expect: :11: param 'b': unknown key 'mn' (did you mean 'min'?)
 -- expect: :12: param 'c': the default must be one of y, z (got x)
 -- expect: :13: param 'd': 'min' and 'max' are for numbers
--- expect: :13: param 'd': 'choices' must be a list of numbers, texts or booleans (got a table)
+-- expect: :13: param 'd': 'choices' must be a list of numbers, texts or booleans (got {})

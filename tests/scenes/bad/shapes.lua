@@ -24,7 +24,7 @@ body { name = "none" }
 -- expect: :9: hull: 'points' must be a list of points {x, y, z} (got {1, 1, '1'} at 4)
 -- expect: :10: hull: 'points': point 4 is not finite
 -- expect: :11: hull: 'points' must be a list of points {{x, y, z}, ...} (got 3)
--- expect: :12: body: 'shapes' must be a list of 1 to 65536 tables {{shape = 'box', size = {...}}, ...} (got a table)
+-- expect: :12: body: 'shapes' must be a list of 1 to 65536 tables {{shape = 'box', size = {...}}, ...} (got {})
 -- expect: :13: body 'u': shapes[1]: 'radius' of a box: it has none
 -- expect: :13: body 'u': shapes[2]: 'shape' must be one of sphere, box, capsule, cylinder, hull (got 'cone')
 -- expect: :13: body 'u': shapes[3]: 'shape' is missing
