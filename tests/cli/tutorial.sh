@@ -70,6 +70,18 @@ for document in tutorial analysis; do
 done
 [ $count -ge 25 ] || fail "only $count commands"
 
+# the first steps of rbsim(1), one after the other, but for what is no scene's; two methods do differ
+mkdir steps && cd steps || exit 1
+cp "$TOP/scenes/bounce.lua" .
+sed -n '/^\.Sh FIRST STEPS/,/^\.Sh DESCRIPTION/s/^\.Dl //p' "$TOP/man/rbsim.1" >lines
+while read -r line; do
+	case $line in 'rbsim verify '* | 'rbsim converge '*) continue ;; esac
+	sh -c "$line" >out 2>err </dev/null
+	status=$?
+	[ $status = 0 ] || case "$status $line" in '1 rbsim diff '* | '1 '*'--method classic'*) ;; *) fail "rbsim(1): $line" ;; esac
+done <lines
+cd .. || exit 1
+
 # the ball of docs/README.md is as exact as it says
 blocks "$TOP/docs/README.md"
 cat block-*.lua >ball.lua
