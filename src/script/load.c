@@ -35,6 +35,7 @@
 #include "script/expects.h"
 #include "script/files.h"
 #include "script/functions.h"
+#include "script/globals.h"
 #include "script/hooks.h"
 #include "script/joint_handles.h"
 #include "script/library.h"
@@ -181,9 +182,9 @@ static int check_originals(lua_State *L)
 
 /*
  * In protected mode: warns of globals with the name of a key of world { } that the call does not
- * have: nobody reads them.
+ * have, which nobody reads, and of those that nothing assigns.
  */
-static int warn_of_world(lua_State *L)
+static int warn_of_globals(lua_State *L)
 {
 	const struct rb_script *script = rb_script_of(L);
 
@@ -199,6 +200,7 @@ static int warn_of_world(lua_State *L)
 			       script->source, key, key);
 		lua_pop(L, 1);
 	}
+	rb_globals_warn(L);
 	return 0;
 }
 
@@ -229,6 +231,8 @@ static int run_scene(lua_State *L)
 	rb_hooks_open(L);
 	rb_files_open(L);
 	keep_originals(L);
+	if (!rb_script_of(L)->options->files) /* that of a recording has been told before */
+		rb_globals_watch(L);
 	run_source(L);
 	rb_functions_prepare(L);
 	return 0;
@@ -270,7 +274,9 @@ static int find_misspelt(lua_State *L)
 		return 0;
 	memcpy(name, found, size);
 	name[size] = '\0';
-	if (lua_getglobal(L, name) != LUA_TNIL) /* spelt well, but of another type */
+	lua_pushglobaltable(L);
+	lua_pushstring(L, name);
+	if (lua_rawget(L, -2) != LUA_TNIL) /* spelt well, but of another type */
 		return 0;
 	const char *advice = rb_advice_for_global(name);
 	if (advice) {
@@ -471,7 +477,7 @@ static enum rb_status run(struct rb_script *script, lua_CFunction part, struct r
 		note_error(script, err);
 	if (status != RB_OK || part != run_scene)
 		return status;
-	lua_pushcfunction(L, warn_of_world);
+	lua_pushcfunction(L, warn_of_globals);
 	if (lua_pcall(L, 0, 0, 0) != LUA_OK)
 		lua_pop(L, 1);
 	return status;

@@ -36,6 +36,13 @@ struct rb_expect_state {
 	RB_EXPECT_STATE_FIELDS(RB_FIELD_MEMBER)
 };
 
+/* A global that was undefined when the scene read it, while it was loaded. */
+struct rb_undefined {
+	char name[64], helper[80], hint[160];
+	int line; /* in the scene's own file, 0: unknown */
+};
+enum { RB_UNDEFINED_MAX = 16 }; /* told of one scene */
+
 struct rb_script {
 	struct rb_sandbox sandbox;
 	enum rb_script_phase phase;
@@ -60,6 +67,8 @@ struct rb_script {
 	int mistake_count, usage_mistake_count;
 	uint64_t last_mistake; /* hash of its text */
 	char first_mistake[1024];
+	struct rb_undefined undefined[RB_UNDEFINED_MAX];
+	int undefined_count;
 	int world_line, record_line; /* of their only call, 0: none yet */
 	uint64_t world_given;        /* bits: rows of world { } that were */
 	char *folder;                /* owned: of the source, "." for the current one */

@@ -27,6 +27,22 @@ exits 0 unread.lua --no-record
 says err "warning: unread.lua: nothing reads the global 'gravity'; it is a key of world"
 ! grep -q "'duration'" err || fail "what is right is told as a mistake"
 exits 64 unread.lua --dt 0.1
+
+cat >undefined.lua <<'END'
+world { duration = 0.1 }
+local mass = 3
+count = count or 1
+if missing then error "is nil" end
+sphere { radius = 1, mass = masss }
+on_step(function() bounces = (bounces or 0) + 1 end)
+END
+exits 0 undefined.lua
+says err "warning: undefined.lua:4: nothing assigns the global 'missing'; it is nil$"
+says err "warning: undefined.lua:5: nothing assigns the global 'masss'; it is nil .did you mean 'mass'"
+[ "$(grep -c "nothing assigns" err)" -eq 2 ] || fail "what is assigned later, or in callbacks, is warned of"
+exits 0 info undefined.h5
+says_nothing err
+exits 64 unread.lua --dt 0.1
 says err "option '--dt' does not belong to 'run' .did you mean '--time-step'"
 
 small_scene 'expect("the world ends", function() return false end)
