@@ -6,6 +6,8 @@ from recording import dot, turn
 
 GIVEN = ("applied", "driven", "callbacks", "unexplained")
 TAKEN = ("impacts", "impact_friction", "sliding", "rolling", "joint_friction", "drag", "damping")
+PAYING, PAID = 8, 0.01  # parts of a step from which on motion pays for lifting, and what share of it may be told of nobody
+STOPPED = 4e-7  # of a tolerance, by which a body that is stopped would have moved in the step
 FLIGHT = 256  # units of rounding that a body may be off its parabola, in what the parabola is made of
 
 
@@ -169,6 +171,17 @@ def flights(rec, report, geometry):
     report.count("flights", len(frame))
 
 
+def beside(rec, scale):
+    """[frames, bodies]: the largest of those that a body touches, or has met since the frame before."""
+    out, scale = np.zeros(scale.shape), np.pad(scale, ((0, 0), (0, 1)))  # 0: of what does not move
+    for table in (rec.contacts, rec.events):
+        for side, other in (("i", "j"), ("j", "i")):
+            rows = table[side] < rec.bodies
+            frame = table["frame"][rows]
+            np.maximum.at(out, (frame, table[side][rows]), scale[frame, np.minimum(table[other][rows], rec.bodies)])
+    return out
+
+
 def steps(rec, report):
     """Frames that one step ends at: force x step + impulses of events = change of momentum less what gravity gave."""
     if rec.contacts is None or rec.events is None or not alone(rec):
@@ -217,11 +230,19 @@ def steps(rec, report):
     off = np.linalg.norm(m[:, None] * change - linear, axis=2)[frame, body]
     weight = m * np.linalg.norm(acceleration(rec), axis=1)
     scale = size + m * np.linalg.norm(rec.velocity, axis=2) + dt[:, None] * weight
+    # one solution of a group is as exact as its largest impulses are, also for a light body between heavy ones
+    slack = 1e-9 * np.maximum(scale, beside(rec, scale))
+    # what has come to rest is stopped, from speeds up to that (src/stepped/stillness.c)
+    still = (np.abs(rec.velocity).max(2) == 0) & (np.abs(rec.spin).max(2) == 0)
+    slack += np.where(still, m * STOPPED * (rec.tolerance / np.where(dt > 0, dt, np.inf))[:, None], 0)
 
     def where(k):
         return f"frame {frame[k]}, body {rec.id[body[k]]}"
 
-    report.bounds("steps, momentum", off, 1e-9 * scale[frame, body] + 1e-300, where, "N s")
+    # what lifts bodies may be taken from linear motion then, and what contacts would have to pull for is in no row
+    parts = rec.observed["smallest_step"] <= (1 + 1e-9) / PAYING * dt
+    slack += np.where(parts[:, None], PAID * (size + m * np.linalg.norm(rec.velocity, axis=2)), 0)
+    report.bounds("steps, momentum", off, slack[frame, body] + 1e-300, where, "N s")
     off = np.linalg.norm(np.diff(turned, axis=0, prepend=turned[:1]) - angular, axis=2)[frame, body]
     reach = np.sqrt(np.trace(rec.inertia, axis1=1, axis2=2) / np.where(m > 0, m, 1))
     # points and arms are those of one moment of the step: first order in what the body turns and moves by, before or
@@ -231,7 +252,7 @@ def steps(rec, report):
         turned, axis=2) * (1e-9 + dt[:, None] * np.linalg.norm(rec.spin, axis=2))
     # impulses that were taken back leave the rounding of what they would have stopped
     spin_scale += FLIGHT * rec.unit * m * np.linalg.norm(rec.velocity, axis=2) * reach
-    report.bounds("steps, angular momentum", off, spin_scale[frame, body] + 1e-300, where, "N m s")
+    report.bounds("steps, angular momentum", off, (spin_scale + slack * reach)[frame, body] + 1e-300, where, "N m s")
     report.count("steps", len(frame))
 
 

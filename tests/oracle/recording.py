@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 SPHERE, PLANE, RECTANGLE, BOX, CAPSULE, CYLINDER, HULL, UNION = range(8)
-COLLISION = 0
+COLLISION, MERGE = 0, 6  # kinds of events; between them transitions of contacts
 HOOKS = ("on_step", "on_frame", "on_collision", "on_transition")
 # A part of a union, as the recording has it.
 Part = namedtuple("Part", "kind solid radius size position orientation share")
