@@ -408,6 +408,7 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 	enum rb_status status = rb_drive_begin(world, start, h, err);
 
 	RB_ASSERT(h > 0 && cohort->member_count <= cohort->body_count);
+	cohort->owes = false;
 	if (status == RB_OK)
 		status = rb_force_add(world, cohort, start, h, err);
 	if (status == RB_OK)

@@ -64,13 +64,13 @@ static struct rb_contact contact_of(const struct rb_world *world, const struct r
 		contact.normal_force = points->last[point->from - 1].force;
 		contact.tangent_force = points->last[point->from - 1].friction_impulse;
 	} else if (!point->after_impact) {
-		const rb_vec3 rebound = rb_cohort_rebound(cohort, at);
-		const double more = rb_vec3_dot(rebound, point->normal);
+		const rb_vec3 added = rb_cohort_more(cohort, at);
+		const double more = rb_vec3_dot(added, point->normal);
 
 		contact.normal_force = (point->normal_impulse + more) / h;
 		contact.tangent_force = rb_vec3_scale(
 			1 / h, rb_vec3_add(point->friction_impulse,
-		                           rb_vec3_add_scaled(rebound, -more, point->normal)));
+		                           rb_vec3_add_scaled(added, -more, point->normal)));
 	}
 	/* a later look, or the step that put it to rest, may have seen another normal */
 	contact.tangent_force = rb_vec3_reject(contact.tangent_force, contact.normal);
@@ -295,10 +295,8 @@ static bool is_impact(const struct rb_world *world, const struct rb_cohort *coho
 	*event = (struct rb_event){
 		.kind = RB_EVENT_COLLISION, .a = point->a, .b = point->b, .normal = point->normal};
 	for (size_t k = 0; k < length; k++) {
-		const rb_vec3 rebound = rb_cohort_rebound(cohort, first + k);
-
-		const double along = point[k].normal_impulse +
-		                     rb_vec3_dot(rebound, point[k].normal);
+		const rb_vec3 added = rb_cohort_more(cohort, first + k);
+		const double along = point[k].normal_impulse + rb_vec3_dot(added, point[k].normal);
 
 		if (!(along > 0))
 			continue;
@@ -306,7 +304,7 @@ static bool is_impact(const struct rb_world *world, const struct rb_cohort *coho
 			event->impulse,
 			rb_vec3_add(rb_vec3_add_scaled(point[k].friction_impulse,
 		                                       point[k].normal_impulse, point[k].normal),
-		                    rebound));
+		                    added));
 		normal_impulse += along;
 		approach = fmax(approach, point[k].approach);
 		event->point = rb_vec3_add_scaled(event->point, along, lever_of(&point[k]));

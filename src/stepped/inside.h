@@ -50,12 +50,14 @@ struct rb_cohort {
 	struct rb_step_points points; /* of the try; `last` of the step before */
 	rb_vec3 *rebound;             /* owned, by point: N s on b; to be read if `rebounds` */
 	size_t rebound_capacity;
-	bool rebounds;      /* something may have, in the try */
+	bool rebounds; /* something may have, in the try */
+	rb_vec3 *dues; /* owned, by point: N s on b; to be read if `owes`: stepped/dues */
+	size_t dues_capacity;
+	bool owes;          /* closing has changed linear momenta in the try */
 	struct rb_hit *hit; /* owned: of the try, in order of time */
 	size_t hit_count, hit_capacity;
-	struct rb_contacts
-		passed;       /* contacts that have passed impacts on, N s for N */
-	struct rb_blow *blow; /* owned: of the try, where the ledger is kept */
+	struct rb_contacts passed; /* contacts that have passed impacts on, N s for N */
+	struct rb_blow *blow;      /* owned: of the try, where the ledger is kept */
 	size_t blow_count, blow_capacity;
 	struct rb_depths
 		depths; /* where the try has ended, if they are known; borrowed from the arena */
@@ -66,6 +68,14 @@ struct rb_cohort {
 static inline rb_vec3 rb_cohort_rebound(const struct rb_cohort *cohort, size_t point)
 {
 	return cohort->rebounds ? cohort->rebound[point] : (rb_vec3){0, 0, 0};
+}
+
+/* N s, on b: what a point is told to have done beside its impulse of the step. */
+static inline rb_vec3 rb_cohort_more(const struct rb_cohort *cohort, size_t point)
+{
+	const rb_vec3 rebound = rb_cohort_rebound(cohort, point);
+
+	return cohort->owes ? rb_vec3_add(rebound, cohort->dues[point]) : rebound;
 }
 
 /* What has become of a try: rb_stepped's `bad` says for whom. */

@@ -18,7 +18,7 @@ static bool is_zero(const double *column, int i)
  * Whether all members rested in the last step and feel the same external accelerations, and nothing
  * driven moves at them.
  */
-static bool is_still(const struct rb_solver *solver, const struct rb_island *island)
+static bool is_at_rest(const struct rb_solver *solver, const struct rb_island *island)
 {
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
@@ -58,7 +58,7 @@ void rb_islands_rest(struct rb_solver *solver, const struct rb_step_points *poin
 	bool any = false;
 
 	for (size_t g = 0; g < solver->island_count; g++) {
-		solver->island[g].rests = is_still(solver, &solver->island[g]);
+		solver->island[g].rests = is_at_rest(solver, &solver->island[g]);
 		any = any || solver->island[g].rests;
 	}
 	if (!any)

@@ -44,6 +44,25 @@ static void add_sunk(struct rb_lift *lift, const struct rb_step_points *points, 
 	}
 }
 
+/* A group of the solution has all that is near: what nothing touches has no part in its turn. */
+static void join_touching(struct rb_lift *lift, const struct rb_world *world,
+                          const struct rb_step_points *points)
+{
+	const struct rb_joints *const joints = world->model->joints;
+
+	for (size_t k = 0; k < points->count; k++)
+		if (points->row[k].normal_impulse > 0 &&
+		    rb_stepped_is_dynamic(world, points->row[k].b))
+			rb_forest_join(lift->joined, points->row[k].a, points->row[k].b, false);
+	for (int k = 0; joints && k < joints->count; k++) {
+		const int a = joints->joint[k].a, b = joints->joint[k].b;
+
+		if (!world->joint[k].released && b >= 0 && rb_stepped_is_dynamic(world, a) &&
+		    rb_stepped_is_dynamic(world, b))
+			rb_forest_join(lift->joined, a, b, false);
+	}
+}
+
 enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world,
                              const struct rb_step_points *points, double h, struct rb_error *err)
 {
@@ -53,6 +72,7 @@ enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world,
 
 	*lift = (struct rb_lift){
 		.parent = rb_arena_take(arena, n, sizeof *lift->parent),
+		.joined = rb_arena_take(arena, n, sizeof *lift->joined),
 		.energy_budget = rb_arena_take(arena, n, sizeof *lift->energy_budget),
 		.sunk = rb_arena_take(arena, n, sizeof *lift->sunk),
 		.way = rb_arena_take(arena, 6 * n, sizeof *lift->way),
@@ -61,17 +81,20 @@ enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world,
 		.moved = rb_arena_take(arena, n, 1),
 		.given = rb_arena_take(arena, n, 1),
 		.held = rb_arena_take(arena, n, 1),
+		.owed = rb_arena_take(arena, n, sizeof *lift->owed),
 		.sum = rb_arena_take(arena, SUMS * n, sizeof *lift->sum)};
-	if (!lift->parent || !lift->energy_budget || !lift->sunk || !lift->way || !lift->turn ||
-	    !lift->swept || !lift->moved || !lift->given || !lift->held || !lift->sum)
+	if (!lift->parent || !lift->joined || !lift->energy_budget || !lift->sunk || !lift->way ||
+	    !lift->turn || !lift->swept || !lift->moved || !lift->given || !lift->held ||
+	    !lift->owed || !lift->sum)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
 	memset(lift->turn, 0, 3 * n * sizeof *lift->turn);
 	memset(lift->swept, 0, 3 * n * sizeof *lift->swept);
 	memset(lift->moved, 0, n);
 	memset(lift->given, 0, n);
 	memset(lift->held, 0, n);
+	memset(lift->owed, 0, n * sizeof *lift->owed);
 	for (size_t i = 0; i < n; i++) {
-		lift->parent[i] = (int)i;
+		lift->parent[i] = lift->joined[i] = (int)i;
 		lift->energy_budget[i] = lift->sunk[i] = 0;
 	}
 	for (size_t g = 0; g < solver->island_count; g++) {
@@ -83,6 +106,7 @@ enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world,
 			lift->parent[member[k]] = member[0];
 	}
 	add_sunk(lift, points, h);
+	join_touching(lift, world, points);
 	return RB_OK;
 }
 
@@ -98,6 +122,7 @@ void rb_lift_join(struct rb_lift *lift, const struct rb_world *world, int a, int
 		lift->held[root] = lift->held[root] || is_static;
 		return;
 	}
+	rb_forest_join(lift->joined, a, b, false);
 	const int other = rb_forest_root(lift->parent, b);
 	if (root == other)
 		return;
@@ -172,13 +197,13 @@ void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i)
 
 /* ---- angular momentum ---- */
 
-/* Whether a group, of that first body, is to keep its momenta. */
+/* Whether a group, of that first body in `parent`, is to keep its momenta. */
 static bool is_free(const struct rb_lift *lift, const struct rb_world *world, int root)
 {
 	return world->stepped->solver.joins_arms && !lift->held[root] && !lift->given[root];
 }
 
-/* Sums of a group, by its first body. */
+/* Sums of what is joined, by its first body. */
 struct turning {
 	double mass;
 	rb_vec3 moment, momentum, swept; /* kg m, kg m/s; kg m^2/s */
@@ -233,6 +258,12 @@ static void note_moved(struct rb_lift *lift, struct rb_world *world, int i, cons
 	lift->moved[i] = 1;
 }
 
+static void note_owed(struct rb_lift *lift, int i, rb_vec3 momentum)
+{
+	lift->owed[i] = rb_vec3_add(lift->owed[i], momentum);
+	lift->owes = lift->owes || rb_vec3_max_abs(momentum) > 0;
+}
+
 /* A body turns with its group. */
 static void turn_body(struct rb_lift *lift, struct rb_world *world, int i, struct turning *group)
 {
@@ -245,6 +276,7 @@ static void turn_body(struct rb_lift *lift, struct rb_world *world, int i, struc
 	note_moved(lift, world, i, motion);
 	group->gain -= rb_world_kinetic_energy(world, world->model->id_of[i]);
 	rb_vec3_to(v, rb_vec3_add(motion[0], rb_vec3_cross(group->turn, r)));
+	note_owed(lift, i, rb_vec3_scale(world->model->mass[i], rb_vec3_cross(group->turn, r)));
 	if (w)
 		rb_vec3_to(w, rb_vec3_add(motion[1], group->turn));
 	group->gain += rb_world_kinetic_energy(world, world->model->id_of[i]);
@@ -258,7 +290,7 @@ static void add_groups(struct rb_lift *lift, const struct rb_world *world, struc
 		all[s->body[k]] = (struct turning){.mass = 0};
 	for (int k = 0; k < s->member_count; k++) {
 		const int i = s->body[k];
-		struct turning *group = &all[rb_forest_root(lift->parent, i)];
+		struct turning *group = &all[rb_forest_root(lift->joined, i)];
 		const double mass = world->model->mass[i];
 		double *const swept = lift->swept + 3 * (size_t)i;
 
@@ -270,10 +302,10 @@ static void add_groups(struct rb_lift *lift, const struct rb_world *world, struc
 		rb_vec3_to(swept, (rb_vec3){0, 0, 0});
 	}
 	for (int k = 0; k < s->member_count; k++) {
-		const int root = rb_forest_root(lift->parent, s->body[k]);
+		const int i = s->body[k], first = rb_forest_root(lift->joined, i);
 
-		if (all[root].moved && is_free(lift, world, root))
-			add_inertia(world, s->body[k], &all[root]);
+		if (all[first].moved && is_free(lift, world, rb_forest_root(lift->parent, i)))
+			add_inertia(world, i, &all[first]);
 	}
 }
 
@@ -295,7 +327,7 @@ static bool keep_turning(struct rb_lift *lift, struct rb_world *world)
 		if (rb_vec3_max_abs(all[s->body[k]].swept) > 0)
 			find_turn(&all[s->body[k]]);
 	for (int k = 0; k < s->member_count; k++) {
-		struct turning *group = &all[rb_forest_root(lift->parent, s->body[k])];
+		struct turning *group = &all[rb_forest_root(lift->joined, s->body[k])];
 
 		if (rb_vec3_max_abs(group->turn) > 0)
 			turn_body(lift, world, s->body[k], group);
@@ -303,7 +335,8 @@ static bool keep_turning(struct rb_lift *lift, struct rb_world *world)
 	for (int k = 0; k < s->member_count; k++) {
 		const int i = s->body[k];
 
-		lift->sum[SUMS * (size_t)i + RISE] += fmax(0, all[i].gain);
+		lift->sum[SUMS * (size_t)rb_forest_root(lift->parent, i) + RISE] += fmax(
+			0, all[i].gain);
 		if (s->tally)
 			s->tally->body[i].turned += fmax(0, -all[i].gain);
 	}
@@ -474,6 +507,8 @@ static void pay(struct rb_lift *lift, struct rb_world *world, int i, struct paym
 	const rb_vec3 more = rb_vec3_sub(rb_vec3_from(v), before[0]);
 	const rb_vec3 p = rb_vec3_scale(world->model->mass[i], more);
 	const rb_vec3 twist = w ? rb_vec3_sub(rb_vec3_from(w), before[1]) : more;
+
+	note_owed(lift, i, p);
 
 	rb_vec3_to(lift->swept + 3 * (size_t)i,
 	           rb_vec3_add(rb_vec3_cross(rb_world_row3(world->state.position, i), p),

@@ -18,6 +18,7 @@
 
 struct rb_lift {
 	int *parent; /* [bodies]: groups: of the solution, joined by those that are closed */
+	int *joined; /* [bodies]: those of them that impulses, joints and closing join */
 	double *energy_budget; /* [bodies], J, twice: what contacts took, by the first of a group */
 	double *sunk;  /* [bodies], J: that steps before have given, by the first of a group */
 	double *way;   /* [6 bodies]: m; kg m^2 rad, as momentum */
@@ -27,6 +28,8 @@ struct rb_lift {
 	unsigned char *given; /* [bodies]: a driven body has pushed, by a body of the group */
 	unsigned char *held;  /* [bodies]: so has a static one */
 	double *sum;          /* [6 bodies], J, by the first of a group */
+	rb_vec3 *owed;        /* [bodies] kg m/s: what turning and paying have changed of momenta */
+	bool owes;            /* they have */
 };
 
 /* Before the solver has become that of closing. */
@@ -49,8 +52,9 @@ void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i);
  * and nothing slips by that. Then velocities, given back, pay; groups that cannot are blamed: in
  * shorter steps turning leaves less to close, with its square. `anyhow`: where spin does not
  * suffice, motion along the ways of closing pays, else, with what stands still below, all motion;
- * no contact's force says so. What stands still has nothing to pay with: it may rise by as much as
- * it has sunk into the overlap that the step has found, which gave that energy when it was made.
+ * stepped/dues has what contacts say of it. What stands still has nothing to pay with: it may rise
+ * by as much as it has sunk into the overlap that the step has found, which gave that energy when
+ * it was made.
  */
 RB_CHECKED enum rb_status rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool anyhow,
                                       struct rb_error *err);

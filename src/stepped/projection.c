@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "base/team.h"
 #include "stepped/carried.h"
+#include "stepped/dues.h"
 #include "stepped/joint_steps.h"
 #include "stepped/lift.h"
 #include "world/joint_state.h"
@@ -691,6 +692,8 @@ enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *coh
 		status = rb_lift_pay(&search.lift, world,
 		                     paying_parts * cohort->candidates->h_s <= s->solver.whole_s,
 		                     err);
+	if (status == RB_OK && search.lift.owes)
+		status = rb_dues_share(world, cohort, search.lift.owed, err);
 	for (size_t k = 0; k < last.deep_count; k++)
 		blame(world, &last.deep[k]);
 	if (last.deep_count > 0 || s->bad_count == 0)

@@ -159,6 +159,8 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 	rb_tally_release(stepped);
 	rb_memory_free(stepped->all.rebound);
 	rb_memory_free(stepped->part.rebound);
+	rb_memory_free(stepped->all.dues);
+	rb_memory_free(stepped->part.dues);
 	rb_memory_free(stepped->all.hit);
 	rb_memory_free(stepped->part.hit);
 	rb_means_release(&stepped->means);
