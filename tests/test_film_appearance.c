@@ -155,7 +155,16 @@ static void patterns_are_those_that_were_named(void **state)
 	assert_int_equal(look_of(&stage, 6)->pattern, RB_PATTERN_PLAIN);
 	/* what moves over a plane is seen to move, unless somebody wanted it plain */
 	assert_true(look_of(&stage, 7)->plain && !look_of(&stage, 8)->plain);
-	rb_looks_show_motion(&stage.looks, stage.lab.model);
+	struct rb_camera_def camera = rb_camera_def_default();
+	camera.position.value = (rb_vec3){0, 0, 10};
+	camera.look_at.value = (rb_vec3){0, 0, 0};
+	const double near_m = stage.looks.cell_m;
+	rb_looks_show_motion(&stage.looks, stage.lab.model, &camera);
+	assert_near(stage.looks.cell_m, near_m, 0);
+	/* from afar squares are larger: about eight of them, as rounded as ever, fill the height */
+	camera.position.value.z = 10000;
+	rb_looks_show_motion(&stage.looks, stage.lab.model, &camera);
+	assert_near(stage.looks.cell_m, 1000, 1e-9);
 	assert_int_equal(look_of(&stage, 7)->pattern, RB_PATTERN_CHECKER);
 	assert_int_equal(look_of(&stage, 8)->pattern, RB_PATTERN_PLAIN);
 	assert_int_equal(look_of(&stage, 0)->pattern, RB_PATTERN_PLAIN);

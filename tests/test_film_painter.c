@@ -29,6 +29,35 @@ static void bodies_are_where_they_should_be_and_nothing_is_flipped(void **state)
 	studio_close(&studio);
 }
 
+/* A camera that was placed for a body shows where a small one is; others show it as it is. */
+static void a_body_too_small_to_be_seen_is_a_dot_where_nobody_placed_the_camera(void **state)
+{
+	int dots[2] = {0, 0};
+
+	(void)state;
+	for (int framed = 0; framed < 2; framed++) {
+		struct studio studio;
+
+		studio_open(&studio);
+		studio.camera.framed = framed;
+		studio.camera.position.value = (rb_vec3){0, -300, 100};
+		studio_ball(&studio, 0.05, (rb_vec3){0, 0, 0.05}, red);
+		struct rb_body_def hidden = lab_sphere_def(0.05, 1, (rb_vec3){20, 0, 0.05},
+		                                           (rb_vec3){0, 0, 0});
+		rb_vec3_to(hidden.color, red);
+		hidden.visible = false;
+		lab_add(&studio.lab, &hidden);
+		lab_plane(&studio.lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+		studio_seal(&studio);
+		studio_draw(&studio);
+		for (int k = 0; k < WIDTH * HEIGHT; k++)
+			dots[framed] += is_red(&studio.picture.rgba[4 * k]);
+		studio_close(&studio);
+	}
+	assert_true(dots[0] <= 2);
+	assert_in_range(dots[1], 4, 16); /* 3 pixels wide, its edge softened */
+}
+
 static void the_silhouette_of_a_sphere_is_that_of_its_cone(void **state)
 {
 	struct studio studio;
@@ -709,6 +738,8 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(bodies_are_where_they_should_be_and_nothing_is_flipped),
+		cmocka_unit_test(
+			a_body_too_small_to_be_seen_is_a_dot_where_nobody_placed_the_camera),
 		cmocka_unit_test(the_silhouette_of_a_sphere_is_that_of_its_cone),
 		cmocka_unit_test(what_is_nearer_hides_what_is_behind),
 		cmocka_unit_test(a_shadow_is_darker_and_lies_away_from_the_light),

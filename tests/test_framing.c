@@ -4,6 +4,7 @@
 
 #include "flow/frame.h"
 #include "flow/framing.h"
+#include "math/quat.h"
 #include "math/random.h"
 
 static double uniform(uint64_t series, uint64_t k, double low, double high)
@@ -372,10 +373,62 @@ static void where_joints_hang_on_the_world_is_in_the_picture(void **state)
 	}
 }
 
+/* A hull's origin may be at a corner, a union's anywhere: its picture is that of its shape. */
+static void where_the_origin_of_a_shape_is_does_not_matter(void **state)
+{
+	static const rb_vec3 wedge[6] = {{-1, -1, -1}, {1, -1, -1}, {-1, -1, 1},
+	                                 {-1, 1, -1},  {1, 1, -1},  {-1, 1, 1}};
+	rb_vec3 from = {0, 0, 0};
+
+	(void)state;
+	for (int k = 0; k < 4; k++) {
+		const int off = k % 2, turns = k / 2;
+		const rb_vec3 origin = {off * 5.0, off * -2.0, off * 3.0};
+		const rb_quat turn = rb_quat_from_turn((rb_vec3){0.3, 1, -0.4});
+		struct rb_camera_def camera = rb_camera_def_default();
+		struct rb_body_def def = rb_body_def_default();
+		struct rb_framing framing;
+		struct rb_frame frame;
+		struct rb_error err;
+		rb_vec3 points[6];
+		struct lab lab;
+		char text[80];
+
+		lab_open(&lab, 1, 10);
+		for (int i = 0; i < 6; i++)
+			points[i] = rb_vec3_add(wedge[i], origin);
+		def.shape = (struct rb_shape){.kind = RB_SHAPE_HULL};
+		def.angular_velocity.x = turns;
+		assert_ok(rb_scene_add_hull(&lab.scene, points, 6, &def.shape.solid, &err));
+		def.mass = 1;
+		def.orientation = turn;
+		def.position = rb_vec3_sub((rb_vec3){1, 2, 3}, rb_quat_rotate(turn, origin));
+		def.filters = true;
+		lab_add(&lab, &def);
+		seal(&lab);
+		assert_ok(rb_frame_init(&frame, lab.model, RB_FIELD_DEFAULT, &err));
+		rb_vec3_to(frame.position, lab.model->position[0]);
+		assert_true((frame.orientation != NULL) == (turns == 1));
+		if (turns)
+			rb_quat_to(frame.orientation, turn);
+		assert_ok(rb_framing_init(&framing, lab.model, &err));
+		(void)rb_framing_see(&framing, &frame);
+		camera.framed = true;
+		assert_int_equal(rb_framing_aim(&framing, &camera, text, sizeof text), 0);
+		if (off)
+			assert_vector(camera.position.value, from, 1e-12);
+		from = camera.position.value;
+		rb_frame_release(&frame);
+		rb_framing_release(&framing);
+		lab_close(&lab);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(where_joints_hang_on_the_world_is_in_the_picture),
+		cmocka_unit_test(where_the_origin_of_a_shape_is_does_not_matter),
 		cmocka_unit_test(every_body_is_in_the_picture_and_fills_it),
 		cmocka_unit_test(what_moves_is_seen_wherever_it_gets),
 		cmocka_unit_test(planes_that_move_are_seen_unless_they_are_the_ground),

@@ -36,6 +36,15 @@ static int compare(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
+/* The nearest of 1, 2 and 5 times a power of ten. */
+static double round_length(double wanted_m)
+{
+	const double ten = pow(10, floor(log10(wanted_m)));
+	const double part = wanted_m / ten;
+
+	return ten * (part < 1.5 ? 1 : part < 3.5 ? 2 : part < 7.5 ? 5 : 10);
+}
+
 /*
  * Sets size_m, the median diameter of moving solids (else of static ones, else a fifth of a
  * rectangle; 1 m without any), and cell_m, the cell of patterns: twice that, rounded to 1, 2 or 5
@@ -64,10 +73,7 @@ static enum rb_status measure(struct rb_looks *looks, const struct rb_model *mod
 	looks->size_m = count > 0 ? sizes[count / 2] : 1;
 	rb_memory_free(sizes);
 
-	const double wanted = 2 * looks->size_m;
-	const double ten = pow(10, floor(log10(wanted)));
-	const double part = wanted / ten;
-	looks->cell_m = ten * (part < 1.5 ? 1 : part < 3.5 ? 2 : part < 7.5 ? 5 : 10);
+	looks->cell_m = round_length(2 * looks->size_m);
 	return RB_OK;
 }
 
@@ -208,8 +214,30 @@ enum rb_status rb_looks_make(struct rb_looks *looks, const struct rb_model *mode
 	return status;
 }
 
-void rb_looks_show_motion(struct rb_looks *looks, const struct rb_model *model)
+/* m: height of the camera's picture where it looks; 0: it depends on the time. */
+static double picture_height(const struct rb_camera_def *camera)
 {
+	if (camera->orthographic && !camera->has_frustum)
+		return isfinite(camera->height) ? camera->height : 0;
+	if (camera->position.source != RB_CAMERA_FIXED || camera->look_at.source != RB_CAMERA_FIXED)
+		return 0;
+	const double distance = rb_vec3_length(
+		rb_vec3_sub(camera->look_at.value, camera->position.value));
+	const double *const f = camera->frustum;
+	if (camera->has_frustum)
+		return (f[3] - f[2]) * (camera->orthographic ? 1 : distance / f[4]);
+	return 2 * distance * tan(0.5 * camera->fov);
+}
+
+void rb_looks_show_motion(struct rb_looks *looks, const struct rb_model *model,
+                          const struct rb_camera_def *camera)
+{
+	/* this many squares from edge to edge of the picture at most */
+	static const double squares_most = 8;
+
+	looks->cell_m = fmax(
+		looks->cell_m,
+		round_length(fmax(2 * looks->size_m, picture_height(camera) / squares_most)));
 	for (int i = model->body_count; i < model->body_count + model->static_count; i++)
 		if (looks->of[i].plain && (model->shape[i].kind == RB_SHAPE_PLANE ||
 		                           model->shape[i].kind == RB_SHAPE_RECTANGLE))

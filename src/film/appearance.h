@@ -43,8 +43,12 @@ struct rb_looks {
 /* RB_ERR_SCENE: a texture that is no picture, with the place in the scene and the body. */
 RB_CHECKED enum rb_status rb_looks_make(struct rb_looks *looks, const struct rb_model *model,
                                         struct rb_error *err);
-/* Planes whose texture nobody has stated become checkered: what moves over them is seen to move. */
-void rb_looks_show_motion(struct rb_looks *looks, const struct rb_model *model);
+/*
+ * Planes whose texture nobody has stated become checkered: what moves over them is seen to move.
+ * Squares are large enough to be told apart in the pictures of this camera.
+ */
+void rb_looks_show_motion(struct rb_looks *looks, const struct rb_model *model,
+                          const struct rb_camera_def *camera);
 void rb_looks_release(struct rb_looks *looks); /* safe on a zeroed one */
 
 /* From sRGB in [0, 1] to linear light (IEC 61966-2-1). */

@@ -46,7 +46,8 @@ struct rb_lines {
 
 /* Lengths of arrows in diameters of a typical body: of a usual speed, of its weight. */
 static const double SPEED_SIZES = 1.5, WEIGHT_SIZES = 1;
-static const double TRAIL_PX = 2.2, DOT_PX = 6, WIRE_PX = 1.8, ARROW_PX = 3.2, HEAD_PX = 13;
+static const double TRAIL_PX = 2.2, DOT_PX = 6, SPECK_PX = 4, WIRE_PX = 1.8, ARROW_PX = 3.2,
+		    HEAD_PX = 13;
 /* Widths are for this height of the picture; others scale with it. */
 static const double USUAL_HEIGHT_PX = 720;
 
@@ -207,8 +208,8 @@ static double thickness(const struct rb_lines *lines, double px)
 }
 
 /*
- * Where the body at the end of a trail is too small to be seen (planets on their orbits), a dot, as
- * wide as it is long.
+ * Where a body is too small to be seen (planets on their orbits), a dot, as wide as it is long. It
+ * is nearer than the body by three times its half: the ground beneath would hide its lower part.
  */
 static void add_dot(struct pen *pen, const struct rb_view *view, rb_vec3 at, double radius,
                     double dot_px)
@@ -218,6 +219,10 @@ static void add_dot(struct pen *pen, const struct rb_view *view, rb_vec3 at, dou
 
 	if (!(radius < half) || (!view->parallel && at.z >= 0))
 		return;
+	if (view->parallel)
+		at.z += 3 * half;
+	else
+		at = rb_vec3_scale(1 - fmin(0.5, 3 * half / -at.z), at);
 	pen->width_px = dot_px;
 	stroke(pen, rb_vec3_sub(at, side), rb_vec3_add(at, side), 1, 1);
 	pen->width_px = trail_px;
@@ -263,6 +268,33 @@ static void add_trails(struct rb_lines *lines, struct pen *pen, const struct rb_
 			alpha_before = alpha;
 		}
 		add_dot(pen, view, before, rb_model_reach(model, index), thickness(lines, DOT_PX));
+	}
+}
+
+/*
+ * A camera that has no place of its own stands as far away as all motion needs: a stone that falls
+ * from a tower would not be seen. Not among many bodies, which dots would cover.
+ */
+static bool has_specks(const struct rb_bodies_setup *setup)
+{
+	return setup->camera->framed && setup->model->body_count <= RB_CAMERA_TRAILS_MAX;
+}
+
+/* Dots where bodies that move are too small to be seen. */
+static void add_specks(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
+                       const struct rb_view *view)
+{
+	const struct rb_model *model = lines->setup.model;
+
+	for (int i = 0; i < model->body_count; i++) {
+		if (!lines->setup.looks->of[i].visible ||
+		    rb_shape_type(&model->shape[i])->form == RB_FORM_SURFACE)
+			continue;
+		const rb_pose pose = rb_view_pose(model, frame, model->id_of[i]);
+		const rb_vec3 at = rb_model_center(model, i, pose.position, pose.orientation);
+		pen->colour = lines->setup.looks->of[i].colour;
+		add_dot(pen, view, rb_view_point(view, at), rb_model_reach(model, i),
+		        thickness(lines, SPECK_PX));
 	}
 }
 
@@ -596,6 +628,13 @@ static void draw_list(const struct rb_lines *lines, int kind)
 	glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)list->count);
 }
 
+bool rb_lines_needed(const struct rb_bodies_setup *setup)
+{
+	const struct rb_camera_def *const camera = setup->camera;
+
+	return camera->wireframe || camera->vectors || camera->trail_count > 0 || has_specks(setup);
+}
+
 enum rb_status rb_lines_draw(struct rb_lines *lines, const struct rb_frame *frame,
                              const struct rb_view *view, const struct rb_trails *trails,
                              struct rb_error *err)
@@ -616,6 +655,8 @@ enum rb_status rb_lines_draw(struct rb_lines *lines, const struct rb_frame *fram
 	}
 	if (trails)
 		add_trails(lines, &pen, frame, view, trails);
+	if (has_specks(&lines->setup))
+		add_specks(lines, &pen, frame, view);
 	for (int k = 0; k < 3; k++)
 		colour[k] = (float)rb_look_linear(velocity_colour[k]);
 	if (camera->vectors & RB_VECTORS_VELOCITY)

@@ -99,7 +99,7 @@ static enum rb_status make(struct rb_painter *painter, struct rb_error *err)
 	if (status == RB_OK)
 		status = rb_looks_make(&painter->looks, painter->model, err);
 	if (status == RB_OK && camera->framed)
-		rb_looks_show_motion(&painter->looks, painter->model);
+		rb_looks_show_motion(&painter->looks, painter->model, camera);
 	if (status == RB_OK)
 		status = rb_canvas_create(
 			&painter->canvas, width, height,
@@ -122,7 +122,7 @@ static enum rb_status make(struct rb_painter *painter, struct rb_error *err)
 	                                              rb_canvas_samples(painter->canvas) == 0};
 	if (status == RB_OK)
 		status = rb_bodies_create(&painter->bodies, &setup, err);
-	if (status == RB_OK && (camera->wireframe || camera->vectors || camera->trail_count > 0))
+	if (status == RB_OK && rb_lines_needed(&setup))
 		status = rb_lines_create(&painter->lines, &setup, err);
 	return status;
 }

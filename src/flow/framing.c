@@ -16,14 +16,23 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "math/quat.h"
 #include "math/vec3.h"
 #include "model/joints.h"
+#include "model/shape.h"
+
+/* What a body is within: in object coordinates, m. */
+struct ball {
+	rb_vec3 middle;
+	double radius;
+};
 
 /*
  * Box of where a body has been, with its whole size. `low` above `high`: it has no extent, as
  * planes have none.
  */
 struct rb_reach {
+	struct ball around;
 	rb_vec3 low, high;
 	rb_vec3 last;            /* its origin */
 	double away_m, before_m; /* from the middle of all, in the last frame and at most before */
@@ -50,21 +59,6 @@ static rb_vec3 max(rb_vec3 a, rb_vec3 b)
 }
 
 /*
- * How far a body reaches from its origin, whichever way it is turned; NaN: nowhere, so that it
- * widens no picture. Planes without end reach nowhere, and so do finite ones that are larger than
- * the place where the others begin: they are the ground, beside which nothing else would be seen.
- */
-static double reach_of(const struct rb_framing *framing, int i)
-{
-	const struct rb_shape *const shape = &framing->model->shape[i];
-	const double plate_m = 0.5 * hypot(shape->size[0], shape->size[1]);
-
-	if (shape->kind != RB_SHAPE_RECTANGLE)
-		return rb_model_reach(framing->model, i);
-	return plate_m <= framing->plate_most_m ? plate_m : (double)NAN;
-}
-
-/*
  * Extends a box by a ball of `radius` m at `at`; true if it became larger. An infinite radius
  * (planes) gives a box without finite corners, which rb_framing_aim passes over.
  */
@@ -81,6 +75,74 @@ static bool grow(struct rb_reach *reach, rb_vec3 at, double radius)
 	reach->low = low;
 	reach->high = high;
 	return more;
+}
+
+static struct ball ball_of(const struct rb_scene *scene, const struct rb_shape *shape);
+
+/* The k-th corner of a hull or part of a union, as a ball. */
+static struct ball ball_at(const struct rb_scene *scene, const struct rb_solid *solid, int k)
+{
+	if (solid->part_count == 0)
+		return (struct ball){solid->vertices[k], 0};
+	const struct rb_solid_part *const part = &solid->parts[k];
+	const struct ball own = ball_of(scene, &part->shape);
+
+	return (struct ball){
+		rb_vec3_add(part->position, rb_quat_rotate(part->orientation, own.middle)),
+		own.radius};
+}
+
+/* Around the box that its corners or parts fill, or around its origin if that is less. */
+static struct ball ball_of(const struct rb_scene *scene, const struct rb_shape *shape)
+{
+	struct ball origin = {{0, 0, 0}, rb_shape_reach(scene->solids, shape)};
+	const enum rb_shape_form form = rb_shape_type(shape)->form;
+	const rb_vec3 end = {(double)INFINITY, (double)INFINITY, (double)INFINITY};
+	struct rb_reach box = {.low = end, .high = rb_vec3_neg(end)};
+	struct ball around = {{0, 0, 0}, 0};
+
+	if (form != RB_FORM_POLYHEDRON && form != RB_FORM_UNION)
+		return origin;
+	const struct rb_solid *const solid = &scene->solids[shape->solid];
+	const int count = solid->part_count > 0 ? solid->part_count : solid->vertex_count;
+	for (int k = 0; k < count; k++) {
+		const struct ball one = ball_at(scene, solid, k);
+		(void)grow(&box, one.middle, one.radius);
+	}
+	around.middle = rb_vec3_scale(0.5, rb_vec3_add(box.low, box.high));
+	for (int k = 0; k < count; k++) {
+		const struct ball one = ball_at(scene, solid, k);
+		around.radius = fmax(around.radius,
+		                     rb_vec3_length(rb_vec3_sub(one.middle, around.middle)) +
+		                             one.radius);
+	}
+	return around.radius < origin.radius ? around : origin;
+}
+
+/*
+ * What a body is within, whichever way it is turned; a radius of NaN: it is nowhere, so that it
+ * widens no picture. Planes without end reach nowhere, and so do finite ones that are larger than
+ * the place where the others begin: they are the ground, beside which nothing else would be seen.
+ */
+static struct ball around(const struct rb_framing *framing, int i)
+{
+	const struct rb_shape *const shape = &framing->model->shape[i];
+	const double plate_m = 0.5 * hypot(shape->size[0], shape->size[1]);
+
+	if (shape->kind == RB_SHAPE_RECTANGLE)
+		return (struct ball){{0, 0, 0},
+		                     plate_m <= framing->plate_most_m ? plate_m : (double)NAN};
+	if (rb_shape_type(shape)->form == RB_FORM_SURFACE)
+		return (struct ball){{0, 0, 0}, rb_model_reach(framing->model, i)};
+	return ball_of(framing->model->scene, shape);
+}
+
+/* Extends what a body has reached by where it is now. */
+static bool extend(struct rb_reach *reach, rb_vec3 position, rb_quat orientation)
+{
+	const rb_vec3 middle = rb_quat_rotate(orientation, reach->around.middle);
+
+	return grow(reach, rb_vec3_add(position, middle), reach->around.radius);
 }
 
 /* Half the diagonal of the largest finite plane that is no ground. */
@@ -138,8 +200,9 @@ enum rb_status rb_framing_init(struct rb_framing *framing, const struct rb_model
 			.low = end,
 			.high = rb_vec3_neg(end),
 			.last = model->position[i],
+			.around = around(framing, i),
 			.visible = model->scene->bodies[model->id_of[i]].visible};
-		(void)grow(reach, model->position[i], reach_of(framing, i));
+		(void)extend(reach, model->position[i], model->orientation[i]);
 		if (reach->visible) {
 			low = least(low, reach->low);
 			high = max(high, reach->high);
@@ -159,6 +222,7 @@ void rb_framing_release(struct rb_framing *framing)
 
 bool rb_framing_see(struct rb_framing *framing, const struct rb_frame *frame)
 {
+	const struct rb_model *const model = framing->model;
 	bool more = false;
 
 	for (int i = 0; frame->position && i < framing->count && i < frame->body_count; i++) {
@@ -170,7 +234,13 @@ bool rb_framing_see(struct rb_framing *framing, const struct rb_frame *frame)
 		 */
 		if (!rb_vec3_finite(at))
 			continue;
-		more |= grow(reach, at, reach_of(framing, i));
+		if (frame->orientation)
+			more |= extend(reach, at, rb_quat_from(frame->orientation + 4 * (size_t)i));
+		else if (!(model->features & RB_FEATURE_ROTATION))
+			more |= extend(reach, at, model->orientation[i]);
+		else /* it is not recorded how they are turned */
+			more |= grow(reach, at,
+			             rb_vec3_length(reach->around.middle) + reach->around.radius);
 		reach->before_m = fmax(reach->before_m, reach->away_m);
 		reach->away_m = rb_vec3_length(rb_vec3_sub(at, framing->middle));
 		reach->leaves = reach->away_m > reach->before_m;
