@@ -424,10 +424,47 @@ static void where_the_origin_of_a_shape_is_does_not_matter(void **state)
 	}
 }
 
+/* A ball on a spring: so has what holds the other end. */
+static void where_springs_hang_is_in_the_picture(void **state)
+{
+	(void)state;
+	for (int swapped = 0; swapped < 2; swapped++) {
+		const rb_vec3 points[2] = {{0, 0, 0}, {0.2, 0, 3}};
+		const double r[2] = {0.1, 0};
+		struct rb_spring_def def = rb_spring_def_default();
+		struct rb_camera_def camera = rb_camera_def_default();
+		struct rb_framing framing;
+		struct rb_error err;
+		struct lab lab;
+		char text[160];
+
+		lab_open(&lab, 1, 10);
+		const int ball = lab_sphere(&lab, 0.1, 1, points[0], (rb_vec3){0, 0, 0});
+		struct rb_body_def hook = lab_sphere_def(0.05, 1, (rb_vec3){0, 0, 3},
+		                                         (rb_vec3){0, 0, 0});
+		hook.is_static = true;
+		hook.mass = (double)NAN;
+		const int top = lab_add(&lab, &hook);
+		def.a = swapped ? top : ball;
+		def.b = swapped ? ball : top;
+		*(swapped ? &def.at_a : &def.at_b) = (rb_vec3){0.2, 0, 0};
+		def.stiffness = 1;
+		assert_ok(rb_scene_add_spring(&lab.scene, &def, &err));
+		seal(&lab);
+		assert_ok(rb_framing_init(&framing, lab.model, &err));
+		camera.framed = true;
+		assert_int_equal(rb_framing_aim(&framing, &camera, text, sizeof text), 0);
+		assert_true(farthest(&camera, points, r, 2) <= 0.9 + 1e-9);
+		rb_framing_release(&framing);
+		lab_close(&lab);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(where_joints_hang_on_the_world_is_in_the_picture),
+		cmocka_unit_test(where_springs_hang_is_in_the_picture),
 		cmocka_unit_test(where_the_origin_of_a_shape_is_does_not_matter),
 		cmocka_unit_test(every_body_is_in_the_picture_and_fills_it),
 		cmocka_unit_test(what_moves_is_seen_wherever_it_gets),

@@ -25,6 +25,7 @@
 #include "film/programs.h"
 #include "film/solid_shapes.h"
 #include "film/surfaces.h"
+#include "force/spring.h"
 #include "math/quat.h"
 #include "model/shape.h"
 
@@ -212,8 +213,9 @@ enum rb_status rb_bodies_create(struct rb_bodies **bodies_out, const struct rb_b
 	RB_ASSERT(bodies->surface_count <= model->body_count + model->static_count);
 	bodies->sphere_count = list_spheres(model, setup->looks, bodies->sphere);
 	rb_apart_init(&bodies->apart);
-	/* Trails go through spheres. */
-	bodies->exact = bodies->cut || setup->camera->trail_count > 0;
+	/* Trails and springs go through spheres. */
+	bodies->exact = bodies->cut || setup->camera->trail_count > 0 ||
+	                rb_scene_element_count(model->scene, &rb_force_spring) > 0;
 	make_arrays(bodies);
 	make_textures(bodies);
 	enum rb_status status = prepare_programs(bodies, err);

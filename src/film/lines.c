@@ -16,6 +16,7 @@
 #include "base/memory.h"
 #include "film/glsl.h"
 #include "film/joint_shapes.h"
+#include "force/spring.h"
 #include "math/quat.h"
 #include "model/center.h"
 #include "model/shape.h"
@@ -48,11 +49,14 @@ struct rb_lines {
 static const double SPEED_SIZES = 1.5, WEIGHT_SIZES = 1;
 static const double TRAIL_PX = 2.2, DOT_PX = 6, SPECK_PX = 4, WIRE_PX = 1.8, ARROW_PX = 3.2,
 		    HEAD_PX = 13;
+/* More springs than these are lines. */
+enum { COILS_MAX = 64 };
 /* Widths are for this height of the picture; others scale with it. */
 static const double USUAL_HEIGHT_PX = 720;
 
 static const double velocity_colour[3] = {1.00, 0.80, 0.10};
 static const double contact_colour[3] = {0.93, 0.16, 0.30};
+static const float spring_colour[3] = {0.08F, 0.08F, 0.09F}; /* linear light */
 static const double joint_colour[3] = {0.62, 0.20, 0.85};
 
 /* ---- set-up ---- */
@@ -295,6 +299,81 @@ static void add_specks(struct rb_lines *lines, struct pen *pen, const struct rb_
 		pen->colour = lines->setup.looks->of[i].colour;
 		add_dot(pen, view, rb_view_point(view, at), rb_model_reach(model, i),
 		        thickness(lines, SPECK_PX));
+	}
+}
+
+/* World coordinates of a spring's end. */
+static rb_vec3 spring_end(const struct rb_model *model, const struct rb_frame *frame, int id,
+                          rb_vec3 at)
+{
+	const rb_pose pose = rb_view_pose(model, frame, id);
+
+	if (isnan(at.x))
+		return rb_model_center(model, model->index_of[id], pose.position, pose.orientation);
+	return rb_vec3_add(pose.position, rb_quat_rotate(pose.orientation, at));
+}
+
+/*
+ * m: half the width of a coil: a part of the smaller body, and of the length at rest; the same in
+ * all pictures.
+ */
+static double coil_width(const struct rb_lines *lines, const struct rb_spring_def *spring)
+{
+	const struct rb_model *model = lines->setup.model;
+	const int id[2] = {spring->a, spring->b};
+	double width = 0.2 * lines->setup.looks->size_m;
+
+	for (int k = 0; k < 2; k++) {
+		const double reach = rb_model_reach(model, model->index_of[id[k]]);
+		if (reach > 0)
+			width = fmin(width, 0.4 * reach);
+	}
+	return spring->rest_length_m > 0 ? fmin(width, 0.08 * spring->rest_length_m) : width;
+}
+
+/* A coil between two points, straight at its ends. */
+static void add_coil(struct pen *pen, const struct rb_view *view, rb_vec3 from, rb_vec3 to,
+                     double width)
+{
+	enum { TURNS = 10, PIECES = 12 * TURNS };
+	static const double lead = 0.1; /* share of the length of either end */
+	const rb_vec3 span = rb_vec3_sub(to, from), way = rb_vec3_unit(span, (rb_vec3){0, 0, 1});
+	const rb_vec3 x = rb_vec3_across(way), y = rb_vec3_cross(way, x);
+	rb_vec3 last = from;
+
+	for (int k = 0; k <= PIECES + 1; k++) {
+		const double share = (double)k / PIECES, angle = 2 * acos(-1) * TURNS * share;
+		rb_vec3 here = rb_vec3_add_scaled(from, lead + (1 - 2 * lead) * share, span);
+
+		here = rb_vec3_add_scaled(here, width * cos(angle), x);
+		here = k > PIECES ? to : rb_vec3_add_scaled(here, width * sin(angle), y);
+		stroke(pen, rb_view_point(view, last), rb_view_point(view, here), 1, 1);
+		last = here;
+	}
+}
+
+/* Springs of which an end is visible: coils, where there are very many lines. */
+static void add_springs(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
+                        const struct rb_view *view)
+{
+	const struct rb_model *model = lines->setup.model;
+	const struct rb_look *looks = lines->setup.looks->of;
+	const int count = rb_scene_element_count(model->scene, &rb_force_spring);
+
+	pen->width_px = thickness(lines, WIRE_PX);
+	pen->colour = spring_colour;
+	for (int k = 0; k < count; k++) {
+		const struct rb_spring_def *spring = rb_scene_spring(model->scene, k);
+		const rb_vec3 from = spring_end(model, frame, spring->a, spring->at_a);
+		const rb_vec3 to = spring_end(model, frame, spring->b, spring->at_b);
+
+		if (!looks[model->index_of[spring->a]].visible &&
+		    !looks[model->index_of[spring->b]].visible)
+			continue;
+		if (count <= COILS_MAX)
+			add_coil(pen, view, from, to, coil_width(lines, spring));
+		else
+			stroke(pen, rb_view_point(view, from), rb_view_point(view, to), 1, 1);
 	}
 }
 
@@ -632,7 +711,9 @@ bool rb_lines_needed(const struct rb_bodies_setup *setup)
 {
 	const struct rb_camera_def *const camera = setup->camera;
 
-	return camera->wireframe || camera->vectors || camera->trail_count > 0 || has_specks(setup);
+	return camera->wireframe || camera->vectors || camera->trail_count > 0 ||
+	       has_specks(setup) ||
+	       rb_scene_element_count(setup->model->scene, &rb_force_spring) > 0;
 }
 
 enum rb_status rb_lines_draw(struct rb_lines *lines, const struct rb_frame *frame,
@@ -653,6 +734,7 @@ enum rb_status rb_lines_draw(struct rb_lines *lines, const struct rb_frame *fram
 		add_wires(lines, &pen, frame, view);
 		add_joints(lines, &pen, frame, view);
 	}
+	add_springs(lines, &pen, frame, view);
 	if (trails)
 		add_trails(lines, &pen, frame, view, trails);
 	if (has_specks(&lines->setup))

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Strokes over a picture: trails, arrows of velocities and contact forces, wire models of bodies,
- * dots for bodies that are too small.
+ * dots for bodies that are too small, springs.
  * They are ribbons of constant width in pixels. One thread, its canvas current in every call.
  */
 #ifndef RB_FILM_LINES_H
@@ -14,7 +14,7 @@ struct rb_lines;
 
 /* Whether there is anything that would be drawn. */
 bool rb_lines_needed(const struct rb_bodies_setup *setup);
-/* What is drawn follows from the camera: style, vectors, trails, dots for what is too small. */
+/* What is drawn follows from the camera: style, vectors, trails, dots for what is too small; springs always. */
 RB_CHECKED enum rb_status rb_lines_create(struct rb_lines **lines,
                                           const struct rb_bodies_setup *setup,
                                           struct rb_error *err);

@@ -16,8 +16,10 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "force/spring.h"
 #include "math/quat.h"
 #include "math/vec3.h"
+#include "model/center.h"
 #include "model/joints.h"
 #include "model/shape.h"
 
@@ -180,6 +182,29 @@ static void add_joints(struct rb_framing *framing)
 	}
 }
 
+/* The same of a spring that holds what moves to what does not. */
+static void add_springs(struct rb_framing *framing)
+{
+	const struct rb_model *model = framing->model;
+	const int count = rb_scene_element_count(model->scene, &rb_force_spring);
+
+	for (int k = 0; k < count; k++) {
+		const struct rb_spring_def *spring = rb_scene_spring(model->scene, k);
+		const bool swapped = model->index_of[spring->a] >= model->body_count;
+		const int moves = model->index_of[swapped ? spring->b : spring->a];
+		const int fixed = model->index_of[swapped ? spring->a : spring->b];
+		const rb_vec3 at = swapped ? spring->at_a : spring->at_b;
+
+		if (moves >= framing->count || fixed < model->body_count)
+			continue;
+		const rb_quat turn = model->orientation[fixed];
+		const rb_vec3 origin = model->position[fixed];
+		const rb_vec3 end = isnan(at.x) ? rb_model_center(model, fixed, origin, turn)
+		                                : rb_vec3_add(origin, rb_quat_rotate(turn, at));
+		(void)grow(&framing->reach[moves], end, 0);
+	}
+}
+
 enum rb_status rb_framing_init(struct rb_framing *framing, const struct rb_model *model,
                                struct rb_error *err)
 {
@@ -211,6 +236,7 @@ enum rb_status rb_framing_init(struct rb_framing *framing, const struct rb_model
 	if (low.x <= high.x)
 		framing->middle = rb_vec3_scale(0.5, rb_vec3_add(low, high));
 	add_joints(framing);
+	add_springs(framing);
 	return RB_OK;
 }
 
