@@ -203,9 +203,49 @@ static void a_slack_rope_sags(void **state)
 	studio_close(&studio);
 }
 
+/* A spring between two balls, unless neither is to be seen. */
+static void springs_are_seen_where_an_end_is(void **state)
+{
+	int dark[3] = {0};
+
+	(void)state;
+	for (int unseen = 0; unseen < 3; unseen++) {
+		struct studio studio;
+		const double paper[3] = {1, 1, 1};
+
+		studio_open(&studio);
+		memcpy(studio.camera.background, paper, sizeof paper);
+		struct rb_spring_def def = rb_spring_def_default();
+		int *const end[2] = {&def.a, &def.b};
+		for (int k = 0; k < 2; k++) {
+			struct rb_body_def ball = lab_sphere_def(0.3, 1, (rb_vec3){4 * k - 2, 0, 1},
+			                                         (rb_vec3){0, 0, 0});
+			rb_vec3_to(ball.color, red);
+			ball.visible = unseen <= k;
+			*end[k] = lab_add(&studio.lab, &ball);
+		}
+		def.stiffness = 1;
+		assert_int_equal(rb_scene_add_spring(&studio.lab.scene, &def, &studio.err), RB_OK);
+		studio_seal(&studio);
+		studio_draw(&studio);
+		/* columns between the balls in which something was drawn */
+		for (int x = WIDTH / 2 - 20; x < WIDTH / 2 + 20; x++) {
+			bool any = false;
+			for (int y = 0; y < HEIGHT; y++)
+				any |= brightness(pixel_at(&studio, x, y)) < 600;
+			dark[unseen] += any;
+		}
+		studio_close(&studio);
+	}
+	assert_int_equal(dark[0], 40);
+	assert_int_equal(dark[1], 40);
+	assert_int_equal(dark[2], 0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(springs_are_seen_where_an_end_is),
 		cmocka_unit_test(a_rod_is_a_bar_between_its_ends),
 		cmocka_unit_test(a_joint_that_is_not_visible_is_not_drawn),
 		cmocka_unit_test(a_released_joint_is_not_drawn),

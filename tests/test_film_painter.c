@@ -58,45 +58,6 @@ static void a_body_too_small_to_be_seen_is_a_dot_where_nobody_placed_the_camera(
 	assert_in_range(dots[1], 4, 16); /* 3 pixels wide, its edge softened */
 }
 
-/* A spring between two balls, unless neither is to be seen. */
-static void springs_are_seen_where_an_end_is(void **state)
-{
-	int dark[3] = {0};
-
-	(void)state;
-	for (int unseen = 0; unseen < 3; unseen++) {
-		struct studio studio;
-		const double paper[3] = {1, 1, 1};
-
-		studio_open(&studio);
-		memcpy(studio.camera.background, paper, sizeof paper);
-		struct rb_spring_def def = rb_spring_def_default();
-		int *const end[2] = {&def.a, &def.b};
-		for (int k = 0; k < 2; k++) {
-			struct rb_body_def ball = lab_sphere_def(0.3, 1, (rb_vec3){4 * k - 2, 0, 1},
-			                                         (rb_vec3){0, 0, 0});
-			rb_vec3_to(ball.color, red);
-			ball.visible = unseen <= k;
-			*end[k] = lab_add(&studio.lab, &ball);
-		}
-		def.stiffness = 1;
-		assert_int_equal(rb_scene_add_spring(&studio.lab.scene, &def, &studio.err), RB_OK);
-		studio_seal(&studio);
-		studio_draw(&studio);
-		/* columns between the balls in which something was drawn */
-		for (int x = WIDTH / 2 - 20; x < WIDTH / 2 + 20; x++) {
-			bool any = false;
-			for (int y = 0; y < HEIGHT; y++)
-				any |= brightness(pixel_at(&studio, x, y)) < 600;
-			dark[unseen] += any;
-		}
-		studio_close(&studio);
-	}
-	assert_int_equal(dark[0], 40);
-	assert_int_equal(dark[1], 40);
-	assert_int_equal(dark[2], 0);
-}
-
 static void the_silhouette_of_a_sphere_is_that_of_its_cone(void **state)
 {
 	struct studio studio;
@@ -779,7 +740,6 @@ int main(void)
 		cmocka_unit_test(bodies_are_where_they_should_be_and_nothing_is_flipped),
 		cmocka_unit_test(
 			a_body_too_small_to_be_seen_is_a_dot_where_nobody_placed_the_camera),
-		cmocka_unit_test(springs_are_seen_where_an_end_is),
 		cmocka_unit_test(the_silhouette_of_a_sphere_is_that_of_its_cone),
 		cmocka_unit_test(what_is_nearer_hides_what_is_behind),
 		cmocka_unit_test(a_shadow_is_darker_and_lies_away_from_the_light),

@@ -91,6 +91,18 @@ static void texts_of_a_narrow_picture_stand_one_above_the_other(void **state)
 	written_at(&set, RB_OVERLAY_TIME, 1, time);
 	written_at(&set, RB_OVERLAY_TIME | RB_OVERLAY_ENERGY, 1, both);
 	assert_true(time[2] - both[2] < 8);
+	/* so do the title and the bar of the scale */
+	int scale[4];
+	rb_model_destroy(set.lab.model);
+	set.lab.scene.world.title = "A title that takes a good part of the width, but not all";
+	assert_int_equal(rb_model_create(&set.lab.model, &set.lab.scene, NULL, NULL), RB_OK);
+	written_at(&set, RB_OVERLAY_SCALE, 1, scale);
+	written_at(&set, RB_OVERLAY_TITLE | RB_OVERLAY_SCALE, 1, both);
+	assert_int_equal(both[3], scale[3]);
+	set.camera.size_px[0] = 240;
+	written_at(&set, RB_OVERLAY_SCALE, 1, scale);
+	written_at(&set, RB_OVERLAY_TITLE | RB_OVERLAY_SCALE, 1, both);
+	assert_true(both[3] - scale[3] > 8);
 	close_set(&set);
 }
 

@@ -425,9 +425,17 @@ static void errors_of_c_functions_have_their_place(void **state)
 	must_fail("error()", "(error object is a nil value)");
 }
 
+static void an_undefined_global_is_nil_in_a_stored_scene(void **state)
+{
+	(void)state;
+	/* as that of a recording, which was run like this */
+	must_run("world { duration = 1 } sphere { radius = 1, mass = nowhere }");
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(an_undefined_global_is_nil_in_a_stored_scene),
 		cmocka_unit_test(a_call_within_a_call_shares_its_budget),
 		cmocka_unit_test(there_is_no_way_to_files_code_or_the_machine),
 		cmocka_unit_test(require_does_not_leave_its_folders),

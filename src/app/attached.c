@@ -338,7 +338,7 @@ static const char **make_words(const struct rb_process *child, const struct rb_o
 	words[count++] = child->address;
 	if (again && !options->no_record)
 		words[count++] = "--force";
-	/* of two values of a parameter the last one counts; after -- there are only names of files */
+	/* of two values of a parameter the last one counts; after -- there are only files */
 	for (int i = options->argc - 1; i > 0; i--)
 		if (strcmp(options->argv[i], "--") == 0)
 			last = i;

@@ -14,7 +14,10 @@ struct rb_lines;
 
 /* Whether there is anything that would be drawn. */
 bool rb_lines_needed(const struct rb_bodies_setup *setup);
-/* What is drawn follows from the camera: style, vectors, trails, dots for what is too small; springs always. */
+/*
+ * What is drawn follows from the camera: style, vectors, trails, dots for what is too small;
+ * springs always.
+ */
 RB_CHECKED enum rb_status rb_lines_create(struct rb_lines **lines,
                                           const struct rb_bodies_setup *setup,
                                           struct rb_error *err);

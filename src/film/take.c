@@ -220,7 +220,21 @@ static void write_energy(struct rb_take *take, const struct rb_frame *frame, con
 	rb_overlay_write(take->overlay, picture, RB_OVERLAY_BOTTOM_RIGHT, fits ? 0 : 1, text);
 }
 
-/* A bar of a round length, which changes only where the camera comes nearer or goes away. */
+/* Whether the widest text and bar of a scale have room beside the title. */
+static bool has_room_for_scale(const struct rb_take *take, const struct rb_pixmap *picture)
+{
+	const char *const title = take->model->scene->world.title;
+
+	if (!(take->camera->overlay & RB_OVERLAY_TITLE) || !title)
+		return true;
+	return rb_overlay_fits(take->overlay, picture->width, title, "500 mm") &&
+	       rb_overlay_fits(take->overlay, (int)((1 - bar_part) * picture->width), title, "");
+}
+
+/*
+ * A bar of a round length, which changes only where the camera comes nearer or goes away; below a
+ * title that leaves no room beside it.
+ */
 static void write_scale(struct rb_take *take, struct rb_pixmap *picture)
 {
 	static const struct rb_unit_def units[] = {
@@ -243,8 +257,8 @@ static void write_scale(struct rb_take *take, struct rb_pixmap *picture)
 	const double length = (lead >= 5 ? 5 : lead >= 2 ? 2 : 1) * decade;
 	const int bar_px = (int)lrint(length * unit.size / pixel);
 	snprintf(text, sizeof text, "%.12g %s", length, unit.name);
-	rb_overlay_bar(take->overlay, picture, RB_OVERLAY_TOP_RIGHT, 0, bar_px > 0 ? bar_px : 1,
-	               text);
+	rb_overlay_bar(take->overlay, picture, RB_OVERLAY_TOP_RIGHT,
+	               has_room_for_scale(take, picture) ? 0 : 1, bar_px > 0 ? bar_px : 1, text);
 }
 
 /* The texts that the camera asks for. */

@@ -27,10 +27,10 @@ types : && enters 'set hight 7'
 sees "has no parameter 'hight'"
 types : && enters 'set height 7'
 sees 'height=7 from the next restart on'
-for round in 1 2; do
+for said in height=7 position; do
 	types R
 	# the screen is another one then: what was said is gone
-	sees_not 'height=7|position'
+	sees_not "$said"
 	sees 'frame 10 of 10'
 	types Home : && enters 'body ball'
 	sees 'position +0 +0 +7 m'
