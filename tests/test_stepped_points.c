@@ -366,7 +366,7 @@ static bool carry_all(struct rb_world *world, struct rb_step_points *to)
 	assert_int_equal(rb_carried_begin(&carried, world, all, &err), RB_OK);
 	for (size_t k = 0; k < all->candidates->pair_count; k++) {
 		all->candidates->depth[k] = 0;
-		if (rb_carried_has(&carried, k))
+		if (rb_carried_has(&carried, k) && rb_carried_is_near(&carried, k))
 			assert_true(rb_carried_add(&carried, k, 1, to));
 		all->candidates->depth[k] = 1;
 		assert_false(rb_carried_has(&carried, k)); /* deep */

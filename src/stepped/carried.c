@@ -147,8 +147,7 @@ bool rb_carried_add(const struct rb_carried *carried, size_t pair, double max,
 	double least = (double)INFINITY;
 	size_t count = 0;
 
-	if (carried->first[pair] == 0)
-		return true;
+	RB_ASSERT_COSTLY(rb_carried_is_near(carried, pair));
 	const struct rb_step_point *const from = carried->points->row + carried->first[pair] - 1;
 	while (from + count < end && from[count].a == of.a && from[count].b == of.b)
 		count++;

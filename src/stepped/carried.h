@@ -30,6 +30,12 @@ RB_CHECKED enum rb_status rb_carried_begin(struct rb_carried *carried, struct rb
 /* Whether a candidate's points will do, as deep as it was measured last. */
 bool rb_carried_has(struct rb_carried *carried, size_t pair);
 
+/* Whether a pair has any. */
+static inline bool rb_carried_is_near(const struct rb_carried *carried, size_t pair)
+{
+	return carried->first[pair] > 0;
+}
+
 /* Adds them, without impulses, as far as they are no farther apart than `max`, m; false: no memory. */
 bool rb_carried_add(const struct rb_carried *carried, size_t pair, double max,
                     struct rb_step_points *to);

@@ -78,6 +78,7 @@ struct search {
 	int *place;           /* by body: in `body` */
 	struct ends *ends;    /* by pair */
 	unsigned char *seen;  /* by body: its candidates have been looked at */
+	double *depth;        /* m, by body that is: the overlap that it has been seen from */
 	unsigned char *moved; /* by body: in the round before */
 	int *parent;          /* by body: groups as far as they are known */
 	unsigned char *lost;  /* by group: somebody in it is bad */
@@ -113,6 +114,7 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->of = rb_arena_take(arena, 2 * pairs + 1, sizeof *search->of);
 	search->ends = rb_arena_take(arena, pairs + 1, sizeof *search->ends);
 	search->seen = rb_arena_take(arena, n, 1);
+	search->depth = rb_arena_take(arena, n, sizeof *search->depth);
 	search->moved = rb_arena_take(arena, n, 1);
 	search->stopped = rb_arena_take(arena, n, 1);
 	search->parent = rb_arena_take(arena, n, sizeof *search->parent);
@@ -128,7 +130,7 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->pair = rb_arena_take(arena, pairs + 1, sizeof *search->pair);
 	search->carried_pair = rb_arena_take(arena, pairs + 1, sizeof *search->carried_pair);
 	if (search->place && search->first && search->of && search->ends && search->seen &&
-	    search->moved && search->stopped && search->parent && search->lost &&
+	    search->depth && search->moved && search->stopped && search->parent && search->lost &&
 	    search->inspected && search->anchored && search->frozen && search->astray &&
 	    search->kept && search->wave && search->active && search->at_rest && search->pair &&
 	    search->carried_pair) {
@@ -219,9 +221,12 @@ static void give_velocities(const struct search *search)
 
 /* ---- which groups ---- */
 
-static void inspect_from(struct search *search, int i)
+static void inspect_from(struct search *search, int i, double depth)
 {
-	if (!rb_stepped_is_dynamic(search->world, i) || search->seen[i])
+	if (!rb_stepped_is_dynamic(search->world, i))
+		return;
+	search->depth[i] = search->seen[i] ? fmax(search->depth[i], depth) : depth;
+	if (search->seen[i])
 		return;
 	search->seen[i] = 1;
 	search->wave[search->wave_count++] = i;
@@ -237,12 +242,22 @@ static void join_groups(struct search *search, int a, int b)
 	search->lost[a > b ? b : a] = lost;
 }
 
+/* m: the larger overlap that two bodies have been seen from. */
+static double depth_from(const struct search *search, int a, int b)
+{
+	const bool has_b = rb_stepped_is_dynamic(search->world, b) && search->seen[b];
+
+	return fmax(search->seen[a] ? search->depth[a] : 0, has_b ? search->depth[b] : 0);
+}
+
 static void join(struct search *search, const struct rb_step_point *point)
 {
 	if (rb_stepped_is_dynamic(search->world, point->b))
 		join_groups(search, point->a, point->b);
-	inspect_from(search, point->a);
-	inspect_from(search, point->b);
+	const double depth = depth_from(search, point->a, point->b);
+
+	inspect_from(search, point->a, depth);
+	inspect_from(search, point->b, depth);
 }
 
 /*
@@ -290,8 +305,8 @@ static void begin_round(struct search *search, const struct rb_depths *found)
 			search->lost[b] = 1;
 	}
 	for (size_t k = 0; k < found->deep_count; k++) {
-		inspect_from(search, found->deep[k].a);
-		inspect_from(search, found->deep[k].b);
+		inspect_from(search, found->deep[k].a, found->deep[k].depth);
+		inspect_from(search, found->deep[k].b, found->deep[k].depth);
 	}
 }
 
@@ -309,7 +324,7 @@ static void inspect_joined(struct search *search, int i)
 		    !rb_stepped_is_dynamic(search->world, other))
 			continue;
 		join_groups(search, i, other);
-		inspect_from(search, other);
+		inspect_from(search, other, search->depth[i]);
 	}
 }
 
@@ -343,7 +358,8 @@ static size_t next_pairs(struct search *search)
 				continue;
 			search->inspected[pair] = 1;
 			if (rb_carried_has(&search->carried, pair)) {
-				search->carried_pair[search->carried_count++] = pair;
+				search->carried_pair[search->carried_count] = pair;
+				search->carried_count += rb_carried_is_near(&search->carried, pair);
 				continue;
 			}
 			search->pair[count++] = pair;
@@ -354,6 +370,26 @@ static size_t next_pairs(struct search *search)
 	search->wave_count = 0;
 	search->waves++;
 	return count;
+}
+
+/*
+ * Those near enough for what the overlap that they are seen from may move: one that is missing is
+ * looked at in the next round. False: no memory.
+ */
+static bool add_carried(struct search *search)
+{
+	const double tolerance = search->world->model->stepped_tolerance_m;
+	bool good = true;
+
+	for (size_t k = 0; k < search->carried_count && good; k++) {
+		const uint32_t pair = search->carried_pair[k];
+		const struct rb_pair of = search->cohort->candidates->pair[pair];
+
+		good = rb_carried_add(&search->carried, pair,
+		                      CHAIN_MAX * depth_from(search, of.a, of.b) + tolerance,
+		                      &search->world->stepped->closing);
+	}
+	return good;
 }
 
 /*
@@ -379,10 +415,9 @@ static enum rb_status find_points(struct search *search, const struct rb_depths 
 		candidates->live_count = next_pairs(search);
 		if (candidates->live_count > 0)
 			status = rb_step_points_add(points, world, candidates, 1, max, err);
-		for (size_t k = 0; k < search->carried_count && status == RB_OK; k++)
-			if (!rb_carried_add(&search->carried, search->carried_pair[k], max, points))
-				status = RB_FAIL(err, RB_ERR_MEMORY,
-				                 "no memory for the overlaps of a step");
+		if (status == RB_OK && !add_carried(search))
+			status = RB_FAIL(err, RB_ERR_MEMORY,
+			                 "no memory for the overlaps of a step");
 		for (; at < points->count; at++)
 			join(search, &points->row[at]);
 	}
