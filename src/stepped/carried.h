@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Points of a step as they stand at its end, where positions are moved to close overlaps. Geometry
- * is asked about the pairs that overlap; their neighbours in a heap only hold against, and the
- * points that the step was solved with, carried along with both bodies, say well enough where: what
- * turning makes of their gaps is of the second order. All depths are measured afterwards, and a pair
- * that then overlaps is one that geometry is asked about.
+ * is asked about the pairs that overlap; their neighbours in a heap only hold against, and where,
+ * the points that the step was solved with say well enough, carried along with both bodies: what
+ * turning makes of their gaps is of the second order. All depths are measured afterwards, and
+ * geometry is asked about a pair that overlaps then.
  *
  * In the arena of the step; simulator thread.
  */
@@ -36,7 +36,7 @@ static inline bool rb_carried_is_near(const struct rb_carried *carried, size_t p
 	return carried->first[pair] > 0;
 }
 
-/* Adds them, without impulses, as far as they are no farther apart than `max`, m; false: no memory. */
+/* Adds those no farther apart than `max`, m, without impulses; false: no memory. */
 bool rb_carried_add(const struct rb_carried *carried, size_t pair, double max,
                     struct rb_step_points *to);
 
