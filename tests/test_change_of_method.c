@@ -574,7 +574,18 @@ static void no_attempt_is_made_that_forces_alone_make_too_dear(void **state)
 
 enum { FLYING = 40 };
 
-/* Located for a frame: a row of boxes that flies, `joined` into a chain. */
+/* Located for a frame: a row of boxes on the floor. */
+static void open_row(struct lab *lab)
+{
+	open_floor(lab);
+	for (int k = 0; k < FLYING; k++)
+		lab_box(lab, (rb_vec3){0.4, 0.4, 0.2}, 1, (rb_vec3){k, 0, 0.1}, rb_quat_identity);
+	lab_seal(lab, 1);
+	assert_int_equal(rb_world_step_frame(lab->world, &lab->error), RB_OK);
+	assert_true(rb_engine_locates(lab->world->located));
+}
+
+/* The same: a row of boxes that flies, `joined` into a chain. */
 static void open_flight(struct lab *lab, double speed, bool joined)
 {
 	open_floor(lab);
@@ -633,6 +644,21 @@ static void a_chain_that_flies_allows_as_much_as_one_that_falls(void **state)
 	assert_true(fast.world->located->pace == slow.world->located->pace);
 	lab_close(&fast);
 	lab_close(&slow);
+}
+
+/* The fastest allows 128 * 4 / 40, and each one, where 32 stand one. */
+static void what_stands_allows_as_little_as_its_steps_cost(void **state)
+{
+	struct lab falls, stands;
+
+	(void)state;
+	open_flight(&falls, 0, false);
+	open_row(&stands);
+	const double each = falls.world->located->pace / (FLYING + 12.8);
+	const double standing = stands.world->located->pace / (FLYING / 32.0 + 12.8);
+	assert_true(fabs(standing - each) < 1e-9 * each);
+	lab_close(&falls);
+	lab_close(&stands);
 }
 
 /* ---- frames that are taken back ---- */
@@ -703,6 +729,7 @@ int main(void)
 		cmocka_unit_test(no_attempt_is_made_that_forces_alone_make_too_dear),
 		cmocka_unit_test(speed_allows_no_more_than_steps_have_cost),
 		cmocka_unit_test(a_chain_that_flies_allows_as_much_as_one_that_falls),
+		cmocka_unit_test(what_stands_allows_as_little_as_its_steps_cost),
 		cmocka_unit_test(locating_begins_again_after_a_frame_was_taken_back),
 		cmocka_unit_test(what_has_rested_is_looked_at_again_once_it_moves),
 	};

@@ -9,10 +9,14 @@
 #include <math.h>
 
 #include "located/crowd.h"
+#include "located/inspect.h"
 #include "world/joint_state.h"
 
-/* Bodies of crowds that a body's way by its own size allows: each, and the fastest beside. */
-enum { PACE_BODY = 1, PACE_WORLD = 128, PACE_FEW = 4, PACE_RUN = 128 };
+/*
+ * Bodies of crowds that a body's way by its own size allows: each, or so many that stand, whose
+ * steps are as cheap; and the fastest beside.
+ */
+enum { PACE_BODY = 1, PACE_STANDING = 32, PACE_WORLD = 128, PACE_FEW = 4, PACE_RUN = 128 };
 
 /* A number rounded down to eight bits: sums of such are the same in any order. */
 static double eight_bits(double number)
@@ -120,7 +124,8 @@ double rb_located_pace(const struct rb_located *l)
 	for (int i = 0; i < l->n; i++) {
 		const double pace = own_pace(l, i, energy, falls);
 
-		sum += pace * (1 + 0.5 * holds_of(l, i).count);
+		sum += pace * (1 + 0.5 * holds_of(l, i).count) /
+		       (rb_inspect_is_at_rest(l, i) ? PACE_STANDING : 1);
 		max = fmax(max, pace);
 	}
 	const double few = l->n > PACE_FEW ? (double)PACE_FEW / l->n : 1;

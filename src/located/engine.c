@@ -467,7 +467,6 @@ static void start(struct rb_located *l, double t)
 
 	l->started = l->starting = true;
 	l->now_s = l->from_s = t;
-	l->pace = rb_located_pace(l);
 	rb_inspect_forget(l);
 	take_left(l);
 	rb_account_begin(l, t);
@@ -515,6 +514,7 @@ static void start(struct rb_located *l, double t)
 		resolve_set(l, t);
 		rb_crowd_count(l, i);
 	}
+	l->pace = rb_located_pace(l);
 	l->starting = false;
 	while (l->switch_next < l->switch_count && l->switch_s[l->switch_next] <= t)
 		l->switch_next++;

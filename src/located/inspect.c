@@ -144,8 +144,7 @@ void rb_inspect_forget(struct rb_located *l)
 		l->inspected[i].rested = false;
 }
 
-/* Does its arc leave it where it is? */
-static bool is_at_rest(const struct rb_located *l, int i)
+bool rb_inspect_is_at_rest(const struct rb_located *l, int i)
 {
 	const struct rb_state *state = &l->world->state;
 	const rb_vec3 none = {0, 0, 0};
@@ -161,7 +160,7 @@ static void see_rest(struct rb_located *l)
 {
 	for (int i = 0; i < l->n; i++) {
 		struct rb_inspected *const of = &l->inspected[i];
-		const bool at_rest = is_at_rest(l, i);
+		const bool at_rest = rb_inspect_is_at_rest(l, i);
 
 		of->rests = at_rest && of->rested && of->generation == l->generation[i];
 		of->rested = at_rest;

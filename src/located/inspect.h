@@ -17,6 +17,9 @@ RB_CHECKED enum rb_status rb_inspect_forces(struct rb_located *l, double t,
  */
 double rb_inspect_overlap(struct rb_located *l, double t, int *a, int *b);
 
+/* Does its arc leave the body where it is? At a moment that the state is of. */
+bool rb_inspect_is_at_rest(const struct rb_located *l, int i);
+
 /* Arcs begin anew: nothing is known of overlaps. */
 void rb_inspect_forget(struct rb_located *l);
 
