@@ -16,7 +16,7 @@
  * Bodies of crowds that a body's way by its own size allows: each, or so many that stand, whose
  * steps are as cheap; and the fastest beside.
  */
-enum { PACE_BODY = 1, PACE_STANDING = 32, PACE_WORLD = 128, PACE_FEW = 4, PACE_RUN = 128 };
+enum { PACE_BODY = 1, PACE_AT_REST = 32, PACE_WORLD = 128, PACE_FEW = 4, PACE_RUN = 128 };
 
 /* A number rounded down to eight bits: sums of such are the same in any order. */
 static double eight_bits(double number)
@@ -30,11 +30,10 @@ static double eight_bits(double number)
 /* m/s, at the beginning: none of static bodies and of the world (-1). */
 static rb_vec3 velocity_of(const struct rb_located *l, int i)
 {
-	return i >= 0 && i < l->n ? rb_world_row3(l->world->state.velocity, i)
-	                          : (rb_vec3){0, 0, 0};
+	return i >= 0 && i < l->n ? rb_world_row3(l->world->state.velocity, i) : (rb_vec3){0, 0, 0};
 }
 
-/* What holds the body at the beginning: how many joints, and how fast it passes their other ends. */
+/* What holds a body at the beginning: how many joints, how fast it passes their other ends. */
 struct holds {
 	int count;
 	double speed; /* m/s */
@@ -52,8 +51,7 @@ static struct holds holds_of(const struct rb_located *l, int i)
 		if (l->world->joint[joints->of[k]].released)
 			continue;
 		all.count++;
-		all.speed = fmax(all.speed,
-		                 rb_vec3_length(rb_vec3_sub(velocity_of(l, i), other)));
+		all.speed = fmax(all.speed, rb_vec3_length(rb_vec3_sub(velocity_of(l, i), other)));
 	}
 	return all;
 }
@@ -125,7 +123,7 @@ double rb_located_pace(const struct rb_located *l)
 		const double pace = own_pace(l, i, energy, falls);
 
 		sum += pace * (1 + 0.5 * holds_of(l, i).count) /
-		       (rb_inspect_is_at_rest(l, i) ? PACE_STANDING : 1);
+		       (rb_inspect_is_at_rest(l, i) ? PACE_AT_REST : 1);
 		max = fmax(max, pace);
 	}
 	const double few = l->n > PACE_FEW ? (double)PACE_FEW / l->n : 1;

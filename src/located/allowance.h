@@ -8,7 +8,7 @@
 /*
  * Bodies of crowds that a second allows, 1/s, from arcs that begin with the world's state: about
  * what steps would cost. A body that falls or flies by its own size allows PACE_BODY, of those that
- * stand on their arcs PACE_STANDING together, and the fastest PACE_WORLD beside,
+ * stand on their arcs PACE_AT_REST together, and the fastest PACE_WORLD beside,
  * of more than PACE_FEW bodies a share: few are worth locating. Neither seconds nor time_step are
  * in it, so that scenes of other units are located alike. What joints hold has the speed at which
  * it passes what it is joined to, and each of its joints allows half as much again. Where
