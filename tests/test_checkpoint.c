@@ -35,6 +35,7 @@ struct bench {
 	struct rb_error error;
 	uint64_t told; /* what the run tells of itself */
 	bool held;     /* the recording holds its frames */
+	bool late;     /* the time of a signal is over */
 };
 
 static void pack_told(void *user, struct rb_pack *pack)
@@ -110,6 +111,8 @@ static enum rb_status keep(struct bench *bench, int count, struct rb_checkpoints
 	enum rb_status status = RB_OK;
 
 	assert_int_equal(rb_checkpoints_start(&checkpoints, &options, &bench->error), RB_OK);
+	if (bench->late)
+		rb_checkpoints_hurry(checkpoints, 1);
 	for (int i = 0; i < count; i++) {
 		assert_int_equal(rb_world_step_frame(bench->world, &bench->error), RB_OK);
 		assert_int_equal(rb_world_fill_frame(bench->world, &frame, &bench->error), RB_OK);
@@ -416,7 +419,7 @@ static void a_recording_is_sent_to_the_disk_before_the_last_one(void **state)
 	const struct rb_checkpoints_options options = {
 		.recording = bench.recording, .recorded = recorded, .user = &bench};
 	assert_int_equal(rb_checkpoints_start(&checkpoints, &options, &bench.error), RB_OK);
-	rb_checkpoints_hurry(checkpoints);
+	rb_checkpoints_hurry(checkpoints, 0);
 	while (atomic_load(&sent_end) < size)
 		sem_wait(&sent);
 	assert_int_equal(rb_checkpoints_wait(checkpoints, &bench.error), RB_OK);
@@ -424,6 +427,25 @@ static void a_recording_is_sent_to_the_disk_before_the_last_one(void **state)
 	rb_checkpoints_stop(checkpoints);
 	assert_int_equal(access(bench.name, F_OK), -1);
 	sem_destroy(&sent);
+	close_bench(&bench);
+}
+
+/* A disk that is slower than a signal's time: the checkpoint is there, and nothing has been waited for. */
+static void what_comes_too_late_to_the_disk_is_not_waited_for(void **state)
+{
+	struct rb_checkpoints_tally tally;
+	struct bench bench;
+
+	(void)state;
+	open_bench(&bench);
+	bench.late = true;
+	syncs_before = 0;
+	sync_error = EIO;
+	assert_int_equal(keep(&bench, 1, &tally), RB_OK);
+	assert_int_equal(syncs_before, 0);
+	assert_int_equal(tally.written, 1);
+	assert_int_equal(access(bench.name, F_OK), 0);
+	syncs_before = -1;
 	close_bench(&bench);
 }
 
@@ -438,6 +460,7 @@ int main(void)
 		cmocka_unit_test(what_the_recording_will_not_hold_is_not_written),
 		cmocka_unit_test(what_cannot_be_synced_is_no_checkpoint),
 		cmocka_unit_test(a_recording_is_sent_to_the_disk_before_the_last_one),
+		cmocka_unit_test(what_comes_too_late_to_the_disk_is_not_waited_for),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

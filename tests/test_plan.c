@@ -257,8 +257,9 @@ static void the_number_of_points_is_bounded(void **state)
 	struct rb_source_file odd = file;
 	odd.name = "a\nb.lua";
 	assert_int_equal(rb_plan_init(&plan, &wish, &odd, 1, &err), RB_ERR_USAGE);
-	assert_string_equal(err.text, "cannot sweep 'a\nb.lua': its name holds a line break or another "
-	                              "control character");
+	assert_string_equal(err.text,
+	                    "cannot sweep 'a\nb.lua': its name holds a line break or another "
+	                    "control character");
 	rb_plan_release(&plan);
 	static const char *const samples[] = {"latin:",
 	                                      "latin:-1",

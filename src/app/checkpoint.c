@@ -67,6 +67,7 @@ struct rb_checkpoints {
 	pthread_cond_t changed;
 	bool busy, stop;
 	bool hurried;          /* the recording is to begin its way to the disk */
+	uint64_t until_ns;     /* so long it is waited for on its way; 0: as long as it takes */
 	enum rb_status status; /* of the last one */
 	struct rb_error error;
 	struct rb_checkpoints_tally tally;
@@ -139,23 +140,68 @@ static bool sync_file(int fd)
 	return fsync(fd) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP;
 }
 
-/* Makes sure that the recording is on disk before a checkpoint that refers to it. */
-static enum rb_status sync_recording(const struct rb_place *place, struct rb_error *err)
+/* Whether a signal's time is over: no more is waited for. */
+static bool is_late(struct rb_checkpoints *checkpoints)
 {
+	pthread_mutex_lock(&checkpoints->lock);
+	const uint64_t until_ns = checkpoints->until_ns;
+	pthread_mutex_unlock(&checkpoints->lock);
+	return until_ns > 0 && rb_clock_now_ns() >= until_ns;
+}
+
+/*
+ * Has the system write the recording and waits until it has, piece by piece: one sync of all could
+ * not be left, and takes as long as the disk does for what the memory holds. False: too late. All
+ * else is left to a sync: what cannot be written by pieces, and failures, which the system tells
+ * each descriptor once.
+ */
+static bool send_in_time(struct rb_checkpoints *checkpoints)
+{
+	static const unsigned ways[] = {SYNC_FILE_RANGE_WRITE, SYNC_FILE_RANGE_WAIT_BEFORE |
+	                                                               SYNC_FILE_RANGE_WRITE |
+	                                                               SYNC_FILE_RANGE_WAIT_AFTER};
+	const off_t piece = (off_t)4 << 20;
+	const int fd = rb_place_reach(&checkpoints->place, checkpoints->place.name, O_RDONLY);
+	struct stat found = {0};
+	bool works = fd >= 0 && fstat(fd, &found) == 0;
+
+	for (size_t way = 0; way < sizeof ways / sizeof *ways; way++)
+		for (off_t at = 0; works && at < found.st_size && !is_late(checkpoints);
+		     at += piece)
+			works = sync_file_range(fd, at, piece, ways[way]) == 0;
+	if (fd >= 0)
+		close(fd);
+	return !is_late(checkpoints);
+}
+
+/*
+ * Makes sure that the recording is on disk before a checkpoint that refers to it. `*late`: it was
+ * not in time; both are there then unless the power fails.
+ */
+static enum rb_status sync_recording(struct rb_checkpoints *checkpoints, bool *late,
+                                     struct rb_error *err)
+{
+	const struct rb_place *const place = &checkpoints->place;
 	const int fd = rb_place_reach(place, place->name, O_RDONLY);
 	enum rb_status status = RB_OK;
 
 	if (fd < 0)
 		return fail(err, "open", place, place->name);
-	if (!sync_file(fd))
+	*late = !send_in_time(checkpoints);
+	if (*late)
+		rb_log(RB_LOG_WARNING,
+		       "the disk is slow: '%s' is still on its way to it, and safe unless the "
+		       "power fails",
+		       place->path);
+	else if (!sync_file(fd))
 		status = fail(err, "sync", place, place->name);
 	close(fd);
 	return status;
 }
 
-/* Writes a new file, `partial`; `name` is what it is to be. */
+/* Writes a new file, `partial`, and syncs it unless it is late; `name` is what it is to be. */
 static enum rb_status write_partial(const struct rb_place *place, const struct rb_pack *pack,
-                                    const char *name, char partial[RB_PLACE_NAME_SIZE],
+                                    bool late, const char *name, char partial[RB_PLACE_NAME_SIZE],
                                     struct rb_error *err)
 {
 	const int fd = rb_place_create(place, last_ending, partial);
@@ -163,7 +209,7 @@ static enum rb_status write_partial(const struct rb_place *place, const struct r
 
 	if (fd < 0)
 		return fail(err, "create", place, name);
-	if (!write_all(fd, pack->bytes, pack->size) || !sync_file(fd))
+	if (!write_all(fd, pack->bytes, pack->size) || !(late || sync_file(fd)))
 		status = fail(err, "write", place, name);
 	if (close(fd) != 0 && !status)
 		status = fail(err, "write", place, name);
@@ -174,13 +220,13 @@ static enum rb_status write_partial(const struct rb_place *place, const struct r
 
 /* Writes the checkpoint and gives it its name; the one before gets the other name. */
 static enum rb_status write_file(const struct rb_place *place, const struct rb_pack *pack,
-                                 struct rb_error *err)
+                                 bool late, struct rb_error *err)
 {
 	char name[RB_PLACE_NAME_SIZE], before[RB_PLACE_NAME_SIZE], partial[RB_PLACE_NAME_SIZE];
 
 	rb_place_beside(place, last_ending, name);
 	rb_place_beside(place, before_ending, before);
-	enum rb_status status = write_partial(place, pack, name, partial, err);
+	enum rb_status status = write_partial(place, pack, late, name, partial, err);
 	if (status)
 		return status;
 	/* between the two renames there is the one before */
@@ -190,7 +236,8 @@ static enum rb_status write_file(const struct rb_place *place, const struct rb_p
 		rb_place_remove(place, partial);
 		return status;
 	}
-	rb_place_sync(place);
+	if (!late)
+		rb_place_sync(place);
 	return RB_OK;
 }
 
@@ -204,8 +251,9 @@ static enum rb_status write_one(struct rb_checkpoints *checkpoints, struct rb_er
 		return RB_FAIL(err, RB_ERR_IO,
 		               "there is no checkpoint at frame %llu: the recording has failed",
 		               (unsigned long long)checkpoints->frame);
-	const enum rb_status status = sync_recording(&checkpoints->place, err);
-	return status ? status : write_file(&checkpoints->place, &checkpoints->pack, err);
+	bool late = false;
+	const enum rb_status status = sync_recording(checkpoints, &late, err);
+	return status ? status : write_file(&checkpoints->place, &checkpoints->pack, late, err);
 }
 
 /*
@@ -351,10 +399,11 @@ enum rb_status rb_checkpoints_start(struct rb_checkpoints **made,
 	return RB_OK;
 }
 
-void rb_checkpoints_hurry(struct rb_checkpoints *checkpoints)
+void rb_checkpoints_hurry(struct rb_checkpoints *checkpoints, uint64_t until_ns)
 {
 	pthread_mutex_lock(&checkpoints->lock);
 	checkpoints->hurried = true;
+	checkpoints->until_ns = until_ns;
 	pthread_cond_broadcast(&checkpoints->changed);
 	pthread_mutex_unlock(&checkpoints->lock);
 }

@@ -69,9 +69,10 @@ RB_CHECKED enum rb_status rb_checkpoints_start(struct rb_checkpoints **made,
                                                struct rb_error *err);
 /*
  * The last one will be asked for soon, and nobody wants to wait for it long: what the recording
- * holds already is sent to the disk. Any thread.
+ * holds already is sent to the disk, and from `until_ns` (base/clock) on what has not come there is
+ * not waited for any more. Any thread.
  */
-void rb_checkpoints_hurry(struct rb_checkpoints *checkpoints);
+void rb_checkpoints_hurry(struct rb_checkpoints *checkpoints, uint64_t until_ns);
 /* One is still being written: the next one would have to wait. */
 bool rb_checkpoints_busy(struct rb_checkpoints *checkpoints);
 /*

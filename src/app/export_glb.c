@@ -480,8 +480,8 @@ static void put_binary(const struct glb *glb, FILE *file)
 /*
  * Header, JSON, binary. Lengths stand in front of what they are of: they are filled in at the end.
  */
-static enum rb_status put_file(const struct glb *glb, const char *name, FILE *file,
-                               uint64_t binary, struct rb_error *err)
+static enum rb_status put_file(const struct glb *glb, const char *name, FILE *file, uint64_t binary,
+                               struct rb_error *err)
 {
 	enum { HEADER = 12, CHUNK = 8 };
 

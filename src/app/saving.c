@@ -24,6 +24,8 @@ static const double default_every_s = 60;
  * said so, others sooner, and the files must be closed, too.
  */
 static const double patience_s = 12;
+/* And to the disk, which then has what the system holds of the recording to write. */
+static const double disk_patience_s = 13;
 
 struct rb_saving {
 	struct rb_saving_options options;
@@ -106,7 +108,7 @@ bool rb_saving_waits(struct rb_saving *saving)
 		return false;
 	if (saving->asked_ns == 0) {
 		saving->asked_ns = now;
-		rb_checkpoints_hurry(saving->checkpoints);
+		rb_checkpoints_hurry(saving->checkpoints, now + (uint64_t)(1e9 * disk_patience_s));
 	}
 	return now - saving->asked_ns < (uint64_t)(1e9 * patience_s);
 }
@@ -184,6 +186,7 @@ enum rb_status rb_saving_last(struct rb_saving *saving, const struct rb_world *w
 
 	if (!saving)
 		return RB_FAIL(err, RB_ERR_USAGE, "it is not recorded");
+	(void)rb_saving_waits(saving); /* its time begins, where no frame was under way */
 	if (saving->broken)
 		(void)RB_FAIL(err, status, "%s", saving->why.text);
 	else if (rb_world_stopped(world) || !rb_saving_can(saving, now))

@@ -241,7 +241,7 @@ static enum rb_status submit(const struct rb_planned *sweep, struct rb_error *er
 
 /* ---- runs on this machine ---- */
 
-/* 75: another call goes on; a point's own status: the machine lacked something; 1: others failed. */
+/* 75: another call goes on; the status of a point that lacked something; 1: others failed. */
 static int exit_code_of(const struct rb_jobs_tally *tally)
 {
 	if (tally->done + tally->failed < tally->total)

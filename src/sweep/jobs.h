@@ -17,10 +17,10 @@
 #include "sweep/point.h"
 
 struct rb_jobs_tally {
-	uint64_t total;              /* points of the share */
-	uint64_t done, failed;       /* all of them, also of earlier sessions */
-	int lack; /* exit status of the first point that lacked memory, disk or a program; 0: none */
-	uint64_t lacking; /* its index */
+	uint64_t total;        /* points of the share */
+	uint64_t done, failed; /* all of them, also of earlier sessions */
+	int lack;              /* status of the first one that lacked memory, disk or a program */
+	uint64_t lacking;      /* its index; `lack` 0: there is none */
 	uint64_t running, elsewhere; /* by us, by other processes */
 	uint64_t started, ended;     /* by us, so far */
 	uint64_t due;                /* not yet looked at, or waiting */
