@@ -47,12 +47,13 @@ bool rb_coupled_reserve_right(struct rb_arena *arena, struct rb_dense *dense, in
 	const size_t n = (size_t)max;
 
 	dense->matrix = NULL;
-	dense->right = rb_arena_take(arena, 3 * n + 1, sizeof *dense->right);
+	dense->right = rb_arena_take(arena, 4 * n + 1, sizeof *dense->right);
 	dense->last = rb_arena_take(arena, 5 * n + 1, sizeof *dense->last);
 	if (!dense->right || !dense->last)
 		return false;
 	dense->size = dense->right + n;
-	dense->found = dense->size + n;
+	dense->noise = dense->size + n;
+	dense->found = dense->noise + n;
 	dense->down = dense->last + n;
 	dense->pivot = dense->down + n;
 	dense->from = dense->pivot + n;

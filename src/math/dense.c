@@ -28,6 +28,8 @@
  * on sticking contacts).
  */
 static const double early = 0x1p-5;
+/* A pivot of less of its column makes the rounding of what follows larger than the margin is for. */
+static const double small = 0.25;
 
 /*
  * Columns not used yet: those of index from `from` on, n for none, and the late ones at the end of
@@ -206,18 +208,46 @@ static void close_all(struct rb_dense *d)
 		d->found[k] = 0;
 }
 
+/* Rounding of n eliminations of entries of the column's size, with a margin of 16. */
+static double margin(const struct rb_dense *d)
+{
+	return 16 * d->n * DBL_EPSILON;
+}
+
 /*
  * The row from `row` on with the largest entry of column k; -1 if none exceeds `least` of the
- * column's first size. A column of NaN has no pivot either and becomes open.
+ * column's first size, or what rounding has left there. A column of NaN has no pivot either and
+ * becomes open.
  */
-static int best_row(const struct rb_dense *d, int row, int k, double least)
+static int best_row(const struct rb_dense *d, int row, int k)
 {
 	int best = row;
 
 	for (int r = row + 1; r <= d->down[k]; r++)
 		if (fabs(d->matrix[r * d->n + k]) > fabs(d->matrix[best * d->n + k]))
 			best = r;
-	return row < d->n && fabs(d->matrix[best * d->n + k]) > least * d->size[k] ? best : -1;
+	return row < d->n && fabs(d->matrix[best * d->n + k]) >
+	                               fmax(d->least * d->size[k], margin(d) * d->noise[k])
+	               ? best
+	               : -1;
+}
+
+/*
+ * A pivot of which little is left, and of that much is rounding, is as wrong as a share; so is what
+ * is subtracted with it.
+ */
+static void spread_noise(struct rb_dense *d, int row, int k, const struct left *left)
+{
+	const double *const top = d->matrix + row * d->n;
+	const double share = d->noise[k] / fabs(top[k]);
+
+	if (!(share > 1 / small))
+		return;
+	for (int c = left->from; c <= d->last[row]; c++)
+		d->noise[c] = fmax(d->noise[c], share * fabs(top[c]));
+	for (int i = 0; i < left->late_count; i++)
+		d->noise[left->late[i]] = fmax(d->noise[left->late[i]],
+		                               share * fabs(top[left->late[i]]));
 }
 
 /* Rows that may hold the pivot of column k reach to it: redundant ones end before. */
@@ -239,6 +269,7 @@ static void use(struct rb_dense *d, int row, int best, int k, const struct left 
 		swap_rows(d, row, best, left);
 	}
 	d->from[k] = best;
+	spread_noise(d, row, k, left);
 	eliminate(d, row, k, left);
 	d->pivot[k] = row;
 }
@@ -248,19 +279,18 @@ void rb_dense_solve(struct rb_dense *d)
 	RB_ASSERT(d->n >= 0 && d->matrix && d->right);
 
 	const int n = d->n;
-	/* rounding of n eliminations of entries of the column's size, with a margin of 16 */
-	const double least = fmax(d->least, 16 * n * DBL_EPSILON);
 	int row = 0, count = 0;
 
 	d->open = false;
 	d->late = 0;
 	d->products = 0;
 	survey(d);
+	memcpy(d->noise, d->size, (size_t)n * sizeof *d->noise);
 	for (int k = 0; k < n; k++) {
 		const struct left left = {k + 1, d->order + n - d->late, d->late};
 
 		reach(d, row, k);
-		const int best = best_row(d, row, k, least);
+		const int best = best_row(d, row, k);
 
 		d->pivot[k] = -1;
 		if (best >= 0 && !(fabs(d->matrix[best * n + k]) > early * d->size[k])) {
@@ -278,7 +308,7 @@ void rb_dense_solve(struct rb_dense *d)
 		const struct left left = {n, d->order + j + 1, n - j - 1};
 
 		d->down[k] = n - 1;
-		const int best = best_row(d, row, k, least);
+		const int best = best_row(d, row, k);
 		d->open = d->open || best < 0;
 		if (best >= 0)
 			use(d, row++, best, k, &left);

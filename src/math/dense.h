@@ -8,8 +8,8 @@
 /* All arrays are the caller's. */
 struct rb_dense {
 	double *matrix,
-		*right;       /* [n][n], [n]: used up; afterwards the solution stands in `right` */
-	double *size, *found; /* [n] scratch */
+		*right; /* [n][n], [n]: used up; afterwards the solution stands in `right` */
+	double *size, *noise, *found; /* [n] scratch; noise: of what is left of a column, in ulp */
 	int *last, *down, *pivot, *from, *order; /* [n] scratch */
 	/*
 	 * [n], in, with `last` [n]: the first and last column of each row that may not be zero;
