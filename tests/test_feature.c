@@ -127,6 +127,47 @@ static void points_of_bodies_in_any_place_are_where_their_features_say(void **sl
 		rb_polytope_destroy(kind[i].polytope);
 }
 
+/*
+ * A rim that crosses a mantle twice, in places near each other: rounding makes more of them then than of the numbers they are
+ * made of.
+ */
+static void a_rim_that_crosses_a_mantle_at_a_small_angle_has_a_point(void **slot)
+{
+	enum { FIRST_CROSSING = 5, SECOND_CROSSING = 6 };
+	shape log = shapes_cylinder(0.03, 0.06), disc = shapes_cylinder(0.04, 0.05);
+
+	(void)slot;
+	for (uint64_t k = 0; k < 400; k++) {
+		const double off = ldexp(0.1, -(int)(k % 20)), tilt = 0.2 + 0.002 * (double)k;
+		const double along = disc.core.round * (1 - off), up = log.core.round;
+		const rb_mat3 turn = shapes_turn(1, k);
+		/* its axis is x, that of the disc is tilted in the plane across */
+		const rb_mat3 lie = shapes_turned((rb_vec3){0, asin(1), 0});
+		const rb_mat3 lean = shapes_turned((rb_vec3){tilt, 0, 0});
+		const double high = up + disc.core.half_height;
+		const double half = disc.core.round * sqrt(off * (2 - off));
+		const rb_vec3 centre = {0.01, along * cos(tilt) - high * sin(tilt),
+		                        along * sin(tilt) + high * cos(tilt)};
+		const side a = still(&log, (rb_vec3){0, 0, 0}, rb_mat3_multiply(&turn, &lie));
+		const side b = still(&disc, rb_mat3_apply(&turn, centre),
+		                     rb_mat3_multiply(&turn, &lean));
+
+		for (int which = FIRST_CROSSING; which <= SECOND_CROSSING; which++) {
+			const uint64_t rim = rb_part_of(RB_PART_RIM, which << 1 | 1);
+			const uint64_t key = (uint64_t)rb_part_of(RB_PART_MANTLE, 0) << 32 | rim;
+			struct rb_feature_point p;
+
+			assert_true(rb_feature_curves(&p, &a, &b, key, b.at));
+			const rb_vec3 place = rb_mat3_apply_transposed(&turn, p.point);
+			const double from_middle = place.x - 0.01;
+
+			assert_true(fabs(fabs(from_middle) / half - 1) < 1e-3);
+			assert_true((from_middle < 0) == (which == FIRST_CROSSING));
+			assert_near(p.gap, 0, 1e-15);
+		}
+	}
+}
+
 /* Where a cylinder and a box of such sizes touch, over the scale; how many points. */
 static int meet_at_scale(double scale, uint64_t index, struct rb_feature_point out[RB_MANIFOLD_MAX])
 {
@@ -338,6 +379,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(points_of_bodies_in_any_place_are_where_their_features_say),
+		cmocka_unit_test(a_rim_that_crosses_a_mantle_at_a_small_angle_has_a_point),
 		cmocka_unit_test(bodies_on_faces_touch_at_all_their_points),
 		cmocka_unit_test(rims_and_edges_meet_alike_at_every_size),
 		cmocka_unit_test(the_lowest_point_of_a_rim_is_exact_at_every_tilt),

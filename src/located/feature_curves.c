@@ -146,10 +146,37 @@ static double crossing_of(const curve *circle, rb_part rim, const line *other)
 	return index_of(rim) >> 1 == SECOND_CROSSING ? along + half : along - half;
 }
 
-/* True if a step is below rounding of a parameter: of a line in m, where coordinates round. */
-static bool is_rounding(const curve *c, double step, double s, double size)
+static bool is_mantle(const curve *c)
 {
-	return fabs(step) <= 4 * DBL_EPSILON * ((c->round ? 1 : size) + fabs(s));
+	return !c->round && c->straight.of->core->kind == RB_CORE_CYLINDER;
+}
+
+/* The larger of two steps as a share of the size of its parameter: of a line in m. */
+static double share_of(const curve c[2], const double step[2], const double s[2], double size)
+{
+	double share = 0;
+
+	for (int k = 0; k < 2; k++)
+		share = fmax(share, fabs(step[k]) / ((c[k].round ? 1 : size) + fabs(s[k])));
+	return share;
+}
+
+/*
+ * True if one of them is a mantle and steps are no more than what rounding of the residuals makes
+ * of them, which is more where the curves all but touch along their ways. An edge may lie in a face
+ * with the rim then, and its normal, which the curves would not say, is known to a search.
+ */
+static bool is_rounding(const curve c[2], const foot_point *f, const double step[2], double size)
+{
+	const double left[2] = {rb_vec3_length(c[0].first.at), rb_vec3_length(c[1].first.at)};
+	bool small = is_mantle(&c[0]) || is_mantle(&c[1]);
+
+	for (int k = 0; k < 2; k++)
+		small = small && fabs(step[k]) <= 4 * DBL_EPSILON * size *
+		                                          (left[k] * fabs(f->m[1 - k][1 - k]) +
+		                                           left[1 - k] * fabs(f->m[k][1 - k])) /
+		                                          fabs(f->whole);
+	return small;
 }
 
 /* Start of Newton's method: the crossing that the names say, else the place. */
@@ -172,10 +199,10 @@ static void start_near(const curve c[2], const rb_part part[2], rb_vec3 near, do
 bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_side *a,
                        const struct rb_feature_side *b, uint64_t key, rb_vec3 near)
 {
-	enum { ROUNDS = 12 };
+	enum { ROUNDS = 12, ROUNDS_MANTLE = 32 };
 	const rb_part part_a = (rb_part)(key >> 32), part_b = (rb_part)key;
 	const rb_part part[2] = {part_a, part_b};
-	double s[2], step[2], rate[2];
+	double s[2], step[2], rate[2], before = HUGE_VAL;
 	curve c[2];
 	curve *const on_a = &c[0], *const on_b = &c[1];
 	const double size = a->core->reach + b->core->reach;
@@ -188,7 +215,8 @@ bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_sid
 	    !curve_of(a, part_a, on_a) || !curve_of(b, part_b, on_b))
 		return false;
 	start_near(c, part, near, s);
-	for (int k = 0; k < ROUNDS; k++) {
+	const int rounds = is_mantle(on_a) || is_mantle(on_b) ? ROUNDS_MANTLE : ROUNDS;
+	for (int k = 0; k < rounds; k++) {
 		go_to(on_a, s[0]);
 		go_to(on_b, s[1]);
 		foot = foot_of(on_a, on_b);
@@ -197,10 +225,12 @@ bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_sid
 		solve(&foot, foot.left, step);
 		s[0] -= step[0];
 		s[1] -= step[1];
-		if (is_rounding(on_a, step[0], s[0], size) &&
-		    is_rounding(on_b, step[1], s[1], size))
+		const double share = share_of(c, step, s, size);
+		if (share <= 4 * DBL_EPSILON ||
+		    (share > 0.5 * before && is_rounding(c, &foot, step, size)))
 			break;
-		if (k + 1 == ROUNDS)
+		before = share;
+		if (k + 1 == rounds)
 			return false;
 	}
 	solve(&foot, foot.rate, rate);
