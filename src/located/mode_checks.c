@@ -421,6 +421,12 @@ bool rb_check_creeping_breaks_laws(struct rb_modes *w)
 
 	RB_ASSERT(w->balanced);
 	for (int k = 0; k < w->c->held_count; k++) {
+		const struct rb_contact_point *m = &w->contact_point[k];
+
+		/* it would end at once */
+		if (w->c->held[k].creeps &&
+		    rb_vec3_dot(m->velocity, w->contact[k].slip) < -rb_contact_point_noise(w->l, m))
+			return true;
 		creeps = creeps || w->c->held[k].creeps;
 		max = fmax(max, rb_vec3_length(w->force[k]));
 		excess = fmax(excess, rb_check_excess(w, k));

@@ -42,7 +42,8 @@ bool rb_check_begins_straight(struct rb_modes *w);
 
 /*
  * Do contacts pull, or stick with more than their friction, by more than the solver's residue,
- * whatever forces move all as slips that creep do?
+ * whatever forces move all as slips that creep do? Or go some that creep against the way in which
+ * forces across them balance?
  */
 bool rb_check_creeping_breaks_laws(struct rb_modes *w);
 
