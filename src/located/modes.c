@@ -15,6 +15,7 @@
 
 #include "located/external_force.h"
 #include "located/joint_problem.h"
+#include "located/open_forces.h"
 #include "located/set.h"
 
 /* Rounds for creeping slips and for refinement; noises that a slip may have aside. */
@@ -260,53 +261,6 @@ static bool fill_coupled(struct rb_modes *w, double t)
 	return true;
 }
 
-/* Removes the component of v along `way`. */
-static void take_off(double *v, const double *way, size_t n)
-{
-	double along = 0, square = 0;
-
-	for (size_t i = 0; i < n; i++) {
-		along += v[i] * way[i];
-		square += way[i] * way[i];
-	}
-	for (size_t i = 0; i < n && square > 0; i++)
-		v[i] -= along / square * way[i];
-}
-
-/*
- * Where forces are open (more contacts than freedoms): of all that act the same on the bodies,
- * `least` [n] becomes the one of least squares and `change` [n] the smallest change. Neither
- * depends on the order of contacts. The kernel is orthogonalized by modified Gram-Schmidt. False:
- * no memory.
- */
-static bool close_open(struct rb_modes *w, double *least, double *change)
-{
-	const size_t n = (size_t)w->dense.n;
-	const rb_arena_mark here = rb_arena_here(w->l->arena);
-	size_t count = 0, open = 0;
-
-	for (int k = 0; k < w->dense.n; k++)
-		open += rb_dense_is_open(&w->dense, k);
-	double *const way = rb_arena_take(w->l->arena, open * n + 1, sizeof *way);
-	if (!way)
-		return false;
-	for (int k = 0; k < w->dense.n; k++) {
-		if (!rb_dense_is_open(&w->dense, k))
-			continue;
-		double *const own = way + n * count++;
-
-		rb_dense_opened(&w->dense, k);
-		memcpy(own, w->dense.right, n * sizeof *own);
-		for (size_t j = 0; j + 1 < count; j++)
-			take_off(own, way + n * j, n);
-		take_off(least, own, n);
-		take_off(change, own, n);
-	}
-	w->dense.products += (long)(n * open * (n + open));
-	rb_arena_back(w->l->arena, here);
-	return true;
-}
-
 bool rb_modes_are_lawful(const struct rb_modes *w)
 {
 	for (int i = 0; i < w->c->held_count; i++) {
@@ -321,9 +275,48 @@ bool rb_modes_are_lawful(const struct rb_modes *w)
 	return true;
 }
 
+/* Its contacts among its unknowns; NULL: no memory. Those that creep are left alone. */
+static struct rb_open_contact *open_contacts(const struct rb_modes *w, int *count)
+{
+	struct rb_open_contact *const to = rb_arena_take(w->l->arena, (size_t)w->c->held_count + 1,
+	                                                 sizeof *to);
+	int row = w->joints.count;
+
+	*count = 0;
+	for (int i = 0; to && i < w->c->held_count; i++) {
+		const struct rb_held *held = &w->c->held[i];
+		const struct rb_contact_point *m = &w->contact_point[i];
+
+		if (!held->slipping || !held->creeps)
+			to[(*count)++] = (struct rb_open_contact){
+				.row = row,
+				.slips = held->slipping,
+				.friction = w->contact[i].friction,
+				.normal = m->normal,
+				.unit = held->slipping ? unit_of(w, i, 0) : m->normal,
+				.a = rb_modes_place(w, m->a),
+				.b = rb_modes_place(w, m->b),
+				.arm_a = m->arm_a,
+				.arm_b = m->arm_b};
+		row += rb_modes_unknowns(held);
+	}
+	return to;
+}
+
+/* Sets the forces nearest to these that keep the law, if there are some; false: no memory. */
+static bool keep_law(struct rb_modes *w, struct rb_open_forces *open, double *unknown)
+{
+	const bool good = rb_open_forces_keep_law(open, unknown);
+
+	if (good)
+		set_forces(w, unknown);
+	return good;
+}
+
 /*
  * Chooses open forces: the smallest, which have the bodies' symmetry; where these violate a law,
- * those nearest to the forces when the cluster was resolved.
+ * the nearest to them that do not and move all alike; else those nearest to the forces when the
+ * cluster was resolved.
  */
 static bool choose_forces(struct rb_modes *w)
 {
@@ -341,15 +334,22 @@ static bool choose_forces(struct rb_modes *w)
 	for (int i = 0; i < c->held_count; i++)
 		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
 			least[row] = guess_of(w, i, k) + change[row];
-	const bool good = !w->dense.open || close_open(w, least, change);
+	struct rb_open_forces open = {
+		.arena = w->l->arena, .dense = &w->dense, .bodies = c->member_count};
+	bool good = !w->dense.open || rb_open_forces_close(&open, least, change);
 	if (good)
 		set_forces(w, least);
+	if (good && w->dense.open && !rb_modes_are_lawful(w)) {
+		open.contact = open_contacts(w, &open.contacts);
+		good = open.contact && keep_law(w, &open, least);
+	}
 	if (good && w->dense.open && !rb_modes_are_lawful(w)) {
 		row = w->joints.count;
 		for (int i = 0; i < c->held_count; i++)
 			for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
 				change[row] += guess_of(w, i, k);
 		set_forces(w, change);
+		good = rb_modes_are_lawful(w) || keep_law(w, &open, change);
 	}
 	rb_arena_back(w->l->arena, here);
 	return good;

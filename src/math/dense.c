@@ -28,7 +28,7 @@
  * on sticking contacts).
  */
 static const double early = 0x1p-5;
-/* A pivot of less of its column makes the rounding of what follows larger than the margin is for. */
+/* A pivot of less of its column makes the rounding of what follows more than the margin is for. */
 static const double small = 0.25;
 
 /*
