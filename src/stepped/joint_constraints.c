@@ -22,12 +22,12 @@ static bool has_part(const struct rb_joint *joint, int part)
 		return isfinite(joint->low);
 	case RB_JOINT_HIGH:
 		return isfinite(joint->high);
+	case RB_JOINT_SPRING:
+		return joint->stiffness > 0 || joint->damping > 0;
 	case RB_JOINT_MOTOR:
 		return joint->has_motor;
-	case RB_JOINT_FRICTION:
-		return joint->friction > 0;
 	default:
-		return joint->stiffness > 0 || joint->damping > 0;
+		return joint->friction > 0;
 	}
 }
 
@@ -363,6 +363,12 @@ static bool must_probe(const struct filling *f)
 	return last->answer == 0 && fabs(last->force[RB_JOINT_MOTOR]) >= max * (1 - at_bound);
 }
 
+/* In a second half: whether the first one had all of motor and friction. */
+static bool is_given(const struct filling *f)
+{
+	return f->query->at_end && f->of->spring_is_late;
+}
+
 /* Once it is known how its bodies yield; `scale`: the row's velocity per rate. */
 static void make_motor(const struct filling *f, struct rb_constraint *row)
 {
@@ -370,7 +376,7 @@ static void make_motor(const struct filling *f, struct rb_constraint *row)
 	const double scale = row->couple ? lever / rb_vec3_length(f->free.row.angular_b) : 1;
 	const double given = impulse_of(row, f->of->impulse[RB_JOINT_MOTOR]);
 
-	if (!follows(f))
+	if (!follows(f) || is_given(f))
 		return;
 	if (!f->query->at_end) {
 		learn(f, row->inverse_mass_n / (scale * lever));
@@ -414,7 +420,9 @@ static struct rb_constraint free_row(const struct filling *f, int part)
 		return row; /* made when it is known how its bodies yield */
 	max = part == RB_JOINT_MOTOR ? f->query->world->joint[f->joint->def].motor_max
 	                             : f->joint->friction;
-	row.high = impulse_of(&row, f->query->lasts_s * max);
+	if (is_given(f))
+		return row; /* 0 and 0 */
+	row.high = impulse_of(&row, (f->of->spring_is_late ? f->query->h_s : f->query->lasts_s) * max);
 	row.low = -row.high;
 	return row;
 }
@@ -742,7 +750,7 @@ bool rb_step_joint_rows_rebound(const struct rb_joint_query *query, int k,
 
 		row[r].target = rb_constraint_split(&row[r], now);
 		rb_constraint_clear(&row[r]);
-		if (part[r] >= RB_JOINT_MOTOR)
+		if (part[r] >= RB_JOINT_SPRING)
 			row[r].low = row[r].high = row[r].softness = 0;
 		if (!rope && !low && part[r] != RB_JOINT_HIGH)
 			continue;

@@ -31,7 +31,8 @@
  * one, at the poses that it has led to, gives the rows of the linkage the target 0, motors the
  * speed at the end of the step, and repeats what springs and dampers, taken at the middle of the
  * step, gave in the first. Springs of joints that the step does not resolve act in the first half
- * alone, at the end of the step as in other groups.
+ * alone, at the end of the step as in other groups, and motor and friction of these joints with
+ * them: halves of theirs at the end would be of a motion that the spring takes back in each step.
  *
  * A motor that follows is asked for (wanted - q) / h, but where it is further off than it can brake
  * within the step. There it is asked to come back on a parabola, as located (located/follow.h):
@@ -62,9 +63,9 @@
 enum {
 	RB_JOINT_LOW = RB_LINKAGE_ROWS_MAX,
 	RB_JOINT_HIGH,
+	RB_JOINT_SPRING, /* the others depend on whether it is late */
 	RB_JOINT_MOTOR,
 	RB_JOINT_FRICTION,
-	RB_JOINT_SPRING,
 	RB_JOINT_PARTS
 };
 
@@ -114,7 +115,7 @@ struct rb_step_joint {
 	double wanted_rate;   /* m/s, rad/s: how fast it is to be at the end */
 	double motor_bound;   /* N s: bound of the motor's row in the first half */
 	double end_rate;      /* m/s, rad/s: the same where it is on its way back; NAN: it is not */
-	bool spring_is_late;  /* its spring is not resolved: taken at the end of the step */
+	bool spring_is_late;  /* its spring is not resolved: the first half has all of the drives */
 	double bend[RB_LINKAGE_ROWS_MAX]; /* m, rad */
 	double miss[RB_LINKAGE_ROWS_MAX]; /* m, rad: errors when they were last measured */
 	/* m, rad: errors at the end, if they grew as fast as the solution says at the beginning */
