@@ -6,7 +6,14 @@
  */
 #include "located/sizes.h"
 
+#include "force/spring.h"
 #include "located/external_force.h"
+
+/*
+ * Rounding is some ulp of an angle or a length, the integrator's tolerance 16 times as many. What
+ * is damped would else be followed in ever shorter pieces as it comes to rest.
+ */
+static const double spring_share = 0x1p-4;
 
 /* Acceleration, m/s^2, that the force alone would give to the body's point. */
 static double load_of(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force)
@@ -93,6 +100,54 @@ double rb_sizes_load(const struct rb_modes *w)
 }
 
 /*
+ * m/s^2, of a member's points: what springs of joints round like, wherever they exert nothing: an
+ * angle as part of a turn, a way as part of the joint's size.
+ */
+static double joint_spring_load(const struct rb_modes *w)
+{
+	struct rb_joint_spring_row spring;
+	double max = 0;
+
+	for (int k = 0; k < w->joints.joint_count && w->joints.sprung; k++) {
+		const struct rb_joint *joint = &w->l->model->joints->joint[w->joints.joint[k]];
+		const struct rb_joint_row *const row = &spring.row;
+
+		if (!(joint->stiffness > 0) ||
+		    !rb_joint_rows_spring(&w->joints, k, w->origin_s, &spring))
+			continue;
+		const double whole = joint->stiffness *
+		                     (rb_linkage_turns(&joint->link) ? 1 : joint->size);
+
+		max = fmax(max,
+		           row_load(w, row->a, row->wrench.linear, row->wrench.angular_a, whole));
+		max = fmax(max,
+		           row_load(w, row->b, row->wrench.linear, row->wrench.angular_b, whole));
+	}
+	return max;
+}
+
+/* The same of springs between bodies: lengths. */
+static double spring_load(const struct rb_modes *w)
+{
+	const struct rb_model *model = w->l->model;
+	const struct rb_elements *springs = rb_model_elements(model, &rb_force_spring);
+	double max = joint_spring_load(w);
+
+	for (int k = 0; springs && k < w->c->member_count; k++) {
+		const int i = w->c->member[k];
+
+		for (int m = springs->first[i]; m < springs->first[i + 1]; m++) {
+			const struct rb_spring_def *spring = rb_elements_row(springs,
+			                                                     springs->of[m]);
+			const double length = fmax(spring->rest_length_m, rb_model_reach(model, i));
+
+			max = fmax(max, model->inverse_mass[i] * spring->stiffness * length);
+		}
+	}
+	return max;
+}
+
+/*
  * Speed, m/s, below which a member's speed is rounding. Where forces balance, rounding is that of
  * the forces: over a piece, and at most that of a fall by its own size.
  */
@@ -130,7 +185,7 @@ double rb_sizes_fall(const struct rb_modes *w)
 double rb_sizes_of(struct rb_modes *w, double *scale)
 {
 	const struct rb_located *l = w->l;
-	const double load = rb_sizes_load(w);
+	const double load = fmax(rb_sizes_load(w), spring_share * spring_load(w));
 	double try_s = l->end_s;
 
 	for (int k = 0; k < w->c->member_count; k++) {

@@ -323,7 +323,7 @@ for kind in slider rope; do for method in located stepped; do
 	exits 0 stops.lua --no-record -q --method "$method" -p kind="$kind"
 done; done
 # a light wheel on a stiff torsion spring that a motor turns: by steps that do not resolve it, the motor's second half undid what the
-# spring had taken back (-0.0205 rad, -4 rad/s at the end)
+# spring had taken back (-0.0205 rad, -4 rad/s at the end); located, pieces became ever shorter as it came to rest (1e6 body steps)
 cat >wheel.lua <<'END'
 world { duration = 0.26, frame_rate = 100, time_step = 0.01 }
 local wheel = sphere { radius = 0.1, mass = 0.5 }
@@ -333,3 +333,14 @@ expect("it stands where the spring's torque is the motor's", function() return m
 expect("it stands", function() return math.abs(j.speed), 1e-4 end)
 END
 exits 0 wheel.lua --no-record -q --method stepped
+exits 0 wheel.lua --no-record --json --method located
+value body_steps | awk '{exit !($1 > 0 && $1 < 20000)}' || fail "a damped wheel, located: $(value body_steps) body steps"
+cat >damped.lua <<'END'
+world { duration = 2, frame_rate = 100, gravity = {0, 0, -9.81} }
+local post = sphere { radius = 0.05, position = {0, 0, 1}, static = true }
+local ball = sphere { radius = 0.1, mass = 0.5 }
+spring { a = ball, b = post, stiffness = 1000, damping = 20 }
+expect("it hangs", function() return math.abs(ball.position.z + 0.5 * 9.81 / 1000), 1e-12 end)
+END
+exits 0 damped.lua --no-record --json --method located
+value body_steps | awk '{exit !($1 > 0 && $1 < 50000)}' || fail "a damped ball, located: $(value body_steps) body steps"
