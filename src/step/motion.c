@@ -276,6 +276,8 @@ enum rb_status rb_motion_watch(const struct rb_motion *motion, struct rb_error *
 
 	if (sample(&w, &begin, &end, &all) && (all.rough[0] || all.rough[1]))
 		inspect_closer(&w, &all);
+	if (motion->middle)
+		*motion->middle = all.middle.pose;
 	for (int turns = 0; turns < 2; turns++)
 		if (w.status == RB_OK && w.inspections >= INSPECTIONS_MAX && all.rough[turns] &&
 		    (turns ? w.turns : w.places))

@@ -41,6 +41,7 @@ struct rb_motion {
 	/* share of the smallest body's size, of a radian: less than that is not seen */
 	double coarse;
 	double agreement; /* share of the way by which velocities and places may differ */
+	struct rb_driven_pose *middle; /* out: halfway in time; NULL: not asked for */
 };
 
 /*

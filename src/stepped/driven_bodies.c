@@ -3,7 +3,8 @@
  * Driven (kinematic) bodies: their motion is given by a function of the scene. For the step each
  * moves with the constant velocity (x(t + h) - x(t)) / h and the constant spin that leads from one
  * orientation to the other, so that contacts see exactly the way that it goes. At the end it gets
- * the velocity that the function states, if it states any.
+ * the velocity that the function states, or that of the parabola through the pose in between: the
+ * mean of the step would be half a step late, and so would what joints do at its end.
  *
  * An orientation does not tell whole turns; they are taken from the stated angular velocity.
  */
@@ -42,11 +43,11 @@ static rb_vec3 turn_between(rb_quat from, rb_quat to, rb_vec3 expected)
 }
 
 /*
- * Pose at the end of the step from the scene's function, with the checks of step/motion on the way
- * there.
+ * Pose at the end of the step from the scene's function, and in its middle, with the checks of
+ * step/motion on the way there.
  */
 static enum rb_status ask(const struct rb_world *world, int i, double start, double h,
-                          struct rb_driven_pose *pose, struct rb_error *err)
+                          struct rb_driven_pose pose[2], struct rb_error *err)
 {
 	const struct rb_state *state = &world->state;
 	const struct rb_model *model = world->model;
@@ -60,7 +61,8 @@ static enum rb_status ask(const struct rb_world *world, int i, double start, dou
 	                                     .has_velocity = def->motion_gives_velocity,
 	                                     .velocity = rb_world_row3(state->velocity, i)},
 	                           .coarse = model->stepped_tolerance_m / model->size_min_m,
-	                           .agreement = agreement};
+	                           .agreement = agreement,
+	                           .middle = &pose[1]};
 
 	if (state->spin) {
 		motion.begin.orientation = rb_quat_from(state->orientation + 4 * (size_t)i);
@@ -71,8 +73,36 @@ static enum rb_status ask(const struct rb_world *world, int i, double start, dou
 	                                      &motion.end, err);
 	if (status == RB_OK)
 		status = rb_motion_watch(&motion, err);
-	*pose = motion.end;
+	pose[0] = motion.end;
 	return status;
+}
+
+/* At the end of two equal spans of time, from the means of both. */
+static rb_vec3 at_end(rb_vec3 first, rb_vec3 second)
+{
+	return rb_vec3_add_scaled(second, 0.5, rb_vec3_sub(second, first));
+}
+
+/* What the function does not state of its velocity at the end of the step of h. */
+static void find_end(const struct rb_world *world, int i, double h,
+                     const struct rb_driven_pose *middle, const struct rb_driven_pose *end,
+                     struct rb_ride *ride)
+{
+	const struct rb_state *state = &world->state;
+	const rb_vec3 from = rb_world_row3(state->position, i), none = {0, 0, 0};
+	const double each = 2 / h;
+
+	if (!end->has_velocity)
+		ride->velocity = at_end(
+			rb_vec3_scale(each, rb_vec3_sub(middle->position, from)),
+			rb_vec3_scale(each, rb_vec3_sub(end->position, middle->position)));
+	if (!state->spin || end->has_angular_velocity)
+		return;
+	const rb_quat turned = rb_quat_from(state->orientation + 4 * (size_t)i);
+
+	ride->spin = at_end(
+		rb_vec3_scale(each, turn_between(turned, middle->orientation, none)),
+		rb_vec3_scale(each, turn_between(middle->orientation, end->orientation, none)));
 }
 
 enum rb_status rb_drive_begin(struct rb_world *world, double start, double h, struct rb_error *err)
@@ -83,16 +113,19 @@ enum rb_status rb_drive_begin(struct rb_world *world, double start, double h, st
 	for (int k = 0; k < s->driven_count; k++) {
 		const int i = s->body[s->member_count + k];
 		const size_t row = 3 * (size_t)i;
-		struct rb_driven_pose pose;
-		const enum rb_status status = ask(world, i, start, h, &pose, err);
+		struct rb_driven_pose at[2] = {{.has_velocity = false}};
+		const enum rb_status status = ask(world, i, start, h, at, err);
+		const struct rb_driven_pose pose = at[0];
 
 		if (status != RB_OK)
 			return status;
 		const rb_vec3 v = rb_vec3_scale(
 			1 / h, rb_vec3_sub(pose.position, rb_world_row3(state->position, i)));
 		s->ride[k] = (struct rb_ride){.position = pose.position,
-		                              .velocity = pose.has_velocity ? pose.velocity : v,
-		                              .orientation = pose.orientation};
+		                              .velocity = pose.velocity,
+		                              .orientation = pose.orientation,
+		                              .spin = pose.angular_velocity};
+		find_end(world, i, h, &at[1], &pose, &s->ride[k]);
 		const rb_vec3 expected = rb_vec3_scale(pose.has_angular_velocity ? h : 0,
 		                                       pose.angular_velocity);
 		rb_vec3_to(state->velocity + row, v);
@@ -102,7 +135,6 @@ enum rb_status rb_drive_begin(struct rb_world *world, double start, double h, st
 		const rb_vec3 w = rb_vec3_scale(
 			1 / h, turn_between(rb_quat_from(state->orientation + 4 * (size_t)i),
 		                            pose.orientation, expected));
-		s->ride[k].spin = pose.has_angular_velocity ? pose.angular_velocity : w;
 		rb_vec3_to(state->spin + row, w);
 		rb_vec3_to(world->mark.spin + row, w);
 	}
