@@ -473,7 +473,8 @@ static bool pivot_all(struct system *s, bool together, double tolerance)
 	bool any = false;
 
 	for (int k = 0; k < s->count; k++) {
-		s->unknown[k].is_wrong = (together || !any) && is_wrong(s, &s->unknown[k], tolerance);
+		s->unknown[k].is_wrong = (together || !any) &&
+		                         is_wrong(s, &s->unknown[k], tolerance);
 		any = any || s->unknown[k].is_wrong;
 	}
 	for (int k = 0; k < s->count; k++)

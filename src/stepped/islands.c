@@ -788,4 +788,3 @@ double rb_islands_joint_tolerance(const struct rb_solver *solver)
 {
 	return solver->tolerance * solver->h_s / fmax(solver->h_s, solver->whole_s);
 }
-

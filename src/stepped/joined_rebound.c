@@ -292,8 +292,8 @@ static bool apply_law(const struct group *g, struct rb_simultaneous *law)
 		law->joint_row[k].base.target.n = 0;
 		law->joint_row[k].restitution = g->restitution[g->held[k]];
 		law->joint_row[k].noise = rb_islands_joint_tolerance(g->solver);
-		approach = fmax(approach, -rb_vec3_dot(rb_constraint_velocity(&bodies, row),
-		                                       row->normal));
+		approach = fmax(approach,
+		                -rb_vec3_dot(rb_constraint_velocity(&bodies, row), row->normal));
 	}
 	law->tolerance = fine_share * approach;
 	return rb_simultaneous_impact(law, NULL) && !rb_simultaneous_is_over(law);

@@ -422,7 +422,8 @@ static struct rb_constraint free_row(const struct filling *f, int part)
 	                             : f->joint->friction;
 	if (is_given(f))
 		return row; /* 0 and 0 */
-	row.high = impulse_of(&row, (f->of->spring_is_late ? f->query->h_s : f->query->lasts_s) * max);
+	row.high = impulse_of(&row,
+	                      (f->of->spring_is_late ? f->query->h_s : f->query->lasts_s) * max);
 	row.low = -row.high;
 	return row;
 }
