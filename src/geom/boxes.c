@@ -244,6 +244,10 @@ bool rb_boxes_decide(rb_axis *axis, const rb_box_pair *p)
 	axis->found = true;
 	axis->normal = normal_of(axis, best.which, sense);
 	axis->gap = rb_axis_gap(axis, axis->normal);
+	axis->second = -(double)INFINITY;
+	for (int i = 0; i < 6; i++)
+		if (i != best.which && p->face[i] > axis->second)
+			axis->second = p->face[i];
 	return true;
 }
 

@@ -206,6 +206,7 @@ static void find_points(rb_manifold *manifold, find *f, const rb_placed *a, cons
 {
 	manifold->normal = f->s.normal;
 	manifold->gap = f->s.gap - (a->core->radius + b->core->radius);
+	manifold->faces = f->s.faces + f->s.noise - (a->core->radius + b->core->radius);
 	search(f, fmax(band, f->s.noise), fine);
 	take(manifold, f, a, b);
 	if (f->count > 0)
@@ -239,6 +240,7 @@ void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const r
 	start(&f, a, b, NULL);
 	manifold->normal = f.s.normal;
 	manifold->gap = f.s.gap - (a->core->radius + b->core->radius);
+	manifold->faces = f.s.faces + f.s.noise - (a->core->radius + b->core->radius);
 	manifold->count = 0;
 	if (!(manifold->gap > max))
 		find_points(manifold, &f, a, b, band, fine);
@@ -255,6 +257,7 @@ void rb_manifold_along(rb_manifold *manifold, const rb_placed *a, const rb_place
 	          rb_placed_height(&f.b, rb_vec3_neg(normal));
 	manifold->normal = normal;
 	manifold->gap = f.s.gap - (a->core->radius + b->core->radius);
+	manifold->faces = (double)INFINITY;
 	search(&f, fmax(band, f.s.noise), (double)INFINITY);
 	take(manifold, &f, a, b);
 }

@@ -26,6 +26,7 @@ typedef struct {
 typedef struct {
 	rb_vec3 normal; /* unit, from a to b */
 	double gap;     /* m: the bodies' */
+	double faces;   /* m: as of their separation, to rounding */
 	int count;      /* at least 1, but for a gap beyond what was asked for */
 	rb_manifold_point point[RB_MANIFOLD_MAX];
 } rb_manifold;

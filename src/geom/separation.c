@@ -46,7 +46,8 @@ static rb_separation of_half_space(const rb_placed *a, const rb_placed *b, doubl
 	const rb_vec3 up = rb_placed_axis(plane), down = rb_vec3_neg(up);
 	const double height = rb_vec3_dot(up, rb_vec3_sub(body->at, plane->at));
 
-	return (rb_separation){b_is ? down : up, height - rb_placed_height(body, down), noise};
+	return (rb_separation){b_is ? down : up, height - rb_placed_height(body, down), noise,
+	                       (double)INFINITY};
 }
 
 static int face_count(const rb_placed *p)
@@ -258,6 +259,11 @@ double rb_separation_noise(const rb_placed *a, const rb_placed *b)
 	return NOISE_ULP * DBL_EPSILON * scale;
 }
 
+static rb_separation found(const rb_axis *axis)
+{
+	return (rb_separation){axis->normal, axis->gap, 4 * axis->noise, (double)INFINITY};
+}
+
 rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 {
 	RB_ASSERT_COSTLY(a->core->kind != RB_CORE_HALF_SPACE ||
@@ -272,7 +278,8 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 	if (a->core->kind == RB_CORE_HALF_SPACE || b->core->kind == RB_CORE_HALF_SPACE)
 		return of_half_space(a, b, noise);
 	if (both_points(a, b))
-		return (rb_separation){rb_vec3_unit(d, (rb_vec3){0, 0, 1}), distance, noise};
+		return (rb_separation){rb_vec3_unit(d, (rb_vec3){0, 0, 1}), distance, noise,
+		                       (double)INFINITY};
 	const double none = -(double)INFINITY;
 	rb_axis axis = {.a = a, .b = b, .noise = 0.25 * noise, .gap = none, .second = none};
 	if (rb_box_is(a) && rb_box_is(b)) {
@@ -280,17 +287,17 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 
 		rb_box_pair_set(&pair, a, b);
 		if (rb_boxes_decide(&axis, &pair))
-			return (rb_separation){axis.normal, axis.gap, noise};
+			return (rb_separation){axis.normal, axis.gap, noise, axis.second};
 	}
 	const bool few = face_count(a) + face_count(b) <= FEW_FACES;
 	if (few && best_face_decides(&axis))
-		return (rb_separation){axis.normal, axis.gap, noise};
+		return found(&axis);
 	const rb_gjk gjk = rb_gjk_run(a, b, scale);
 	const bool far = gjk.is_separate && gjk.upper > far_share * scale;
 	if (!few && far)
 		rb_facets_faces(&axis, &gjk.normal);
 	else if (!few && best_face_decides(&axis))
-		return (rb_separation){axis.normal, axis.gap, noise};
+		return found(&axis);
 	if (far)
 		search_far(&axis, &gjk, round);
 	else
@@ -298,7 +305,7 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 	if (gjk.least > -(double)INFINITY)
 		rb_axis_try(&axis, gjk.normal);
 	RB_ASSERT_COSTLY(axis.found || isnan(scale));
-	return (rb_separation){axis.normal, axis.gap, noise};
+	return found(&axis);
 }
 
 double rb_separation_beyond(const rb_placed *a, const rb_placed *b, double limit, int rounds,

@@ -12,6 +12,8 @@ typedef struct {
 	rb_vec3 normal; /* unit, from a to b */
 	double gap;     /* m, between the cores, without their radii */
 	double noise;   /* m: what rounding makes of the gap, 16 ulp of sizes and distance */
+	/* m: no face across another direction proves more, to the noise; INFINITY: not known */
+	double faces;
 } rb_separation;
 
 /* At most one of them a half space; their `at` near the origin. */

@@ -546,7 +546,8 @@ static bool passes(const struct inspection *inspection, struct rb_pair pair, con
 	                                                                 : &world->mark;
 
 	/* of most there is none, and their motions need not be known */
-	if (!rb_beside_has_face(a, b, manifold->normal, world->model->stepped_tolerance_m))
+	if (manifold->faces < -world->model->stepped_tolerance_m ||
+	    !rb_beside_has_face(a, b, manifold->normal, world->model->stepped_tolerance_m))
 		return false;
 	const struct rb_beside beside = {.before = relative(inspection, before, pair, a->at),
 	                                 .forced = relative(inspection, &world->state, pair, a->at),
