@@ -35,8 +35,9 @@ int rb_box_outermost(const struct rb_polytope *box, rb_vec3 local, double depth,
 void rb_box_pair_set(rb_box_pair *pair, const rb_placed *a, const rb_placed *b);
 
 /*
- * Sets normal and gap of `axis`, and as the second what other faces prove at most, where no other direction could prove as much; false: some might to
- * rounding, or none of the fifteen proves the whole distance.
+ * Sets normal and gap of `axis`, and as the second what other faces prove at most, where no other
+ * direction could prove as much; false: some might to rounding, or none of the fifteen proves the
+ * whole distance.
  */
 bool rb_boxes_decide(rb_axis *axis, const rb_box_pair *pair);
 

@@ -14,6 +14,7 @@
 #include "stepped/pivot.h"
 #include "stepped/rolling.h"
 #include "stepped/clearance.h"
+#include "stepped/pairwise.h"
 
 RB_FIELDS_DEFINE(rb_named_impulse_fields, struct rb_named_impulse, RB_NAMED_IMPULSE_FIELDS);
 
@@ -78,12 +79,6 @@ static rb_vec3 way_of(const struct inspection *inspection, int i)
 	return rb_vec3_scale(inspection->h, rb_world_row3(world->state.velocity, i));
 }
 
-static rb_vec3 center_of(const struct rb_world *world, int i)
-{
-	return i < world->model->body_count ? rb_world_row3(world->state.position, i)
-	                                    : world->model->position[i];
-}
-
 /* Points of a block for which room is taken first: of fast bodies few pairs touch. */
 enum { BLOCK_POINTS = 16 };
 
@@ -130,16 +125,6 @@ static void gather(const struct inspection *inspection, struct rb_step_point *to
 	}
 }
 
-/* m/s: of a body's point. */
-static rb_vec3 velocity_of(const struct rb_world *world, const struct rb_state *state, int i,
-                           rb_vec3 arm)
-{
-	if (i >= world->model->body_count)
-		return (rb_vec3){0, 0, 0};
-	const rb_vec3 v = rb_world_row3(state->velocity, i);
-	return state->spin ? rb_vec3_add(v, rb_vec3_cross(rb_world_row3(state->spin, i), arm)) : v;
-}
-
 /* 1 + the place in `last` of this key at the point's parts; 0: it is not there. */
 static size_t find_key(const struct rb_step_points *points, const struct rb_step_point *point,
                        uint64_t key)
@@ -164,40 +149,8 @@ static size_t find_last(const struct rb_step_points *points, const struct rb_ste
 	return rim == 0 ? found : find_key(points, point, rim);
 }
 
-/* What points of one pair and normal have in common. */
-struct common {
-	const struct rb_pair_material *material;
-	double approach;        /* m/s: of the centres of mass, at the beginning of the step */
-	rb_vec3 spin_a, spin_b; /* rad/s */
-	bool pivots;
-	rb_pivot pivot; /* friction goes round with what turns together */
-};
-
-static rb_vec3 spin_of(const struct rb_world *world, int i)
-{
-	return i < world->model->body_count && world->mark.spin ? rb_world_row3(world->mark.spin, i)
-	                                                        : (rb_vec3){0, 0, 0};
-}
-
-static struct common common_of(const struct inspection *inspection, int a, int b, rb_vec3 normal,
-                               bool central)
-{
-	const struct rb_world *world = inspection->world;
-	const rb_vec3 none = {0, 0, 0};
-	const rb_vec3 v_a = velocity_of(world, &world->mark, a, none);
-	const rb_vec3 v_b = velocity_of(world, &world->mark, b, none);
-	const double angle = central ? 0 : rb_pivot_angle(world, a, b, normal, inspection->h);
-
-	return (struct common){.material = rb_contact_material(world->model, a, b),
-	                       .approach = rb_vec3_dot(rb_vec3_sub(v_a, v_b), normal),
-	                       .spin_a = central ? none : spin_of(world, a),
-	                       .spin_b = central ? none : spin_of(world, b),
-	                       .pivots = angle != 0,
-	                       .pivot = angle == 0 ? (rb_pivot){1, 0} : rb_pivot_of(angle)};
-}
-
 /* Material, approach and the impulse of the step before, for a point whose place is known. */
-static void fill_point(const struct inspection *inspection, const struct common *common,
+static void fill_point(const struct inspection *inspection, const struct rb_pairwise *common,
                        struct rb_step_point *point)
 {
 	const struct rb_step_points *points = inspection->points;
@@ -299,12 +252,14 @@ static bool is_beside_border(const struct inspection *inspection, struct rb_pair
 	const rb_vec3 up = rb_quat_rotate(turn, (rb_vec3){0, 0, local.z < 0 ? -1 : 1});
 	const rb_vec3 low = rb_vec3_add_scaled(origin, -model->shape[pair.a].radius, up);
 	const double height = fabs(local.z) - model->shape[pair.a].radius;
-	const rb_vec3 arm_a = rb_vec3_sub(origin, center_of(world, pair.a));
-	const rb_vec3 arm_b = rb_vec3_sub(low, center_of(world, pair.b));
-	const rb_vec3 before = rb_vec3_sub(velocity_of(world, &world->mark, pair.a, arm_a),
-	                                   velocity_of(world, &world->mark, pair.b, arm_b));
-	const rb_vec3 forced = rb_vec3_sub(velocity_of(world, &world->state, pair.a, arm_a),
-	                                   velocity_of(world, &world->state, pair.b, arm_b));
+	const rb_vec3 arm_a = rb_vec3_sub(origin, rb_pairwise_center(world, pair.a));
+	const rb_vec3 arm_b = rb_vec3_sub(low, rb_pairwise_center(world, pair.b));
+	const rb_vec3 before = rb_vec3_sub(
+		rb_pairwise_velocity(world, &world->mark, pair.a, arm_a),
+		rb_pairwise_velocity(world, &world->mark, pair.b, arm_b));
+	const rb_vec3 forced = rb_vec3_sub(
+		rb_pairwise_velocity(world, &world->state, pair.a, arm_a),
+		rb_pairwise_velocity(world, &world->state, pair.b, arm_b));
 	const bool by_itself = height <= tolerance ||
 	                       (is_held(inspection, pair.a) && is_held(inspection, pair.b));
 
@@ -370,7 +325,7 @@ static void inspect_plain(struct inspection *inspection, struct rb_pair pair, do
 			rb_world_origin_at(world, &world->state, pair.a),
 			model->shape[pair.a].radius, g.normal);
 
-		point->arm_a = rb_vec3_sub(on_a, center_of(world, pair.a));
+		point->arm_a = rb_vec3_sub(on_a, rb_pairwise_center(world, pair.a));
 		if (pair.b < model->body_count)
 			point->arm_b = rb_vec3_sub(
 				radius_b > 0
@@ -378,10 +333,10 @@ static void inspect_plain(struct inspection *inspection, struct rb_pair pair, do
 						  rb_world_origin_at(world, &world->state, pair.b),
 						  -radius_b, g.normal)
 					: rb_vec3_add_scaled(on_a, g.gap, g.normal),
-				center_of(world, pair.b));
+				rb_pairwise_center(world, pair.b));
 	}
-	const struct common common = common_of(inspection, pair.a, pair.b, point->normal,
-	                                       point->central);
+	const struct rb_pairwise common = rb_pairwise_of(inspection->world, inspection->h, pair.a,
+	                                                 pair.b, point->normal, point->central);
 
 	fill_point(inspection, &common, point);
 }
@@ -430,9 +385,10 @@ static void add_manifold(struct inspection *inspection, struct rb_pair pair,
 {
 	const struct rb_model *const model = inspection->world->model;
 	const bool terrain = rb_candidates_is_terrain(model, pair.b);
-	const rb_vec3 at_a = center_of(inspection->world, pair.a),
-		      at_b = center_of(inspection->world, pair.b);
-	const struct common common = common_of(inspection, pair.a, pair.b, manifold->normal, false);
+	const rb_vec3 at_a = rb_pairwise_center(inspection->world, pair.a),
+		      at_b = rb_pairwise_center(inspection->world, pair.b);
+	const struct rb_pairwise common = rb_pairwise_of(inspection->world, inspection->h, pair.a,
+	                                                 pair.b, manifold->normal, false);
 
 	for (int k = 0; k < manifold->count; k++) {
 		const rb_manifold_point *at = &manifold->point[k];
@@ -499,39 +455,21 @@ static double band_of(const struct inspection *inspection, struct rb_pair pair, 
 	return fmin(slack, way + model->stepped_tolerance_m);
 }
 
-/* rad: how a body turns in the step, at the velocities of that state. */
-static rb_quat turn_of(const struct inspection *inspection, const struct rb_state *state, int i)
-{
-	if (i >= inspection->world->model->body_count || !state->spin)
-		return (rb_quat){1, 0, 0, 0};
-	return rb_quat_from_turn(rb_vec3_scale(inspection->h, rb_world_row3(state->spin, i)));
-}
-
-/* m: where its centre of mass gets. */
-static rb_vec3 center_after(const struct inspection *inspection, const struct rb_state *state,
-                            int i)
-{
-	const struct rb_world *world = inspection->world;
-	const rb_vec3 center = center_of(world, i);
-
-	return i < world->model->body_count ? rb_vec3_add_scaled(center, inspection->h,
-	                                                         rb_world_row3(state->velocity, i))
-	                                    : center;
-}
-
 /* Of the first of a pair, as the second sees it, in the step; a part of it is at `at`. */
 static struct rb_beside_motion relative(const struct inspection *inspection,
                                         const struct rb_state *state, struct rb_pair pair,
                                         rb_vec3 at)
 {
 	const struct rb_world *world = inspection->world;
-	const rb_quat a = turn_of(inspection, state, pair.a),
-		      b = turn_of(inspection, state, pair.b);
-	const rb_vec3 arm = rb_quat_rotate(a, rb_vec3_sub(at, center_of(world, pair.a)));
-	const rb_vec3 then = rb_vec3_add(center_after(inspection, state, pair.a), arm);
+	const rb_quat a = rb_pairwise_turn(world, state, pair.a, inspection->h),
+		      b = rb_pairwise_turn(world, state, pair.b, inspection->h);
+	const rb_vec3 arm = rb_quat_rotate(a, rb_vec3_sub(at, rb_pairwise_center(world, pair.a)));
+	const rb_vec3 then = rb_vec3_add(
+		rb_pairwise_center_after(world, state, pair.a, inspection->h), arm);
 	const rb_vec3 from_b = rb_quat_rotate_back(
-		b, rb_vec3_sub(then, center_after(inspection, state, pair.b)));
-	const rb_vec3 was = rb_vec3_sub(at, center_of(world, pair.b));
+		b,
+		rb_vec3_sub(then, rb_pairwise_center_after(world, state, pair.b, inspection->h)));
+	const rb_vec3 was = rb_vec3_sub(at, rb_pairwise_center(world, pair.b));
 
 	return (struct rb_beside_motion){rb_vec3_sub(from_b, was),
 	                                 rb_quat_multiply((rb_quat){b.w, -b.x, -b.y, -b.z}, a)};

@@ -16,6 +16,7 @@
 #include "base/memory.h"
 #include "constraint/effective_mass.h"
 #include "force/spring.h"
+#include "stepped/face.h"
 #include "stepped/pivot.h"
 #include "stepped/stiffening.h"
 #include "world/joint_state.h"
@@ -405,11 +406,6 @@ static int owner_of(const struct rb_solver *solver, const struct rb_step_point *
 	return is_dynamic(solver, point->a) ? point->a : point->b;
 }
 
-static bool is_pair(const struct rb_step_point *p, const struct rb_step_point *q)
-{
-	return p->a == q->a && p->b == q->b;
-}
-
 /* Bodies of points into one tree; place[k] becomes the dynamic body of point k. */
 static void join_points(void *user, size_t first, size_t end)
 {
@@ -420,7 +416,7 @@ static void join_points(void *user, size_t first, size_t end)
 	for (size_t k = first; k < end; k++) {
 		const struct rb_step_point *point = &pass->points->row[k];
 
-		if (k > first && is_pair(point, point - 1)) {
+		if (k > first && rb_face_is_pair(point, point - 1)) {
 			pass->place[k] = pass->place[k - 1];
 			continue;
 		}
@@ -517,8 +513,8 @@ static void count_rows(void *user, size_t first, size_t end)
 		const int g = solver->island_of[pass->place[k]];
 
 		pass->place[k] = g;
-		if (!moved &&
-		    !(count > 0 && is_pair(&pass->points->row[k], &pass->points->row[k - 1])))
+		if (!moved && !(count > 0 &&
+		                rb_face_is_pair(&pass->points->row[k], &pass->points->row[k - 1])))
 			moved = is_moved(solver, &pass->points->row[k]);
 		count++;
 		if (k + 1 < end && solver->island_of[pass->place[k + 1]] == g)
@@ -597,26 +593,6 @@ static void lay_out(struct pass *pass)
 	solver->dense.row_count = row;
 }
 
-/* Points of one face of a pair have bit for bit the same normal and are adjacent. */
-static bool share_face(const struct rb_step_point *p, const struct rb_step_point *q)
-{
-	return is_pair(p, q) && p->normal.x == q->normal.x && p->normal.y == q->normal.y &&
-	       p->normal.z == q->normal.z;
-}
-
-/* The point with the smallest gap among those of the same face. */
-static const struct rb_step_point *nearest_of_face(const struct rb_step_points *points, int number)
-{
-	const struct rb_step_point *const point = &points->row[number], *const first = points->row;
-	const struct rb_step_point *const end = first + points->count, *nearest = point;
-
-	for (const struct rb_step_point *p = point; p-- > first && share_face(p, point);)
-		nearest = p->gap + p->bend <= nearest->gap + nearest->bend ? p : nearest;
-	for (const struct rb_step_point *p = point + 1; p < end && share_face(p, point); p++)
-		nearest = p->gap + p->bend < nearest->gap + nearest->bend ? p : nearest;
-	return nearest;
-}
-
 /* A ball that joints stiffen has no inertia that is a multiple of one. */
 static bool is_stiff(const struct rb_solver *solver, const struct rb_step_point *point)
 {
@@ -624,35 +600,10 @@ static bool is_stiff(const struct rb_solver *solver, const struct rb_step_point 
 	                         (point->b < solver->body_count && solver->stiff[point->b]));
 }
 
-/* What points of one face have in common. */
-struct face {
-	const struct rb_step_point *last; /* the point that it was asked about last; NULL: none */
-	const struct rb_step_point *nearest; /* of them */
-	bool pivots;
-	rb_pivot mean; /* of arms over the step */
-};
-
-static void take_face(const struct pass *pass, struct face *face, int number)
-{
-	const struct rb_step_point *const point = &pass->points->row[number];
-	const bool goes_on = face->last && face->last + 1 == point && !face->last->central &&
-	                     share_face(face->last, point);
-
-	face->last = point;
-	if (goes_on)
-		return;
-	face->nearest = nearest_of_face(pass->points, number);
-	const double angle = rb_pivot_angle(pass->world, point->a, point->b, point->normal,
-	                                    pass->solver->h_s);
-	face->pivots = angle != 0;
-	if (face->pivots)
-		face->mean = rb_pivot_mean(angle);
-}
-
 /*
  * Sets the arms at which impulses act, with the mean of arms over the step where the pair pivots.
  */
-static void set_arms(const struct pass *pass, struct face *face, struct rb_constraint *row,
+static void set_arms(const struct pass *pass, struct rb_face *face, struct rb_constraint *row,
                      int number)
 {
 	const struct rb_step_point *const point = &pass->points->row[number];
@@ -669,7 +620,7 @@ static void set_arms(const struct pass *pass, struct face *face, struct rb_const
 	}
 	if (row->central)
 		return;
-	take_face(pass, face, number);
+	rb_face_take(face, pass->points, number, pass->world, pass->solver->h_s);
 	rb_levers_level(face->nearest->arm_a, face->nearest->arm_b, row);
 	if (face->pivots) {
 		row->arm_a = rb_pivot_turn(row->arm_a, row->normal, face->mean);
@@ -688,7 +639,7 @@ rb_vec3 rb_islands_between(const struct rb_solver *solver, const double *positio
 	                                  rb_kick_of(solver->kicks, a)->shift));
 }
 
-static void fill_row(const struct pass *pass, struct face *face, struct rb_constraint *row,
+static void fill_row(const struct pass *pass, struct rb_face *face, struct rb_constraint *row,
                      int number)
 {
 	const struct rb_solver *const solver = pass->solver;
@@ -719,7 +670,7 @@ static void fill_row(const struct pass *pass, struct face *face, struct rb_const
 static void fill_rows(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
-	struct face face = {.last = NULL};
+	struct rb_face face = {.last = NULL};
 
 	for (size_t k = first; k < end; k++) {
 		struct rb_constraint fixed_row, *row = &fixed_row;
