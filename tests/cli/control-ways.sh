@@ -35,11 +35,11 @@ stands()
 {
 	[ "$(key state)" = paused ]
 }
-# settled: what was commanded has come about
+# settled: what was commanded has come about; leaves `status`
 settled()
 {
-	state=$(key state)
-	[ "$state" = paused ] || [ "$state" = playing ]
+	"$RBSIM" ctl s status >status 2>/dev/null && grep -Eq '^state (paused|playing)$' status &&
+		{ [ "$line" != restart ] || grep -q "^restarts $((base + 1))$" status; }
 }
 
 # answered N: so many lines have been answered on standard output
@@ -105,12 +105,11 @@ through()
 	else
 		until_true settled
 		# a step is under way for a moment, and so is a restart
-		[ "$(key state)" = playing ] && sleep 0.2
+		grep -q '^state playing' status && sleep 0.2
 		until_true settled
-		"$RBSIM" ctl s status >status
 		grep -E '^(state|stop-at-collision|set) ' status >effect
-		[ "$(key state)" = paused ] && grep -E '^(frame|time|collisions|kinetic-energy) ' status >>effect
-		echo "restarts $(($(key restarts) - base))" >>effect
+		grep -q '^state paused' status && grep -E '^(frame|time|collisions|kinetic-energy) ' status >>effect
+		echo "restarts $(($(sed -n 's/^restarts //p' status) - base))" >>effect
 		kill -9 $pid
 		wait $pid 2>/dev/null
 		pid=
