@@ -98,8 +98,11 @@ if [ -f "$(dirname "$RBSIM")/rbsim-hdf5.so" ]; then
 	evil=$(printf 's\n#SBATCH --evil\033[1m.lua')
 	cp s.lua "$evil"
 	PATH=$PWD/bin:$PATH
-	way 0 sweep "$evil" -p n=0,1 -o sw --slurm
-	clean "a job script" sw/sweep.sbatch
-	grep -q '^#SBATCH --evil' sw/sweep.sbatch && fail "the name of a scene gives orders to Slurm"
+	way 64 sweep "$evil" -p n=0,1 -o sw --slurm
+	[ ! -e sw ] || fail "what is refused has a folder"
+	evil=$(printf 'sw\n#SBATCH --evil\033[1m')
+	way 0 sweep s.lua -p n=0,1 -o "$evil" --slurm
+	clean "a job script" "$evil/sweep.sbatch"
+	grep -q '^#SBATCH --evil' "$evil/sweep.sbatch" && fail "the name of a folder gives orders to Slurm"
 fi
 exit 0
