@@ -38,6 +38,12 @@ grep -o '^| `make [a-z-]*' CONTRIBUTING.md | sed 's/.*make //' | while read -r t
 	grep -Eq "^([a-z-]+ )*$target( [a-z-]+)*:" Makefile || fail "CONTRIBUTING.md names 'make $target', which is not there"
 done || exit 1
 
+# what merging writes twice, or leaves without its beginning
+grep '^- ' CHANGELOG.md | sort | uniq -d >"$TMPDIR/twice"
+[ ! -s "$TMPDIR/twice" ] || fail "CHANGELOG.md says twice: $(head -1 "$TMPDIR/twice")"
+awk '/^  [a-z]/ && last ~ /\.$/ {print; bad = 1} {last = $0} END {exit bad}' CHANGELOG.md >&2 ||
+	fail "CHANGELOG.md has lines that continue nothing"
+
 # one screen, four pages
 [ "$(wc -l <README.md)" -le 90 ] || fail "README.md is longer than a screen"
 [ "$(sed "/^\`\`\`order/,/^\`\`\`$/d; /^## Names that were/,/^## /d" ARCHITECTURE.md | wc -w)" -le 2650 ] || fail "ARCHITECTURE.md is longer than four pages"
