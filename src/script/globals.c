@@ -56,7 +56,8 @@ static int read_undefined(lua_State *L)
 	lua_Debug at;
 
 	lua_pushnil(L);
-	if (script->phase != RB_PHASE_LOAD || lua_type(L, 2) != LUA_TSTRING || !lua_getstack(L, 1, &at))
+	if (script->phase != RB_PHASE_LOAD || lua_type(L, 2) != LUA_TSTRING ||
+	    !lua_getstack(L, 1, &at))
 		return 1;
 	lua_getinfo(L, "l", &at);
 	if (at.currentline <= 0) /* C has asked */
@@ -97,7 +98,8 @@ void rb_globals_warn(lua_State *L)
 
 		lua_pushstring(L, undefined->name);
 		if (lua_rawget(L, -2) == LUA_TNIL) /* not `n = n or 1` */
-			rb_log(RB_LOG_WARNING, "%s:%d: nothing assigns the global '%s'%s; it is nil%s",
+			rb_log(RB_LOG_WARNING,
+			       "%s:%d: nothing assigns the global '%s'%s; it is nil%s",
 			       script->source, undefined->line, undefined->name, undefined->helper,
 			       undefined->hint);
 		lua_pop(L, 1);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Globals that a scene reads and that nothing assigns. Lua takes them for nil, and a key that is nil
- * is a key that is not given: `mass = mas` is quietly the mass of the default density.
+ * Globals that a scene reads and that nothing assigns. Lua takes them for nil, and a key that is
+ * nil is a key that is not given: `mass = mas` is quietly the mass of the default density.
  */
 #ifndef RB_SCRIPT_GLOBALS_H
 #define RB_SCRIPT_GLOBALS_H

@@ -26,7 +26,6 @@ END
 exits 0 unread.lua --no-record
 says err "warning: unread.lua: nothing reads the global 'gravity'; it is a key of world"
 ! grep -q "'duration'" err || fail "what is right is told as a mistake"
-exits 64 unread.lua --dt 0.1
 
 cat >undefined.lua <<'END'
 world { duration = 0.1 }
