@@ -7,6 +7,7 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "base/log.h"
 #include "script/advice.h"
 #include "script/call.h"
@@ -95,13 +96,13 @@ void rb_globals_warn(lua_State *L)
 	lua_pushglobaltable(L);
 	for (int k = 0; k < script->undefined_count; k++) {
 		const struct rb_undefined *const undefined = &script->undefined[k];
+		char place[256];
 
 		lua_pushstring(L, undefined->name);
 		if (lua_rawget(L, -2) == LUA_TNIL) /* not `n = n or 1` */
-			rb_log(RB_LOG_WARNING,
-			       "%s:%d: nothing assigns the global '%s'%s; it is nil%s",
-			       script->source, undefined->line, undefined->name, undefined->helper,
-			       undefined->hint);
+			rb_log(RB_LOG_WARNING, "%snothing assigns the global '%s'%s; it is nil%s",
+			       rb_error_place(script->source, undefined->line, place, sizeof place),
+			       undefined->name, undefined->helper, undefined->hint);
 		lua_pop(L, 1);
 	}
 	lua_pop(L, 1);

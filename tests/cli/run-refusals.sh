@@ -41,6 +41,11 @@ says err "warning: undefined.lua:5: nothing assigns the global 'masss'; it is ni
 [ "$(grep -c "nothing assigns" err)" -eq 2 ] || fail "what is assigned later, or in callbacks, is warned of"
 exits 0 info undefined.h5
 says_nothing err
+# in a coroutine of a helper there is no line of the scene
+echo 'return coroutine.wrap(function() return nowhere end)' >helper.lua
+printf 'world { duration = 0.1 }\nrequire "helper"()\nsphere { radius = 1 }\n' >undefined.lua
+exits 0 undefined.lua --no-record
+says err "warning: undefined.lua: nothing assigns the global 'nowhere' .in helper.lua:1.; it is nil"
 exits 64 unread.lua --dt 0.1
 says err "option '--dt' does not belong to 'run' .did you mean '--time-step'"
 
