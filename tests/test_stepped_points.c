@@ -319,6 +319,14 @@ static void what_was_found_of_a_pose_is_not_that_of_another(void **state)
 			assert_true(rb_clue_knows(&clue, rb_placings_of(candidates, pair)));
 		}
 	}
+	/* a turn of which the square is no number any more is one, too */
+	for (int k = 1; k <= 2; k++) {
+		const struct rb_placings before = rb_placings_of(candidates, pair);
+
+		rb_quat_to(lab.world->state.orientation + 4, (rb_quat){1, k * 1e-200, 0, 0});
+		rb_candidates_place(candidates, lab.world, (const int[]){0, 1}, 2);
+		assert_true(rb_placings_of(candidates, pair).b != before.b);
+	}
 	lab_close(&lab);
 }
 
