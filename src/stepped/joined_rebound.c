@@ -141,18 +141,21 @@ static bool touches(const struct group *g, int row)
 	       point->gap + g->solver->h_s * now_of(g, row) <= g->world->model->stepped_tolerance_m;
 }
 
-static void take_restitution(struct group *g)
+/* Of the joints of one member; those between two are met twice. */
+static void take_restitution(struct group *g, int i)
 {
-	const struct rb_solver *solver = g->solver;
+	const struct rb_joints *joints = g->world->model->joints;
 
-	for (int k = 0; k < solver->joined_count; k++) {
-		const struct rb_joint *joint = &g->world->model->joints->joint[solver->joined[k]];
-		const int first = solver->joint[solver->joined[k]].first_row;
-		const int at = first - (int)g->island->first_row;
+	for (int e = joints->first[i]; e < joints->first[i + 1]; e++) {
+		const int number = joints->of[e];
+		const struct rb_joint *joint = &joints->joint[number];
+		const int at = g->solver->joint[number].first_row - g->island->first_row;
+		const int count = rb_step_joint_rows_count(joint);
 
-		if (first < 0 || at < 0 || at >= g->island->row_count)
+		if (g->world->joint[number].released)
 			continue;
-		for (int r = 0; r < rb_step_joint_rows_count(joint); r++)
+		RB_ASSERT(at >= g->island->contact_count && at + count <= g->island->row_count);
+		for (int r = 0; r < count; r++)
 			g->restitution[at + r] = joint->restitution;
 	}
 }
@@ -171,7 +174,8 @@ static bool take_rows(struct group *g)
 			g->held[g->held_count++] = k;
 			stops += is_stop(&g->rows.row[k]);
 		}
-	take_restitution(g);
+	for (int k = 0; k < island->member_count && stops > 0; k++)
+		take_restitution(g, g->solver->member[island->first_member + k]);
 	return g->contact_count + stops > (g->contact_count > 0 ? 0 : 1) && g->held_count > 0 &&
 	       g->held_count <= HELD_MAX;
 }
