@@ -30,6 +30,8 @@
 static const double early = 0x1p-5;
 /* A pivot of less of its column makes the rounding of what follows more than the margin is for. */
 static const double small = 0.25;
+/* So many times what entries round to may be left of nothing. */
+static const double margin = 16;
 
 /*
  * Columns not used yet: those of index from `from` on, n for none, and the late ones at the end of
@@ -208,10 +210,14 @@ static void close_all(struct rb_dense *d)
 		d->found[k] = 0;
 }
 
-/* Rounding of n eliminations of entries of the column's size, with a margin of 16. */
-static double margin(const struct rb_dense *d)
+/*
+ * What may be rounding of a column: that of n eliminations of entries of its size, or that of one
+ * with a small pivot. n of those were too much: links of 1e-12 of the mass of others, of which such
+ * pivots are all that the motion of these is known by, were open.
+ */
+static double rounding_of(const struct rb_dense *d, int k)
 {
-	return 16 * d->n * DBL_EPSILON;
+	return margin * DBL_EPSILON * fmax(d->n * d->size[k], d->noise[k]);
 }
 
 /*
@@ -227,7 +233,7 @@ static int best_row(const struct rb_dense *d, int row, int k)
 		if (fabs(d->matrix[r * d->n + k]) > fabs(d->matrix[best * d->n + k]))
 			best = r;
 	return row < d->n && fabs(d->matrix[best * d->n + k]) >
-	                               fmax(d->least * d->size[k], margin(d) * d->noise[k])
+	                               fmax(d->least * d->size[k], rounding_of(d, k))
 	               ? best
 	               : -1;
 }
