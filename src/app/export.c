@@ -65,17 +65,18 @@ static void tell(const struct rb_exported *exported, const struct rb_export_form
 		rb_json_text(&json, "to", form->name);
 		rb_json_open(&json, "outputs", '[');
 		for (int i = 0; i < exported->output_count; i++)
-			rb_json_text(&json, NULL, exported->outputs[i]);
+			rb_json_text(&json, NULL, exported->outputs[i].name);
 		rb_json_close(&json, ']');
 		rb_json_count(&json, "frames", exported->reading->frame_count);
 		rb_json_count(&json, "exit_status", 0);
 		rb_json_close(&json, '}');
 		putchar('\n');
 	} else if (!exported->options->quiet) {
-		for (int i = 0; i < exported->output_count; i++)
-			rb_print(stdout, "%s: %" PRIu64 " %s\n", exported->outputs[i],
-			         exported->reading->frame_count,
-			         rb_text_plural(exported->reading->frame_count, "frame", "frames"));
+		for (int i = 0; i < exported->output_count; i++) {
+			const struct rb_export_content *const c = &exported->outputs[i].content;
+			rb_print(stdout, "%s: %" PRIu64 " %s\n", exported->outputs[i].name,
+			         c->count, rb_text_plural(c->count, c->one, c->many));
+		}
 	}
 }
 

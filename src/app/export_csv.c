@@ -95,8 +95,8 @@ static void print_head(const struct rb_exported *exported, FILE *file, const str
 	putc('\n', file);
 }
 
-static void print_bodies(const struct rb_exported *exported, FILE *file,
-                         const struct rb_frame *frame)
+static int print_bodies(const struct rb_exported *exported, FILE *file,
+                        const struct rb_frame *frame)
 {
 	for (int i = 0; i < frame->body_count; i++) {
 		fprintf(file, "%" PRIu64 ",", frame->index);
@@ -110,6 +110,7 @@ static void print_bodies(const struct rb_exported *exported, FILE *file,
 		}
 		putc('\n', file);
 	}
+	return frame->body_count;
 }
 
 static void print_frames_head(const struct rb_exported *exported, FILE *file,
@@ -126,8 +127,7 @@ static void print_frames_head(const struct rb_exported *exported, FILE *file,
 	putc('\n', file);
 }
 
-static void print_frame(const struct rb_exported *exported, FILE *file,
-                        const struct rb_frame *frame)
+static int print_frame(const struct rb_exported *exported, FILE *file, const struct rb_frame *frame)
 {
 	const char *const from = (const char *)&frame->numbers;
 
@@ -146,6 +146,7 @@ static void print_frame(const struct rb_exported *exported, FILE *file,
 	}
 	print_numbers(file, frame->probes, frame->probe_count);
 	putc('\n', file);
+	return 1;
 }
 
 static void print_events_head(const struct rb_exported *exported, FILE *file,
@@ -157,8 +158,8 @@ static void print_events_head(const struct rb_exported *exported, FILE *file,
 	      file);
 }
 
-static void print_events(const struct rb_exported *exported, FILE *file,
-                         const struct rb_frame *frame)
+static int print_events(const struct rb_exported *exported, FILE *file,
+                        const struct rb_frame *frame)
 {
 	for (int k = 0; k < frame->event_count; k++) {
 		const struct rb_event *const event = &frame->events[k];
@@ -172,6 +173,7 @@ static void print_events(const struct rb_exported *exported, FILE *file,
 		print_numbers(file, &event->approach_speed, 1);
 		putc('\n', file);
 	}
+	return frame->event_count;
 }
 
 static void print_contacts_head(const struct rb_exported *exported, FILE *file,
@@ -182,10 +184,11 @@ static void print_contacts_head(const struct rb_exported *exported, FILE *file,
 	fputs("frame,time,a,name_a,b,name_b,px,py,pz,nx,ny,nz,fx,fy,fz,gap\n", file);
 }
 
-static void print_contacts(const struct rb_exported *exported, FILE *file,
-                           const struct rb_frame *frame)
+static int print_contacts(const struct rb_exported *exported, FILE *file,
+                          const struct rb_frame *frame)
 {
 	const int bodies = exported->reading->body_count + exported->reading->static_count;
+	int count = 0;
 
 	for (int k = 0; k < frame->contact_count; k++) {
 		const struct rb_frame_contact *const contact = &frame->contacts[k];
@@ -201,7 +204,9 @@ static void print_contacts(const struct rb_exported *exported, FILE *file,
 		print_vector(file, contact->force);
 		print_numbers(file, &contact->gap, 1);
 		putc('\n', file);
+		count++;
 	}
+	return count;
 }
 
 /* The tables with rows of frames. */
@@ -209,12 +214,13 @@ static const struct {
 	const char *name;
 	unsigned field; /* RB_FIELD_* that must be recorded; 0: none */
 	void (*head)(const struct rb_exported *, FILE *, const struct rb_frame *);
-	void (*rows)(const struct rb_exported *, FILE *, const struct rb_frame *);
+	int (*rows)(const struct rb_exported *, FILE *, const struct rb_frame *); /* how many */
+	const char *one, *many; /* what a row is of */
 } tables[] = {
-	{"bodies", 0, print_head, print_bodies},
-	{"frames", 0, print_frames_head, print_frame},
-	{"events", RB_FIELD_EVENTS, print_events_head, print_events},
-	{"contacts", RB_FIELD_CONTACTS, print_contacts_head, print_contacts},
+	{"bodies", 0, print_head, print_bodies, "row", "rows"},
+	{"frames", 0, print_frames_head, print_frame, "frame", "frames"},
+	{"events", RB_FIELD_EVENTS, print_events_head, print_events, "event", "events"},
+	{"contacts", RB_FIELD_CONTACTS, print_contacts_head, print_contacts, "row", "rows"},
 };
 enum { TABLE_COUNT = sizeof tables / sizeof *tables };
 
@@ -230,6 +236,7 @@ static void table_name(const char *name, const char *table, char out[RB_EXPORT_N
 static enum rb_status write_table(struct rb_exported *exported, int table, const char *name,
                                   struct rb_error *err)
 {
+	struct rb_export_content content = {0, tables[table].one, tables[table].many};
 	struct rb_outfile out;
 	struct rb_frame frame;
 	enum rb_status status = rb_exported_begin(exported, &out, name, err);
@@ -242,10 +249,10 @@ static enum rb_status write_table(struct rb_exported *exported, int table, const
 			break;
 		if (row == 0)
 			tables[table].head(exported, out.file, &frame);
-		tables[table].rows(exported, out.file, &frame);
+		content.count += (uint64_t)tables[table].rows(exported, out.file, &frame);
 	}
 	if (!status)
-		return rb_exported_publish(exported, &out, name, true, err);
+		return rb_exported_publish(exported, &out, name, &content, err);
 	rb_outfile_release(&out);
 	return status;
 }
@@ -267,7 +274,10 @@ static enum rb_status write_results(struct rb_exported *exported, const char *na
 		rb_table_print_cell(out.file, reading->result_units[i]);
 		putc('\n', out.file);
 	}
-	return rb_exported_publish(exported, &out, name, true, err);
+	return rb_exported_publish(
+		exported, &out, name,
+		&(struct rb_export_content){(uint64_t)reading->result_count, "result", "results"},
+		err);
 }
 
 static enum rb_status write_csv(struct rb_exported *exported, const char *name,

@@ -102,7 +102,11 @@ static enum rb_status write_dump(struct rb_exported *exported, const char *name,
 				print_body(exported, out.file, &frame, i);
 	}
 	if (!status)
-		return rb_exported_publish(exported, &out, name, true, err);
+		return rb_exported_publish(
+			exported, &out, name,
+			&(struct rb_export_content){exported->reading->frame_count, "frame",
+		                                    "frames"},
+			err);
 	rb_outfile_release(&out);
 	return status;
 }

@@ -553,7 +553,9 @@ static enum rb_status write_glb(struct rb_exported *exported, const char *name,
 		status = put_file(&glb, name, out.file, binary, err);
 	release(&glb);
 	if (!status)
-		return rb_exported_publish(exported, &out, name, true, err);
+		return rb_exported_publish(
+			exported, &out, name,
+			&(struct rb_export_content){glb.frame_count, "frame", "frames"}, err);
 	rb_outfile_release(&out);
 	return status;
 }

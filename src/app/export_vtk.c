@@ -264,7 +264,7 @@ static enum rb_status write_part(struct rb_exported *exported, const struct surf
 		put_frame(surfaces, exported, frame, out.file);
 	else
 		put_contacts(frame, out.file);
-	return rb_exported_publish(exported, &out, name, false, err);
+	return rb_exported_publish(exported, &out, name, NULL, err);
 }
 
 /* An entry of the list of times. */
@@ -338,7 +338,11 @@ static enum rb_status write_vtk(struct rb_exported *exported, const char *name,
 	status = write_all(exported, &surfaces, &names, out.file, err);
 	release(&surfaces);
 	if (!status)
-		return rb_exported_publish(exported, &out, name, true, err);
+		return rb_exported_publish(
+			exported, &out, name,
+			&(struct rb_export_content){exported->reading->frame_count, "frame",
+		                                    "frames"},
+			err);
 	rb_outfile_release(&out);
 	return status;
 }

@@ -70,14 +70,17 @@ enum rb_status rb_exported_begin(const struct rb_exported *exported, struct rb_o
 }
 
 enum rb_status rb_exported_publish(struct rb_exported *exported, struct rb_outfile *out,
-                                   const char *name, bool told, struct rb_error *err)
+                                   const char *name, const struct rb_export_content *content,
+                                   struct rb_error *err)
 {
 	const enum rb_status status = rb_outfile_publish(out, err);
 
-	if (!status && told) {
+	if (!status && content) {
 		RB_ASSERT(exported->output_count < RB_EXPORTS_MAX);
-		snprintf(exported->outputs[exported->output_count++], RB_EXPORT_NAME_SIZE, "%s",
-		         name);
+		struct rb_export_output *const output =
+			&exported->outputs[exported->output_count++];
+		snprintf(output->name, sizeof output->name, "%s", name);
+		output->content = *content;
 	}
 	return status;
 }

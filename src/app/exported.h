@@ -13,6 +13,17 @@
 
 enum { RB_EXPORTS_MAX = 8, RB_EXPORT_NAME_SIZE = 512 };
 
+/* What an output holds: so many of what it has a row or a picture of. */
+struct rb_export_content {
+	uint64_t count;
+	const char *one, *many; /* "frame", "frames" */
+};
+
+struct rb_export_output {
+	char name[RB_EXPORT_NAME_SIZE];
+	struct rb_export_content content;
+};
+
 struct rb_exported {
 	const struct rb_options *options;
 	const char *file; /* the recording */
@@ -23,7 +34,7 @@ struct rb_exported {
 	struct rb_trimesh_box box; /* round all bodies but planes, in all frames */
 
 	/* made so far, for the report */
-	char outputs[RB_EXPORTS_MAX][RB_EXPORT_NAME_SIZE];
+	struct rb_export_output outputs[RB_EXPORTS_MAX];
 	int output_count;
 };
 
@@ -47,9 +58,11 @@ void rb_exported_release(struct rb_exported *exported);
 RB_CHECKED enum rb_status rb_exported_begin(const struct rb_exported *exported,
                                             struct rb_outfile *out, const char *name,
                                             struct rb_error *err);
-/* `told` says whether it is one of the outputs that are named. */
+/* `content`: NULL where it is none of the outputs that are named. */
 RB_CHECKED enum rb_status rb_exported_publish(struct rb_exported *exported, struct rb_outfile *out,
-                                              const char *name, bool told, struct rb_error *err);
+                                              const char *name,
+                                              const struct rb_export_content *content,
+                                              struct rb_error *err);
 
 /* Pose of a body by index, moving ones at a frame, others where they stay. */
 rb_vec3 rb_exported_position(const struct rb_exported *exported, const struct rb_frame *frame,

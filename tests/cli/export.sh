@@ -73,6 +73,14 @@ assert contacts and all(float(c["fz"]) >= 0 for c in contacts if c["a"] == "0")
 assert list(csv.reader(open("run-results.csv"))) == [["name", "value", "unit"], ["end", "1", "s"]]
 END
 
+# and each says how many of what it has
+exits 0 export run.h5 --to csv --force
+for table in bodies:row frames:frame events:event contacts:row results:result; do
+	count=$(python3 -c 'import csv, sys; print(len(list(csv.reader(open(sys.argv[1])))) - 1)' "run-${table%:*}.csv")
+	word=${table#*:}$([ "$count" = 1 ] || echo s)
+	grep -qx "run-${table%:*}.csv: $count $word" out || fail "run-${table%:*}.csv has $count $word, told: $(cat out)"
+done
+
 # the dump: atoms are bodies of a volume
 exits 0 export run.h5 -o run.dump
 python3 - <<'END' || fail "another dump"
