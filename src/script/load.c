@@ -299,12 +299,31 @@ static int find_misspelt(lua_State *L)
 	return 0;
 }
 
+/*
+ * Bytes of the scene's name before the first colon of a message, where it begins with one: whole,
+ * or as Lua writes what is long, "..." and its end. 0: it begins with something else.
+ */
+static size_t name_size(const char *text, const char *source)
+{
+	const bool cut = strncmp(text, "...", 3) == 0;
+	const char *const name = text + (cut ? 3 : 0);
+
+	for (const char *end = source; *end; end++) {
+		const size_t size = strlen(end);
+		if (strncmp(name, end, size) == 0 && name[size] == ':')
+			return size + (size_t)(name - text);
+		if (!cut)
+			break;
+	}
+	return 0;
+}
+
 /* Notes a message of Lua's as a mistake like the others: it has its place in front, or none. */
 static void note_error(struct rb_script *script, const struct rb_error *err)
 {
 	lua_State *L = script->sandbox.L;
 	const char *text = err->text;
-	const size_t size = strlen(script->source);
+	const size_t size = name_size(text, script->source);
 	struct misspelt misspelt = {.message = text};
 	long line = 0;
 
@@ -312,7 +331,7 @@ static void note_error(struct rb_script *script, const struct rb_error *err)
 	lua_pushlightuserdata(L, &misspelt);
 	if (lua_pcall(L, 1, 0, 0) != LUA_OK)
 		lua_pop(L, 1);
-	if (strncmp(text, script->source, size) == 0 && text[size] == ':') {
+	if (size > 0) {
 		char *rest;
 		line = strtol(text + size + 1, &rest, 10);
 		if (line > 0 && line < INT_MAX && rest[0] == ':')

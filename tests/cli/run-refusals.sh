@@ -185,6 +185,11 @@ says out '"reason":"[^"]*wrong.lua:2: sphere: .radius. must be positive'
 printf 'world { duration = 1 }\nsphere { radius = 1, inertia = {1, 1, 3} }\n' >"$deep/wrong.lua"
 exits 65 "$deep/wrong.lua"
 says err 'wrong.lua:2: sphere'
+# Lua's own errors, too, have their place once
+printf 'world { duration = 1 }\nlocal sum = nil + 1\n' >"$deep/wrong.lua"
+exits 65 "$deep/wrong.lua"
+says err 'wrong.lua:2: attempt to perform arithmetic'
+[ "$(grep -o 'wrong\.lua' err | wc -l)" = 1 ] || fail "the place is told twice: $(cat err)"
 rm -r "$folder"
 
 # without /proc, or with something else in its place: what is missing is told, and what does not need it goes on; sanitizers
