@@ -303,16 +303,22 @@ static void hulls_count_with_what_they_take(void **state)
 static void memory_is_bounded(void **state)
 {
 	static const char message[] =
-		"t.lua: the script needs more than 8 MiB of memory (--trust lifts this)";
+		"t.lua:1: the script needs more than 8 MiB of memory (--trust lifts this)";
 
 	(void)state;
 	must_fail("local t = {} for i = 1, 1e9 do t[i] = i end", message);
-	must_fail("local t = {} for i = 1, 1e9 do t[i] = {} end", "needs more than 8 MiB");
+	must_fail("local t = {}\nfor i = 1, 1e9 do\n\tt[i] = {}\nend", "t.lua:3: the script needs");
+	must_fail("local f = coroutine.wrap(function()\nlocal t = {}\nwhile true do\nt[#t + 1] = "
+	          "function() return t end end end)\nf()",
+	          "t.lua:4: the script needs more than 8 MiB");
+	must_fail("local t = {}\nfor i = 1, 1e9 do t[i] = tostring(i):rep(9)\nend",
+	          "t.lua:2: the script needs more than 8 MiB");
 	must_fail("local s = 'x' while true do s = s .. s end", message);
 	must_fail("while true do local ok = pcall(function() local s = 'x' while true do s = s .. "
 	          "s end end) end",
 	          "million instructions");
 	must_fail("string.rep('x', 1e10)", "a text of more than 16 MiB");
+	must_fail("local s = 'x'\nwhile true do\ns = s .. s end", "t.lua:3: the script needs");
 	must_fail("string.rep('x', 1e7)", "8 MiB");
 	must_fail("local function f() return f() + 1 end f()", "");
 	must_fail("for i = 1, 1e9 do sphere { radius = 1 } end", "8 MiB");

@@ -130,6 +130,11 @@ static void block_give(struct rb_sandbox *sandbox, void *block, size_t size)
 	sandbox->free_list[class] = block;
 }
 
+static bool fits(const struct rb_sandbox *sandbox, size_t more)
+{
+	return more <= sandbox->bytes_max && sandbox->bytes <= sandbox->bytes_max - more;
+}
+
 /*
  * Whether the state may grow from old_size to new_size bytes; charges work for it. `text`: it is
  * for a string, which has a bound of its own.
@@ -144,8 +149,47 @@ static bool within_budget(struct rb_sandbox *sandbox, size_t old_size, size_t ne
 		return false;
 	}
 	/* Lua collects and asks again before it gives up: the verdict is made in `explain`. */
-	return new_size - old_size <= sandbox->bytes_max &&
-	       sandbox->bytes <= sandbox->bytes_max - (new_size - old_size);
+	return fits(sandbox, new_size - old_size);
+}
+
+static void count_hook(lua_State *L, lua_Debug *activation);
+
+/*
+ * Whether the state may have so many bytes on credit, of half as much as is allowed: at the next
+ * instruction the hook asks for them back. What the allocator refuses has no place in the script,
+ * because Lua calls nobody when it raises that error; what the hook raises has one.
+ */
+static bool overdraw(struct rb_sandbox *sandbox, size_t more)
+{
+	const size_t most = sandbox->bytes_max + sandbox->bytes_max / 2;
+
+	if (sandbox->depth == 0 || more > most || sandbox->bytes > most - more)
+		return false;
+	sandbox->overdrawn = true;
+	lua_sethook(sandbox->overtime.running, count_hook, LUA_MASKCOUNT, 1);
+	return true;
+}
+
+/*
+ * Keeps where the script was when a text was refused, for `explain`. Nothing else may be asked for
+ * its place here: Lua may be amid moving its stack.
+ */
+static void keep_place(struct rb_sandbox *sandbox, bool text)
+{
+	lua_State *const L = sandbox->overtime.running;
+	lua_Debug at;
+
+	sandbox->place[0] = '\0';
+	if (!text || sandbox->depth == 0)
+		return;
+	for (int level = 0; lua_getstack(L, level, &at); level++) {
+		lua_getinfo(L, "Sl", &at);
+		if (at.currentline > 0) {
+			snprintf(sandbox->place, sizeof sandbox->place, "%s:%d: ", at.short_src,
+			         at.currentline);
+			return;
+		}
+	}
 }
 
 /* lua_Alloc. With block NULL, old_size is the kind of the object. */
@@ -162,8 +206,12 @@ static void *allocate(void *user, void *block, size_t old_size, size_t new_size)
 		sandbox->bytes -= old_size;
 		return NULL;
 	}
-	if (!within_budget(sandbox, old_size, new_size, text))
+	if (!within_budget(sandbox, old_size, new_size, text) &&
+	    ((text && new_size > RB_SANDBOX_TEXT_BYTES) ||
+	     !overdraw(sandbox, new_size - old_size))) {
+		keep_place(sandbox, text);
 		return NULL;
+	}
 	const bool same_class = old_size > 0 && old_size <= SMALL_MAX && new_size <= SMALL_MAX &&
 	                        (old_size - 1) / GRAIN == (new_size - 1) / GRAIN;
 	if (!same_class) {
@@ -193,7 +241,8 @@ struct rb_sandbox *rb_sandbox_of(lua_State *L)
 	return sandbox;
 }
 
-static void count_hook(lua_State *L, lua_Debug *activation);
+#define MEMORY_TEXT "the script needs more than %d MiB of memory %s"
+static const char lifted[] = "(--trust lifts this)";
 
 /*
  * Raises the error of the budget that is used up. `level` of the Lua function to blame: 0 inside of
@@ -202,7 +251,6 @@ static void count_hook(lua_State *L, lua_Debug *activation);
 static void raise_spent(lua_State *L, int level)
 {
 	const struct rb_sandbox *sandbox = rb_sandbox_of(L);
-	const char *lifted = "(--trust lifts this)";
 	char seconds[32];
 
 	/* each next instruction raises again, so that a pcall around this one is of no use */
@@ -214,8 +262,7 @@ static void raise_spent(lua_State *L, int level)
 	else if (sandbox->spent == RB_SPENT_TIME)
 		lua_pushfstring(L, "the script ran longer than %s seconds %s", seconds, lifted);
 	else if (sandbox->spent == RB_SPENT_MEMORY)
-		lua_pushfstring(L, "the script needs more than %d MiB of memory %s",
-		                (int)(sandbox->bytes_max >> 20), lifted);
+		lua_pushfstring(L, MEMORY_TEXT, (int)(sandbox->bytes_max >> 20), lifted);
 	else if (sandbox->work_max >= 1000000)
 		lua_pushfstring(L, "the script ran longer than %d million instructions %s",
 		                (int)(sandbox->work_max / 1000000), lifted);
@@ -246,12 +293,33 @@ static void verify(lua_State *L, int level)
 	raise_spent(L, level);
 }
 
+/*
+ * Collects what was had on credit; raises an error if that does not suffice. A script that catches
+ * it goes on: most often its memory is then free.
+ */
+static void pay_back(lua_State *L)
+{
+	struct rb_sandbox *sandbox = rb_sandbox_of(L);
+
+	sandbox->overdrawn = false;
+	lua_sethook(L, count_hook, LUA_MASKCOUNT, HOOK_COUNT);
+	lua_gc(L, LUA_GCCOLLECT, 0);
+	if (fits(sandbox, 0))
+		return;
+	luaL_where(L, 0);
+	lua_pushfstring(L, MEMORY_TEXT, (int)(sandbox->bytes_max >> 20), lifted);
+	lua_concat(L, 2);
+	lua_error(L);
+}
+
 /* Lua's count hook. */
 static void count_hook(lua_State *L, lua_Debug *activation)
 {
 	(void)activation;
 	rb_sandbox_of(L)->work += HOOK_COUNT;
 	verify(L, 0);
+	if (rb_sandbox_of(L)->overdrawn)
+		pay_back(L);
 }
 
 void rb_sandbox_charge(lua_State *L, uint64_t work)
@@ -278,7 +346,12 @@ void rb_sandbox_charge_bytes(lua_State *L, size_t bytes)
 {
 	struct rb_sandbox *sandbox = rb_sandbox_of(L);
 
-	if (!within_budget(sandbox, 0, bytes, false)) {
+	bool within = within_budget(sandbox, 0, bytes, false);
+	if (!within && sandbox->overdrawn) { /* what is garbage does not count */
+		lua_gc(L, LUA_GCCOLLECT, 0);
+		within = fits(sandbox, bytes);
+	}
+	if (!within) {
 		sandbox->spent = RB_SPENT_MEMORY;
 		raise_spent(L, 1);
 	}
@@ -389,6 +462,8 @@ static void start_budget(struct rb_sandbox *sandbox, uint64_t instructions)
 	sandbox->overtime.running = sandbox->L;
 	sandbox->overtime.hook = count_hook;
 	sandbox->refused = false;
+	sandbox->overdrawn = false;
+	sandbox->place[0] = '\0';
 	rb_memory_free(sandbox->traceback);
 	sandbox->traceback = NULL;
 	if (!sandbox->trust)
@@ -430,13 +505,11 @@ static enum rb_status explain(struct rb_sandbox *sandbox, int status, struct rb_
 		result = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the scene's script");
 	else if (memory && sandbox->spent == RB_SPENT_TEXT)
 		result = RB_FAIL(err, RB_ERR_SCENE,
-		                 "the script makes a text of more than %d MiB (--trust lifts this)",
-		                 RB_SANDBOX_TEXT_BYTES >> 20);
+		                 "%sthe script makes a text of more than %d MiB %s", sandbox->place,
+		                 RB_SANDBOX_TEXT_BYTES >> 20, lifted);
 	else if (memory)
-		result = RB_FAIL(
-			err, RB_ERR_SCENE,
-			"the script needs more than %zu MiB of memory (--trust lifts this)",
-			sandbox->bytes_max >> 20);
+		result = RB_FAIL(err, RB_ERR_SCENE, "%s" MEMORY_TEXT, sandbox->place,
+		                 (int)(sandbox->bytes_max >> 20), lifted);
 	else
 		result = RB_FAIL(err, RB_ERR_SCENE, "%s", text);
 	lua_pop(L, 1);
