@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The restricted Damerau-Levenshtein distance (optimal string alignment): three rows of the table
- * suffice. Words are near if they differ by one edit for two or three letters, two for up to seven,
- * else three; a common beginning of three letters counts as near too, since abbreviations are the
- * other usual mistake, and so do capitals for small letters.
+ * suffice. Words are near if no more than a third of the letters, and three, are edited; of two
+ * letters one, unless it is changed for another, which leaves nothing that tells the word. A common
+ * beginning of three letters counts as near too, since abbreviations are the other usual mistake,
+ * and so do capitals for small letters.
  */
 #include "script/nearest.h"
 
@@ -25,13 +26,14 @@ static int least(int a, int b)
 }
 
 /*
- * Edits (insert, delete, change, swap neighbours) between two words; WORD_MAX, which is far apart,
+ * Edits (insert, delete, change, swap neighbours) of `a` that make `b`; WORD_MAX, which is far apart,
  * for words that are too long.
  */
 static int distance_of(const char *a, size_t a_size, const char *b, size_t b_size)
 {
 	int rows[3][WORD_MAX + 1];
 	int *before = rows[0], *above = rows[1], *row = rows[2];
+	const int other = a_size <= 2 ? 2 : 1;
 
 	if (a_size > WORD_MAX || b_size > WORD_MAX)
 		return WORD_MAX;
@@ -42,7 +44,7 @@ static int distance_of(const char *a, size_t a_size, const char *b, size_t b_siz
 	for (int i = 1; i <= (int)a_size; i++) {
 		row[0] = i;
 		for (int j = 1; j <= (int)b_size; j++) {
-			const int change = above[j - 1] + (a[i - 1] != b[j - 1]);
+			const int change = above[j - 1] + (a[i - 1] != b[j - 1] ? other : 0);
 			row[j] = least(change, least(above[j], row[j - 1]) + 1);
 			if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
 				row[j] = least(row[j], before[j - 2] + 1);
@@ -64,7 +66,7 @@ void rb_nearest_offer(struct rb_nearest *nearest, const char *candidate, size_t 
 {
 	const size_t word_size = strlen(nearest->word);
 	int distance = distance_of(nearest->word, word_size, candidate, size);
-	const int allowed = word_size <= 1 ? 0 : word_size <= 3 ? 1 : word_size <= 7 ? 2 : 3;
+	const int allowed = word_size == 2 ? 1 : word_size < 9 ? (int)word_size / 3 : 3;
 
 	RB_ASSERT(nearest->word != NULL);
 	/* a word cut short, or written out: 'pos', 'angular' */
