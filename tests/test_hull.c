@@ -230,6 +230,7 @@ static void points_without_a_volume_are_refused(void **slot)
 
 	(void)slot;
 	assert_refused(points, 0, "0 points have no hull");
+	assert_refused(points, 1, "1 point has no hull");
 	assert_refused(points, 3, "3 points have no hull");
 	assert_refused(points, COUNT, "in a plane"); /* all the same */
 	for (int i = 0; i < COUNT; i++)

@@ -169,6 +169,24 @@ static void no_memory_is_an_error(void **state)
 	assert_int_equal(after.taken - before.taken, after.freed - before.freed);
 }
 
+/* A recording has a lock while it is made: a whole one, of an open file, which belongs to no process. */
+static void a_file_is_written_as_long_as_its_lock_is_held(void **state)
+{
+	struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+	char path[600];
+	const int writer = open(in_folder(path, "locked"), O_RDWR | O_CREAT, 0600);
+	const int reader = open(path, O_RDONLY);
+
+	(void)state;
+	assert_true(writer >= 0 && reader >= 0);
+	assert_false(rb_place_is_written(reader));
+	assert_int_equal(fcntl(writer, F_OFD_SETLK, &lock), 0);
+	assert_true(rb_place_is_written(reader));
+	close(writer);
+	assert_false(rb_place_is_written(reader));
+	close(reader);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -177,6 +195,7 @@ int main(void)
 		cmocka_unit_test(names_of_new_files_differ_and_are_tidied),
 		cmocka_unit_test(the_longest_names_are_possible),
 		cmocka_unit_test(no_memory_is_an_error),
+		cmocka_unit_test(a_file_is_written_as_long_as_its_lock_is_held),
 	};
 
 	return cmocka_run_group_tests(tests, make_folder, NULL);

@@ -360,10 +360,12 @@ static void print_text(struct rb_loaded *loaded, const struct rb_options *option
 	         title ? title : "");
 	print_bodies(model);
 	rb_print(stdout,
-	         "  run         %g s in %" PRIu64 " frames at %g per second, %" PRIu64
-	         " steps of at most %g s, seed %" PRIu64 "\n",
-	         model->duration_s, model->frame_count, model->frame_rate, needs->steps,
-	         model->time_step_s, loaded->scene.world.seed);
+	         "  run         %g s in %" PRIu64 " %s at %g per second, %" PRIu64
+	         " %s of at most %g s, seed %" PRIu64 "\n",
+	         model->duration_s, model->frame_count,
+	         rb_text_plural(model->frame_count, "frame", "frames"), model->frame_rate,
+	         needs->steps, rb_text_plural(needs->steps, "step", "steps"), model->time_step_s,
+	         loaded->scene.world.seed);
 	print_joints(model);
 	print_time(&needs->run);
 	rb_print(stdout, "  method      %s, rollback %s, %d %s\n", info->method, info->rollback,

@@ -414,11 +414,6 @@ const char *rb_text_tolerance(double located_m, double stepped_m, int digits, ch
 	return out;
 }
 
-const char *rb_text_plural(uint64_t count, const char *one, const char *many)
-{
-	return count == 1 ? one : many;
-}
-
 const char *rb_text_shapes(const int counts[RB_SHAPE_KIND_COUNT], char out[160])
 {
 	size_t used = 0;

@@ -15,6 +15,7 @@
 #include <rbsim/model.h>
 
 #include "app/options.h"
+#include "base/visible.h"
 #include "script/load.h"
 
 #define RB_VERSION RBSIM_VERSION
@@ -103,8 +104,6 @@ const char *rb_text_bytes(uint64_t bytes, char out[32]);
  * is of each number.
  */
 const char *rb_text_tolerance(double located_m, double stepped_m, int digits, char out[96]);
-
-const char *rb_text_plural(uint64_t count, const char *one, const char *many);
 
 /*
  * Forces of a scene that are neither gravity nor a body's own: "2 springs, 1 field", "" without

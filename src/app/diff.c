@@ -257,8 +257,9 @@ static void print_text(const struct side *side, const struct difference *found)
 
 	switch (found->kind) {
 	case SAME:
-		rb_print(stdout, "the same to the bit: %" PRIu64 " frames of %d bodies\n",
-		         a->frame_count, a->body_count);
+		rb_print(stdout, "the same to the bit: %" PRIu64 " %s of %d %s\n", a->frame_count,
+		         rb_text_plural(a->frame_count, "frame", "frames"), a->body_count,
+		         rb_text_plural((uint64_t)a->body_count, "body", "bodies"));
 		break;
 	case BODIES:
 		rb_print(

@@ -127,8 +127,9 @@ static int check_memory(int exit_code)
 
 	if (!getenv("RBSIM_CHECK_MEMORY") || counts.taken == counts.freed)
 		return exit_code;
-	rb_print(stderr, "rbsim: %" PRIu64 " blocks of memory were not given back\n",
-	         counts.taken - counts.freed);
+	rb_print(stderr, "rbsim: %" PRIu64 " %s of memory not given back\n",
+	         counts.taken - counts.freed,
+	         rb_text_plural(counts.taken - counts.freed, "block", "blocks"));
 	return rb_status_exit_code(RB_ERR_BUG);
 }
 

@@ -103,8 +103,9 @@ static void tell(const struct patient *patient, const struct rb_options *options
 
 	if (!options->json) {
 		if (!options->quiet)
-			rb_print(stdout, "'%s' is a plain file: %llu frames, %s%s%s\n",
-			         patient->path, (unsigned long long)patient->row_count,
+			rb_print(stdout, "'%s' is a plain file: %llu %s, %s%s%s\n", patient->path,
+			         (unsigned long long)patient->row_count,
+			         rb_text_plural(patient->row_count, "frame", "frames"),
 			         patient->status, *patient->reason ? ": " : "", patient->reason);
 		return;
 	}

@@ -268,14 +268,14 @@ static int tell(const struct replay *replay, const struct rb_options *options)
 		         replay->first, replay->what);
 	else if (replay->hash_differs)
 		rb_print(stdout,
-		         "'%s' has the same %" PRIu64 " frames, but ends in another state: %s "
+		         "'%s' has the same %" PRIu64 " %s, but ends in another state: %s "
 		         "recorded, %016" PRIx64 " now\n",
-		         replay->path, replay->row, replay->reading->state_hash,
-		         replay->state_hash);
+		         replay->path, replay->row, rb_text_plural(replay->row, "frame", "frames"),
+		         replay->reading->state_hash, replay->state_hash);
 	else
-		rb_print(stdout,
-		         "the same to the bit: %" PRIu64 " frames, state hash %016" PRIx64 "\n",
-		         replay->row, replay->state_hash);
+		rb_print(stdout, "the same to the bit: %" PRIu64 " %s, state hash %016" PRIx64 "\n",
+		         replay->row, rb_text_plural(replay->row, "frame", "frames"),
+		         replay->state_hash);
 	return exit_code;
 }
 

@@ -495,8 +495,9 @@ static void print_facts(FILE *file, const struct rb_report *report)
 	const bool titled = report->title && *report->title;
 
 	rb_print(file, "%s%s%s\n", report->scene, titled ? ": " : "", titled ? report->title : "");
-	rb_print(file, "  error of   %s, over %" PRIu64 " frames (%.6g s) and %d %s\n",
-	         rb_quantities[report->quantity].what, report->frame_count, report->duration_s,
+	rb_print(file, "  error of   %s, over %" PRIu64 " %s (%.6g s) and %d %s\n",
+	         rb_quantities[report->quantity].what, report->frame_count,
+	         rb_text_plural(report->frame_count, "frame", "frames"), report->duration_s,
 	         report->body_count,
 	         rb_text_plural((uint64_t)report->body_count, "body", "bodies"));
 	rb_print(file, "  against    %s\n", report->reference);

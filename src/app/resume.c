@@ -102,9 +102,11 @@ static enum rb_status compare_files(const char *name, const struct rb_scene *sce
 	if (scene->file_count == reading->file_count)
 		return RB_OK;
 	return RB_FAIL(err, RB_ERR_USAGE,
-	               "option '--resume': '%s' was made from %d files, the scene has %d "
+	               "option '--resume': '%s' was made from %d %s, the scene has %d "
 	               "(--force instead begins anew)",
-	               name, reading->file_count, scene->file_count);
+	               name, reading->file_count,
+	               rb_text_plural((uint64_t)reading->file_count, "file", "files"),
+	               scene->file_count);
 }
 
 /* The recorded text of a parameter. */
@@ -196,9 +198,10 @@ static enum rb_status judge(struct rb_resume *resume, const struct rb_loaded *lo
 		               loaded->output);
 	if (about->row_count == 0 || about->row_count > reading->frame_count)
 		return RB_FAIL(err, RB_ERR_INPUT,
-		               "'%s' holds %llu frames, and its checkpoint comes after %llu: it "
+		               "'%s' holds %llu %s, and its checkpoint comes after %llu: it "
 		               "was cut off",
 		               loaded->output, (unsigned long long)reading->frame_count,
+		               rb_text_plural(reading->frame_count, "frame", "frames"),
 		               (unsigned long long)about->row_count);
 	resume->kind = RB_RESUME_GO_ON;
 	return RB_OK;
@@ -211,7 +214,6 @@ static enum rb_status judge(struct rb_resume *resume, const struct rb_loaded *lo
 static enum rb_status check_file(const struct rb_loaded *loaded, bool *is_written,
                                  struct rb_error *err)
 {
-	struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
 	struct rb_place place;
 	enum rb_status status = rb_place_open(&place, loaded->output, loaded->how, err);
 
@@ -221,7 +223,7 @@ static enum rb_status check_file(const struct rb_loaded *loaded, bool *is_writte
 	if (fd < 0)
 		status = RB_FAIL(err, RB_ERR_CREATE, "cannot write to '%s': %s", loaded->output,
 		                 errno == ELOOP ? "it is a symbolic link" : strerror(errno));
-	*is_written = fd >= 0 && fcntl(fd, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+	*is_written = fd >= 0 && rb_place_is_written(fd);
 	if (fd >= 0)
 		close(fd);
 	rb_place_release(&place);

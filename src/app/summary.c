@@ -57,8 +57,9 @@ static void print_work(FILE *file, const struct rb_run_result *result)
 		rb_print(file, ", smallest step %.3g s", result->totals.smallest_step);
 	rb_print(file, "\n  impacts       %" PRIu64, result->totals.collisions);
 	if (work->plastic_ends > 0)
-		rb_print(file, "; %" PRIu64 " clusters of impacts ended without restitution",
-		         work->plastic_ends);
+		rb_print(file, "; %" PRIu64 " %s of impacts ended without restitution",
+		         work->plastic_ends,
+		         rb_text_plural(work->plastic_ends, "cluster", "clusters"));
 	if (work->crowded_impacts > 0)
 		rb_print(file,
 		         "; %" PRIu64 " in groups of more than %d contacts at once, of %.3g J",

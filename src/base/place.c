@@ -316,6 +316,14 @@ int rb_place_reach(const struct rb_place *place, const char *name, int flags)
 	return openat(place->folder, name, flags | O_NOFOLLOW | O_CLOEXEC, 0666);
 }
 
+bool rb_place_is_written(int descriptor)
+{
+	struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+
+	RB_ASSERT(descriptor >= 0);
+	return fcntl(descriptor, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+}
+
 void rb_place_remove(const struct rb_place *place, const char *name)
 {
 	(void)unlinkat(place->folder, name, 0);

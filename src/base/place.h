@@ -69,6 +69,11 @@ int rb_place_create(const struct rb_place *place, const char *ending,
  * A file of that name that is there; flags as of open. -1 with errno: ELOOP, it is a symbolic link.
  */
 int rb_place_reach(const struct rb_place *place, const char *name, int flags);
+/*
+ * Whether a process that lives writes the file: whoever makes a recording has a lock on it
+ * (sink/h5output). False where the file system knows no locks, or not those of another machine.
+ */
+bool rb_place_is_written(int descriptor);
 void rb_place_remove(const struct rb_place *place, const char *name);
 /*
  * Removes what rb_place_create has left behind, of processes that were killed, for the place's name

@@ -32,6 +32,12 @@ size_t rb_visible_size(const char *at);
  */
 size_t rb_visible_escape(const char *at, char out[16]);
 
+/* The word for so many of a kind. */
+static inline const char *rb_text_plural(uint64_t count, const char *one, const char *many)
+{
+	return count == 1 ? one : many;
+}
+
 /*
  * printf, but every text given for a %s is made visible; tabs stay. What stands in `format` itself
  * is ours. Knows d i u x c s f e g a, their flags, widths and sizes. One write where the text is

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "base/visible.h"
 #include "film/pixmap.h"
 #include "math/vec3.h"
 #include "script/load.h"
@@ -495,21 +496,24 @@ static enum rb_status execute_status(const struct order *order)
 
 	rb_viewer_say(viewer,
 	              "%s, %s at speed %.4g: t = %.6g s, frame %" PRIu64 " of %" PRIu64 ", %" PRIu64
-	              " pictures drawn",
+	              " %s drawn",
 	              status->state, rb_viewer_state(viewer), viewer->speed, viewer->frame.time_s,
 	              viewer->frame.index, status->frame_count > 0 ? status->frame_count - 1 : 0,
-	              viewer->drawn_count);
+	              viewer->drawn_count,
+	              rb_text_plural(viewer->drawn_count, "picture", "pictures"));
 	rb_viewer_say(viewer,
-	              "%" PRIu64 " collisions, %" PRIu64
-	              " rollbacks, smallest step %.3g s, overlap up to %.3g m",
-	              status->collisions, status->rollbacks, status->smallest_step_s,
-	              status->max_penetration_m);
+	              "%" PRIu64 " %s, %" PRIu64 " %s, smallest step %.3g s, overlap up to %.3g m",
+	              status->collisions,
+	              rb_text_plural(status->collisions, "collision", "collisions"),
+	              status->rollbacks, rb_text_plural(status->rollbacks, "rollback", "rollbacks"),
+	              status->smallest_step_s, status->max_penetration_m);
 	rb_viewer_say(
 		viewer,
-		"%" PRIu64 " frames shown, %" PRIu64
+		"%" PRIu64 " %s shown, %" PRIu64
 		" passed over; late %.2f ms on average, 99 %% within %.1f ms, drift %.3f ms/s",
-		late->count, late->skipped, 1e3 * rb_lateness_mean(late),
-		1e3 * rb_lateness_within(late, 0.99), 1e3 * rb_lateness_drift(late));
+		late->count, rb_text_plural(late->count, "frame", "frames"), late->skipped,
+		1e3 * rb_lateness_mean(late), 1e3 * rb_lateness_within(late, 0.99),
+		1e3 * rb_lateness_drift(late));
 	return RB_OK;
 }
 

@@ -11,16 +11,19 @@
  */
 #include "control/source.h"
 
+#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/place.h"
 #include "control/wire.h"
 #include "flow/frame.h"
 
@@ -226,6 +229,17 @@ static enum rb_status take_numbers(struct rb_source *source, uint64_t count, str
 	return status;
 }
 
+/* Whether its file is being written. */
+static bool is_written(const struct rb_source *source)
+{
+	const int fd = open(source->path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+	const bool is = fd >= 0 && rb_place_is_written(fd);
+
+	if (fd >= 0)
+		close(fd);
+	return is;
+}
+
 /* Takes the status from the recording, unless there is a run, which knows better. */
 static void tell_recording(struct rb_source *source)
 {
@@ -237,7 +251,9 @@ static void tell_recording(struct rb_source *source)
 		return;
 	status->grows = strcmp(reading->status, "running") == 0;
 	snprintf(status->state, sizeof status->state, "%s",
-	         status->grows ? "growing" : reading->status);
+	         !status->grows       ? reading->status
+	         : is_written(source) ? "growing"
+	                              : "unfinished");
 	status->bytes = stat(source->path, &file) == 0 ? (uint64_t)file.st_size : 0;
 	if (source->was_run) {
 		/* as its frames were numbered while it went on */

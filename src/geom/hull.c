@@ -390,8 +390,8 @@ static enum rb_status make(struct rb_hull *hull, const struct cloud *cloud, doub
 static enum rb_status check_points(const rb_vec3 *points, size_t count, struct rb_error *err)
 {
 	if (count < 4)
-		return RB_FAIL(err, RB_ERR_SCENE, "%zu points have no hull (wanted at least 4)",
-		               count);
+		return RB_FAIL(err, RB_ERR_SCENE, "%zu %s no hull (wanted at least 4)", count,
+		               count == 1 ? "point has" : "points have");
 	if (count > RB_HULL_POINTS_MAX)
 		return RB_FAIL(err, RB_ERR_SCENE, "%zu points are too many (wanted at most %d)",
 		               count, RB_HULL_POINTS_MAX);

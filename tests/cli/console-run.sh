@@ -42,6 +42,13 @@ enters "clear; $RBSIM console s.lua --force --duration 1e6 -p work=100000"
 sees 'frame [0-9]+ of 50000000'
 kill -s KILL "$(pgrep -f "run --listen .* s.lua --force --duration 1e6")"
 sees 'it was killed: by somebody, or for lack of memory'
+sees ': unfinished'
+types : && enters 'status'
+sees '^unfinished, '
+types q
+sees '^ready>'
+enters "clear; $RBSIM console s.h5"
+sees 's.h5: unfinished'
 types q
 sees '^ready>'
 enters "clear; $RBSIM console s.lua"

@@ -22,6 +22,10 @@ exits 0 diff a.h5 same.h5
 says out 'the same to the bit: 31 frames of 2 bodies'
 exits 0 diff a.h5 same.h5 --json
 says out '"same":true'
+printf 'world { duration = 1e-9, frame_rate = 1 }\nsphere { radius = 1 }\n' >one.lua
+exits 0 one.lua -q
+exits 0 diff one.h5 one.h5
+says out 'the same to the bit: 2 frames of 1 body$'
 
 exits 0 s.lua -q -o kicked.h5 --param kick=1e-9
 exits 1 diff a.h5 kicked.h5
