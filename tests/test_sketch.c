@@ -234,6 +234,40 @@ static void a_rectangle_is_a_grid_of_its_size(void **state)
 	close_stage(&stage);
 }
 
+/* A line of its own between two balls, to the point of its body where it holds; none where neither is to be seen. */
+static void a_spring_is_a_line_unless_both_its_ends_are_hidden(void **state)
+{
+	(void)state;
+	for (int hidden = 0; hidden < 2; hidden++) {
+		struct rb_spring_def def = rb_spring_def_default();
+		struct stage stage;
+		int drawn = 0, elsewhere = 0;
+
+		open_stage(&stage);
+		def.a = add_ball(&stage, (rb_vec3){-4, 0, 2}, 0.2, red);
+		def.b = add_ball(&stage, (rb_vec3){4, 0, -2}, 0.2, red);
+		def.at_b = (rb_vec3){0, 0, 4};
+		def.stiffness = 1;
+		for (int k = 0; k < 2; k++)
+			stage.lab.scene.bodies[k].visible = !hidden;
+		assert_int_equal(rb_scene_add_spring(&stage.lab.scene, &def, &stage.lab.error),
+		                 RB_OK);
+		seal(&stage);
+		draw(&stage);
+		/* 8 pixels a metre: along z = 2, from x = -4 to 4, but for the ball */
+		for (int i = 0; i < W; i++)
+			for (int j = 0; j < H; j++)
+				if (!is_empty(pixel(&stage, i, j)) &&
+				    !is_red(pixel(&stage, i, j))) {
+					drawn += j >= 23 && j <= 24 && i >= 27 && i <= 92;
+					elsewhere += j < 23 || j > 24 || i < 27 || i > 92;
+				}
+		assert_int_equal(elsewhere, 0);
+		assert_true(hidden ? drawn == 0 : drawn >= 60);
+		close_stage(&stage);
+	}
+}
+
 /* From anywhere, with lines that pass by the eye: nothing is written but the picture. */
 static void any_camera_draws_within_its_picture(void **state)
 {
@@ -277,6 +311,7 @@ int main(void)
 		cmocka_unit_test(what_cannot_be_seen_is_not_drawn),
 		cmocka_unit_test(a_plane_is_a_grid_of_lines),
 		cmocka_unit_test(a_rectangle_is_a_grid_of_its_size),
+		cmocka_unit_test(a_spring_is_a_line_unless_both_its_ends_are_hidden),
 		cmocka_unit_test(any_camera_draws_within_its_picture),
 	};
 

@@ -3,7 +3,8 @@
  * Surfaces for VTK's XML readers, in world coordinates: NAME.pvd lists times, NAME-vtk/K.vtp has
  * the triangles of frame K, with the id of the body of each, and colours and normals of corners.
  * Values stand behind the XML as they are in memory of a little-endian machine (appended, raw).
- * Contacts, which are few, are text in NAME-vtk/K-contacts.vtp: a vertex each.
+ * Contacts and springs, which are few, are text in NAME-vtk/K-contacts.vtp, a vertex each, and
+ * K-springs.vtp, a line each.
  */
 #include "app/exported.h"
 
@@ -13,6 +14,8 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "flow/joint_view.h"
+#include "force/spring.h"
 #include "math/quat.h"
 #include "math/vec3.h"
 
@@ -241,54 +244,102 @@ static void put_contacts(const struct rb_frame *frame, FILE *file)
 	fputs("</Verts>\n</Piece>\n</PolyData>\n</VTKFile>\n", file);
 }
 
+/* Springs from end to end, as far as they are seen, with their numbers. */
+static void put_springs(const struct rb_model *model, const struct rb_frame *frame, FILE *file)
+{
+	const int count = rb_scene_element_count(model->scene, &rb_force_spring);
+	rb_vec3 end[2];
+	int seen = 0;
+
+	for (int k = 0; k < count; k++)
+		seen += rb_spring_ends(model, frame, k, end);
+	fprintf(file,
+	        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\">\n<PolyData>\n"
+	        "<Piece NumberOfPoints=\"%d\" NumberOfVerts=\"0\" NumberOfLines=\"%d\" "
+	        "NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<Points>\n",
+	        2 * seen, seen);
+	begin_array(file, "Float64", "Points", 3);
+	for (int k = 0; k < count; k++)
+		for (int e = 0; e < 2 && rb_spring_ends(model, frame, k, end); e++) {
+			rb_exported_number(file, end[e].x);
+			putc(' ', file);
+			rb_exported_number(file, end[e].y);
+			putc(' ', file);
+			rb_exported_number(file, end[e].z);
+			putc('\n', file);
+		}
+	fprintf(file, "%s</Points>\n<CellData>\n", array_end);
+	begin_array(file, "Int32", "spring", 1);
+	for (int k = 0; k < count; k++)
+		if (rb_spring_ends(model, frame, k, end))
+			fprintf(file, "%d\n", k);
+	fprintf(file, "%s</CellData>\n<Lines>\n", array_end);
+	begin_array(file, "Int32", "connectivity", 1);
+	for (int k = 0; k < seen; k++)
+		fprintf(file, "%d %d\n", 2 * k, 2 * k + 1);
+	fputs(array_end, file);
+	begin_array(file, "Int32", "offsets", 1);
+	for (int k = 0; k < seen; k++)
+		fprintf(file, "%d\n", 2 * (k + 1));
+	fprintf(file, "%s</Lines>\n</Piece>\n</PolyData>\n</VTKFile>\n", array_end);
+}
+
+/* What a frame has a file of: names and endings. */
+enum part { SURFACES, CONTACTS, SPRINGS, PART_COUNT };
+static const char *const part_names[PART_COUNT][2] = {
+	{"surfaces", ""}, {"contacts", "-contacts"}, {"springs", "-springs"}};
+
 /* What stands before the ending, and the folder of the frames, both from where the .pvd is. */
 struct names {
 	char stem[RB_EXPORT_NAME_SIZE]; /* with its folder */
 	const char *base;               /* without, in stem */
 };
 
-/* Writes one file of a frame: its surfaces, or (NULL) its contacts. */
+/* Writes one file of a frame. */
 static enum rb_status write_part(struct rb_exported *exported, const struct surfaces *surfaces,
                                  const struct names *names, const struct rb_frame *frame,
-                                 struct rb_error *err)
+                                 enum part part, struct rb_error *err)
 {
 	char name[RB_EXPORT_NAME_SIZE + 64];
 	struct rb_outfile out;
 
 	snprintf(name, sizeof name, "%s-vtk/%06" PRIu64 "%s.vtp", names->stem, frame->index,
-	         surfaces ? "" : "-contacts");
+	         part_names[part][1]);
 	const enum rb_status status = rb_exported_begin(exported, &out, name, err);
 	if (status)
 		return status;
-	if (surfaces)
+	if (part == SURFACES)
 		put_frame(surfaces, exported, frame, out.file);
-	else
+	else if (part == CONTACTS)
 		put_contacts(frame, out.file);
+	else
+		put_springs(exported->loaded.model, frame, out.file);
 	return rb_exported_publish(exported, &out, name, NULL, err);
 }
 
 /* An entry of the list of times. */
-static void list_part(const struct names *names, const struct rb_frame *frame, bool contacts,
+static void list_part(const struct names *names, const struct rb_frame *frame, enum part part,
                       FILE *list)
 {
 	fputs("<DataSet timestep=\"", list);
 	rb_exported_number(list, frame->time_s);
-	fprintf(list, "\" part=\"%d\" name=\"%s\" file=\"", contacts,
-	        contacts ? "contacts" : "surfaces");
+	fprintf(list, "\" part=\"%d\" name=\"%s\" file=\"", (int)part, part_names[part][0]);
 	for (const char *c = names->base; *c; c++) { /* as an attribute of XML */
 		if (strchr("&<>\"", *c) || (unsigned char)*c < ' ')
 			fprintf(list, "&#%d;", (unsigned char)*c);
 		else
 			putc(*c, list);
 	}
-	fprintf(list, "-vtk/%06" PRIu64 "%s.vtp\"/>\n", frame->index, contacts ? "-contacts" : "");
+	fprintf(list, "-vtk/%06" PRIu64 "%s.vtp\"/>\n", frame->index, part_names[part][1]);
 }
 
 /* Writes all frames, and their list. */
 static enum rb_status write_all(struct rb_exported *exported, const struct surfaces *surfaces,
                                 const struct names *names, FILE *list, struct rb_error *err)
 {
-	const bool contacts = exported->reading->fields & RB_FIELD_CONTACTS;
+	const bool has[PART_COUNT] = {
+		true, (exported->reading->fields & RB_FIELD_CONTACTS) != 0,
+		rb_scene_element_count(&exported->loaded.scene, &rb_force_spring) > 0};
 	struct rb_frame frame;
 	char first[RB_EXPORT_NAME_SIZE + 64];
 
@@ -299,14 +350,12 @@ static enum rb_status write_all(struct rb_exported *exported, const struct surfa
 	      list);
 	for (uint64_t row = 0; row < exported->reading->frame_count && !status; row++) {
 		status = exported->module->reader_frame(exported->reader, row, &frame, err);
-		if (!status)
-			status = write_part(exported, surfaces, names, &frame, err);
-		if (!status)
-			list_part(names, &frame, false, list);
-		if (!status && contacts)
-			status = write_part(exported, NULL, names, &frame, err);
-		if (!status && contacts)
-			list_part(names, &frame, true, list);
+		for (int part = 0; part < PART_COUNT && !status; part++)
+			if (has[part]) {
+				status = write_part(exported, surfaces, names, &frame,
+				                    (enum part)part, err);
+				list_part(names, &frame, (enum part)part, list);
+			}
 	}
 	fputs("</Collection>\n</VTKFile>\n", list);
 	return status;

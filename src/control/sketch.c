@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "flow/joint_view.h"
+#include "force/spring.h"
 #include "math/quat.h"
 #include "math/vec3.h"
 #include "model/joints.h"
@@ -254,6 +255,17 @@ static void joints(const struct drawing *d)
 	}
 }
 
+/* Springs as lines. */
+static void springs(const struct drawing *d)
+{
+	const int count = rb_scene_element_count(d->model->scene, &rb_force_spring);
+	rb_vec3 end[2];
+
+	for (int k = 0; k < count; k++)
+		if (rb_spring_ends(d->model, d->frame, k, end))
+			line(d, end[0], end[1]);
+}
+
 enum rb_status rb_sketch_draw(const struct rb_pixmap *picture, const struct rb_model *model,
                               const struct rb_camera_def *camera, const struct rb_stand *stand,
                               const struct rb_frame *frame, struct rb_error *err)
@@ -282,6 +294,7 @@ enum rb_status rb_sketch_draw(const struct rb_pixmap *picture, const struct rb_m
 		if (is_flat(&model->shape[i]) && model->scene->bodies[model->id_of[i]].visible)
 			plane(&d, i);
 	joints(&d);
+	springs(&d);
 	const int count = find_discs(&d, discs);
 	qsort(discs, (size_t)count, sizeof *discs, farther_first);
 	for (int i = 0; i < count; i++)

@@ -16,6 +16,7 @@
 #include "base/memory.h"
 #include "film/glsl.h"
 #include "film/joint_shapes.h"
+#include "flow/joint_view.h"
 #include "force/spring.h"
 #include "math/quat.h"
 #include "model/center.h"
@@ -302,17 +303,6 @@ static void add_specks(struct rb_lines *lines, struct pen *pen, const struct rb_
 	}
 }
 
-/* World coordinates of a spring's end. */
-static rb_vec3 spring_end(const struct rb_model *model, const struct rb_frame *frame, int id,
-                          rb_vec3 at)
-{
-	const rb_pose pose = rb_view_pose(model, frame, id);
-
-	if (isnan(at.x))
-		return rb_model_center(model, model->index_of[id], pose.position, pose.orientation);
-	return rb_vec3_add(pose.position, rb_quat_rotate(pose.orientation, at));
-}
-
 /*
  * m: half the width of a coil: a part of the smaller body, and of the length at rest; the same in
  * all pictures.
@@ -357,23 +347,20 @@ static void add_springs(struct rb_lines *lines, struct pen *pen, const struct rb
                         const struct rb_view *view)
 {
 	const struct rb_model *model = lines->setup.model;
-	const struct rb_look *looks = lines->setup.looks->of;
 	const int count = rb_scene_element_count(model->scene, &rb_force_spring);
+	rb_vec3 end[2];
 
 	pen->width_px = thickness(lines, WIRE_PX);
 	pen->colour = spring_colour;
 	for (int k = 0; k < count; k++) {
 		const struct rb_spring_def *spring = rb_scene_spring(model->scene, k);
-		const rb_vec3 from = spring_end(model, frame, spring->a, spring->at_a);
-		const rb_vec3 to = spring_end(model, frame, spring->b, spring->at_b);
 
-		if (!looks[model->index_of[spring->a]].visible &&
-		    !looks[model->index_of[spring->b]].visible)
+		if (!rb_spring_ends(model, frame, k, end))
 			continue;
 		if (count <= COILS_MAX)
-			add_coil(pen, view, from, to, coil_width(lines, spring));
+			add_coil(pen, view, end[0], end[1], coil_width(lines, spring));
 		else
-			stroke(pen, rb_view_point(view, from), rb_view_point(view, to), 1, 1);
+			stroke(pen, rb_view_point(view, end[0]), rb_view_point(view, end[1]), 1, 1);
 	}
 }
 

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "force/spring.h"
 #include "math/quat.h"
 #include "model/center.h"
 #include "model/joints.h"
@@ -41,6 +42,23 @@ static struct rb_pose pose_of(const struct rb_model *model, const struct rb_fram
 	                        ? rb_model_center(model, index, pose.origin, pose.orientation)
 	                        : pose.origin;
 	return pose;
+}
+
+bool rb_spring_ends(const struct rb_model *model, const struct rb_frame *frame, int number,
+                    rb_vec3 end[2])
+{
+	const struct rb_spring_def *spring = rb_scene_spring(model->scene, number);
+	const int id[2] = {spring->a, spring->b};
+	const rb_vec3 at[2] = {spring->at_a, spring->at_b};
+
+	for (int k = 0; k < 2; k++) {
+		const struct rb_pose pose = pose_of(model, frame, model->index_of[id[k]]);
+		end[k] = isnan(at[k].x) ? rb_model_center(model, model->index_of[id[k]],
+		                                          pose.origin, pose.orientation)
+		                        : rb_vec3_add(pose.origin,
+		                                      rb_quat_rotate(pose.orientation, at[k]));
+	}
+	return model->scene->bodies[id[0]].visible || model->scene->bodies[id[1]].visible;
 }
 
 bool rb_joint_place(const struct rb_model *model, const struct rb_frame *frame, int number,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where joints are in a frame, for whoever draws them: pictures, the console's sketch.
+ * Where joints and springs are in a frame, for whoever draws them: pictures, the console's sketch.
  *
  * Pure functions of a model and a frame that has positions and, where bodies turn, orientations.
  */
@@ -20,6 +20,10 @@ struct rb_joint_place {
 /* False: nothing is to be seen of it, because it was released or is not `visible`. */
 bool rb_joint_place(const struct rb_model *model, const struct rb_frame *frame, int joint,
                     struct rb_joint_place *place);
+
+/* The ends of a spring, by its number. False: neither of its bodies is visible. */
+bool rb_spring_ends(const struct rb_model *model, const struct rb_frame *frame, int spring,
+                    rb_vec3 end[2]);
 
 /* m: half the thickness of what is drawn. */
 double rb_joint_radius(const struct rb_model *model, int joint);

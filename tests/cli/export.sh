@@ -152,6 +152,29 @@ world { duration = 0.1, frame_rate = 10 }
 sphere { name = "s", radius = 1, mass = 1, position = {1e6, 0, 0}, texture = "none" }
 END
 exits 0 still.lua -q
+# springs are lines of a file of their own, unless both ends are hidden
+cat >springs.lua <<'END'
+world { duration = 0.1, frame_rate = 20 }
+local a = sphere { radius = 0.1, position = {0, 0, 0} }
+local b = sphere { radius = 0.1, position = {2, 0, 0} }
+local c = sphere { radius = 0.1, position = {4, 0, 0}, visible = false }
+local d = sphere { radius = 0.1, position = {6, 0, 0}, visible = false }
+spring { a = c, b = d, stiffness = 1, rest_length = 2 }
+spring { a = a, b = b, stiffness = 1, rest_length = 2, at_b = {0, 0, 0.5} }
+END
+exits 0 springs.lua -q
+exits 0 export springs.h5 --to vtk
+python3 - <<'END' || fail "springs are no lines"
+import os, xml.etree.ElementTree as tree
+sets = tree.parse("springs.pvd").getroot().findall(".//DataSet")
+assert [s.get("file") for s in sets][:2] == ["springs-vtk/000000.vtp", "springs-vtk/000000-springs.vtp"], sets
+assert len(os.listdir("springs-vtk")) == len(sets) == 6
+piece = tree.parse("springs-vtk/000000-springs.vtp").getroot().find("PolyData/Piece")
+arrays = {a.get("Name"): [float(x) for x in a.text.split()] for a in piece.iter("DataArray")}
+assert arrays == {"Points": [0, 0, 0, 2, 0, 0.5], "spring": [1], "connectivity": [0, 1], "offsets": [2]}, arrays
+assert piece.get("NumberOfPoints") == "2" and piece.get("NumberOfLines") == "1"
+END
+
 for form in glb csv vtk dump; do
 	exits 0 export still.h5 --to $form -q
 	says_nothing out
