@@ -223,6 +223,67 @@ static void a_mechanism_that_begins_to_touch_gains_no_energy(void **state)
 	lab_close(&lab);
 }
 
+/*
+ * Two links, or one, that swing past a table by less than a step takes them; on it bounce two balls
+ * that are joined.
+ */
+static void open_passing(struct lab *lab, int links, bool table)
+{
+	lab_open(lab, 4, 60);
+	lab_surface(lab, 0.3, 0.9);
+	lab->scene.world.method = RB_METHOD_STEPPED;
+	lab->scene.world.time_step_s = 1.0 / 60;
+	lab->scene.world.gravity = (rb_vec3){0, 0, -9.81};
+	lab->scene.record.ledger = lab->scene.record.ledger_given = true;
+	for (int k = 0; k < links; k++) {
+		struct rb_joint_def def = jointed_def(RB_JOINT_HINGE, k, k - 1);
+
+		lab_box(lab, (rb_vec3){0.98, 0.1, 0.05}, 1, (rb_vec3){k + 0.5, 0, 0},
+		        rb_quat_identity);
+		def.at = (rb_vec3){k, 0, 0};
+		def.axis = (rb_vec3){0, 1, 0};
+		jointed_add(lab, def);
+	}
+	for (int k = 0; k < 2 && table; k++)
+		lab_sphere(lab, 0.05, 1, (rb_vec3){9 + 0.2 * k, 0, 0.3 - links},
+		           (rb_vec3){0, 0, 0});
+	if (table) {
+		struct rb_joint_def def = jointed_def(RB_JOINT_BALL, links, links + 1);
+
+		def.at = (rb_vec3){9.1, 0, 0.3 - links};
+		jointed_add(lab, def);
+		lab_plane(lab, (rb_vec3){0, 0, -links - 1e-3}, (rb_vec3){0, 0, 1});
+	}
+	lab_seal(lab, 1);
+}
+
+static void what_a_mechanism_only_comes_near_does_not_change_its_way(void **state)
+{
+	(void)state;
+	for (int links = 1; links <= 2; links++) {
+		struct lab lab, free;
+		size_t near = 0;
+
+		open_passing(&lab, links, true);
+		open_passing(&free, links, false);
+		while (rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world)) {
+			lab_step(&lab);
+			lab_step(&free);
+			for (size_t k = 0; k < lab.world->stepped->all.points.count; k++)
+				near += lab.world->stepped->all.points.row[k].a < links;
+			assert_true(lab.world->stepped->solver.joint[0].swings);
+			for (int k = 0; k < links; k++)
+				assert_memory_equal(lab.world->state.position + 3 * k,
+				                    free.world->state.position + 3 * k,
+				                    3 * sizeof(double));
+		}
+		print_message("%zu points\n", near);
+		assert_true(near > 0);
+		lab_close(&free);
+		lab_close(&lab);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -230,6 +291,7 @@ int main(void)
 		cmocka_unit_test(swinging_is_of_order_six),
 		cmocka_unit_test(energy_does_not_drift),
 		cmocka_unit_test(a_mechanism_that_begins_to_touch_gains_no_energy),
+		cmocka_unit_test(what_a_mechanism_only_comes_near_does_not_change_its_way),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

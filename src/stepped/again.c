@@ -60,6 +60,9 @@ static double max_of(const struct rb_world *world, const struct rb_deep *deep, i
 {
 	const struct rb_solver *solver = &world->stepped->solver;
 
+	/* its points have no say yet in where it is */
+	if (solver->island[g].swings)
+		return 0;
 	if (solver->island[g].row_count >= RB_STRATEGY_HEAP_ROWS)
 		return rb_projection_lost(world, deep, solver->h_s);
 	return inspections == 0 ? rb_projection_max(world, deep, solver->h_s) : (double)INFINITY;
@@ -171,6 +174,16 @@ static bool take_view(struct rb_world *world, const struct rb_cohort *cohort,
 			view->pair[view->pair_count++] = (uint32_t)rb_candidates_live(candidates,
 			                                                              k);
 	return true;
+}
+
+/* What has gone its way by its joints alone, and overlaps there, takes rows. */
+static void unswing(const struct rb_world *world, const struct marks *marks)
+{
+	struct rb_solver *const solver = &world->stepped->solver;
+
+	for (size_t g = 0; g < solver->island_count; g++)
+		if (marks->of_group[g] && solver->island[g].swings)
+			rb_islands_unswing(solver, world->model->joints, &solver->island[g]);
 }
 
 /* Points are found from velocities as ways ahead; at the end of the step there is no way left. */
@@ -484,6 +497,7 @@ enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, int in
 	if (!take_view(world, cohort, deep ? &cohort->depths : NULL, &marks, &view))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the points of a step");
 	if (deep) {
+		unswing(world, &marks);
 		clear_velocities(world, &view);
 		status = find_points(world, cohort->candidates, &view, err);
 		if (status == RB_OK)

@@ -155,8 +155,8 @@ static void find_unpushed(struct clear *clear, int i)
 	const int g = solver->island_of[i];
 
 	solver->clear[i] = RB_CLEAR_NO;
-	if (g < 0 || solver->pushed[i] || solver->island[g].kept || solver->rests[i] ||
-	    rb_kicks_have(solver->kicks, i))
+	if (g < 0 || solver->pushed[i] || solver->island[g].kept || solver->island[g].swings ||
+	    solver->rests[i] || rb_kicks_have(solver->kicks, i))
 		return;
 	solver->clear[i] = RB_CLEAR_MAYBE;
 	__atomic_store_n(&clear->any, true, __ATOMIC_RELAXED);
@@ -372,7 +372,7 @@ static void find_impacts(const struct rb_world *world, const struct rb_cohort *c
 		const int *const member = solver->member + island->first_member;
 
 		island->impact_s = (double)INFINITY;
-		if (island->rests || island->contact_count == 0 ||
+		if (rb_islands_has_no_rows(island) || island->contact_count == 0 ||
 		    island->row_count == island->contact_count + island->spring_count)
 			continue;
 		const double least = IMPACT_STEPS *

@@ -568,7 +568,7 @@ static void lay_out(struct pass *pass)
 	place_members(solver);
 	rb_islands_rest(solver, pass->points, place, &pass->world->arena[0]);
 	if (solver->joined_count > 0)
-		rb_islands_swing(solver, pass->world);
+		rb_islands_swing(solver, pass->world, pass->points, place);
 	for (size_t g = 0; g < solver->island_count; g++) {
 		struct rb_island *island = &solver->island[g];
 

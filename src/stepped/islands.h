@@ -93,9 +93,20 @@ enum rb_clear { RB_CLEAR_NO = 0, RB_CLEAR_MAYBE = 1, RB_CLEAR_BLOCKED = 2 };
 
 struct rb_solver;
 
-/* Steps a group without rows, in any worker; false: it does not, and rows are needed. */
+/* Points of a group. */
+struct rb_group_points {
+	const struct rb_step_point *row; /* of the step */
+	const int *number;               /* [count] in it */
+	int count;
+};
+
+/*
+ * Steps a group without rows, in any worker; false: it does not, and rows are needed. Its points
+ * have no impulses yet.
+ */
 typedef bool rb_swing(struct rb_solver *solver, const struct rb_world *world,
-                      struct rb_island *island, struct rb_arena *arena);
+                      struct rb_island *island, const struct rb_group_points *points,
+                      struct rb_arena *arena);
 
 struct rb_solver {
 	int body_count;
@@ -225,8 +236,13 @@ static inline bool rb_islands_has_no_rows(const struct rb_island *island)
 	return island->rests || island->swings;
 }
 
-/* Before rows are placed: steps groups that need none. */
-void rb_islands_swing(struct rb_solver *solver, struct rb_world *world);
+/* Before rows are placed: steps groups that need none. `group_of`: by point. */
+void rb_islands_swing(struct rb_solver *solver, struct rb_world *world,
+                      const struct rb_step_points *points, const int *group_of);
+
+/* They need rows in this try after all; until it is gone back, bodies have what has moved them. */
+void rb_islands_unswing(struct rb_solver *solver, const struct rb_joints *joints,
+                        const struct rb_island *island);
 
 /* After that: groups that take impulses in halves. */
 void rb_islands_halve(struct rb_solver *solver, const struct rb_world *world);

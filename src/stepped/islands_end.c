@@ -163,7 +163,8 @@ static void store_bodies(void *user, size_t first, size_t end)
 	for (size_t k = first; k < end; k++) {
 		const int i = solver->active[k];
 
-		if (solver->before && solver->island_of[i] >= 0 && !solver->pushed[i])
+		if (solver->before && solver->island_of[i] >= 0 && !solver->pushed[i] &&
+		    !solver->island[solver->island_of[i]].swings)
 			solver->dense.bodies.body[i] = solver->free[i];
 		rb_islands_store_body(solver, pass->world, i);
 	}

@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Groups that nothing but joints and constant forces acts on: without rows, or in halves. */
+/*
+ * Groups that nothing but joints and constant forces acts on: without rows, or in halves. What a
+ * group only comes near does not act on it.
+ */
 #include "stepped/islands.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/error.h"
 #include "force/spring.h"
@@ -10,6 +14,10 @@
 struct asked {
 	struct rb_solver *solver;
 	struct rb_world *world;
+	const struct rb_step_points *points;
+	/* in the arena, by group: where its points begin in `number`; that many touch. NULL: there
+	   are none, or no memory */
+	int *first, *touching, *number;
 };
 
 static rb_vec3 mean(rb_vec3 x, rb_vec3 y)
@@ -60,6 +68,46 @@ bool rb_islands_forces_vary(const struct rb_world *world)
 	return world->model->features & RB_FEATURES_VARIED & ~(rb_features)RB_FEATURE_SPRINGS;
 }
 
+/* Counting sort of points by group. */
+static void sort_points(struct asked *asked, const int *group_of)
+{
+	const size_t groups = asked->solver->island_count, count = asked->points->count;
+	struct rb_arena *const arena = &asked->world->arena[0];
+
+	if (count == 0)
+		return;
+	asked->first = rb_arena_take(arena, groups + 1, sizeof *asked->first);
+	asked->touching = rb_arena_take(arena, groups + 1, sizeof *asked->touching);
+	asked->number = rb_arena_take(arena, count, sizeof *asked->number);
+	if (!asked->first || !asked->touching || !asked->number) {
+		asked->first = NULL;
+		return;
+	}
+	memset(asked->touching, 0, (groups + 1) * sizeof *asked->touching);
+	asked->first[0] = 0;
+	for (size_t g = 0; g < groups; g++)
+		asked->first[g + 1] = asked->first[g] + asked->solver->island[g].contact_count;
+	for (size_t k = count; k-- > 0;) {
+		const struct rb_step_point *const point = &asked->points->row[k];
+		const int g = group_of[k];
+
+		asked->touching[g] += point->normal_impulse > 0 || point->bend != 0;
+		asked->number[--asked->first[g + 1]] = (int)k;
+	}
+	/* each has come to where the next one began */
+	memmove(asked->first, asked->first + 1, groups * sizeof *asked->first);
+	asked->first[groups] = (int)count;
+}
+
+/* Whether a group has joints, and no point of it has pushed. */
+static bool is_apart(const struct asked *asked, int group)
+{
+	const struct rb_island *const island = &asked->solver->island[group];
+
+	return island->contact_count == 0 || (island->row_count > island->contact_count &&
+	                                      asked->first && asked->touching[group] == 0);
+}
+
 /* Groups that nothing but joints and constant forces acts on may need no rows. */
 static void swing(void *user, int group, int worker)
 {
@@ -69,7 +117,7 @@ static void swing(void *user, int group, int worker)
 	const struct rb_elements *const springs = rb_model_elements(pass->world->model,
 	                                                            &rb_force_spring);
 	bool may = solver->before && solver->before->spin && !rb_islands_forces_vary(pass->world) &&
-	           !island->rests && !island->sprung && island->contact_count == 0;
+	           !island->rests && !island->sprung && is_apart(pass, group);
 
 	for (int k = 0; may && k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
@@ -93,17 +141,48 @@ static void swing(void *user, int group, int worker)
 	}
 	struct rb_arena *const arena = &pass->world->arena[worker];
 	const rb_arena_mark here = rb_arena_here(arena);
+	struct rb_group_points points = {.count = island->contact_count};
 
-	island->swings = solver->swing(solver, pass->world, island, arena);
+	if (points.count > 0) {
+		points.row = pass->points->row;
+		points.number = pass->number + pass->first[group];
+	}
+	island->swings = solver->swing(solver, pass->world, island, &points, arena);
 	known->members = island->swings ? island->member_count : -island->member_count;
 	rb_arena_back(arena, here);
 }
 
-void rb_islands_swing(struct rb_solver *solver, struct rb_world *world)
+void rb_islands_swing(struct rb_solver *solver, struct rb_world *world,
+                      const struct rb_step_points *points, const int *group_of)
 {
-	struct asked asked = {solver, world};
+	struct asked asked = {.solver = solver, .world = world, .points = points};
+	struct rb_arena *const arena = &world->arena[0];
+	const rb_arena_mark here = rb_arena_here(arena);
 
+	if (solver->before)
+		sort_points(&asked, group_of);
 	rb_team_run(world->team, (int)solver->island_count, swing, &asked);
+	rb_arena_back(arena, here);
+}
+
+void rb_islands_unswing(struct rb_solver *solver, const struct rb_joints *joints,
+                        const struct rb_island *island)
+{
+	const int *const member = solver->member + island->first_member;
+
+	RB_ASSERT(island->swings);
+	solver->swung[member[0]].members = -island->member_count;
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = member[k];
+		struct rb_solver_body *const body = &solver->dense.bodies.body[i];
+
+		body->linear = rb_vec3_scale(
+			1 / solver->h_s, rb_vec3_sub(solver->swung[i].position,
+		                                     rb_world_row3(solver->before->position, i)));
+		body->angular = solver->swung[i].turning;
+		for (int e = joints->first[i]; e < joints->first[i + 1]; e++)
+			solver->joint[joints->of[e]].swings = false;
+	}
 }
 
 /*

@@ -468,7 +468,7 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 		struct rb_island *island = &solver->island[g];
 
 		island->rebounds = false;
-		for (int k = 0; k < island->contact_count && !island->rests; k++) {
+		for (int k = 0; k < island->contact_count && !rb_islands_has_no_rows(island); k++) {
 			const int number = solver->point[island->first_row + k];
 
 			island->rebounds = island->rebounds ||

@@ -167,6 +167,46 @@ static bool is_at_rest(struct rb_swing_step *s, const struct rb_solver *solver)
 	       solver->h_s * rb_course_acceleration(s) <= rest_speed;
 }
 
+/* ---- points that it comes near ---- */
+
+/* m: what the end of an arm has moved by; bodies that forces do not move go straight on. */
+static rb_vec3 moved_by(const struct rb_swing_step *s, const struct rb_solver *solver, int i,
+                        rb_vec3 arm)
+{
+	if (i >= solver->body_count)
+		return none;
+	const struct rb_solver_body *const body = &solver->dense.bodies.body[i];
+
+	if (!(body->inverse_mass > 0))
+		return rb_vec3_scale(solver->h_s,
+		                     rb_vec3_add(body->linear, rb_vec3_cross(body->angular, arm)));
+	const struct rb_pose *const end = &s->pose[RB_COURSE_NODES][solver->local[i]];
+	const struct rb_pose begin = rb_world_pose(s->world, s->before, i);
+	const rb_vec3 turned = rb_quat_rotate(end->orientation,
+	                                      rb_quat_rotate_back(begin.orientation, arm));
+
+	return rb_vec3_add(rb_pose_between(&begin, end), rb_vec3_sub(turned, arm));
+}
+
+/* Whether no gap has closed at the end, along its normal as the step begins. */
+static bool stays_apart(const struct rb_swing_step *s, const struct rb_solver *solver,
+                        const struct rb_group_points *points)
+{
+	bool apart = true;
+
+	for (int k = 0; k < points->count && apart; k++) {
+		const struct rb_step_point *const point = &points->row[points->number[k]];
+		const rb_vec3 arm_a = point->central ? none : point->arm_a;
+		const rb_vec3 arm_b = point->central ? none : point->arm_b;
+		const rb_vec3 way = rb_vec3_sub(moved_by(s, solver, point->b, arm_b),
+		                                moved_by(s, solver, point->a, arm_a));
+
+		/* written so that NaN is not apart */
+		apart = point->gap + rb_vec3_dot(way, point->normal) > 0;
+	}
+	return apart;
+}
+
 /* ---- what has come of it ---- */
 
 /* Momentum of a body, N s, and about the origin, N m s. */
@@ -273,7 +313,7 @@ static void store(const struct rb_swing_step *s, struct rb_solver *solver, struc
 }
 
 bool rb_swing_try(struct rb_solver *solver, const struct rb_world *world, struct rb_island *island,
-                  struct rb_arena *arena)
+                  const struct rb_group_points *points, struct rb_arena *arena)
 {
 	const size_t count = (size_t)island->member_count;
 	struct rb_swing_step s = {.world = world,
@@ -298,7 +338,8 @@ bool rb_swing_try(struct rb_solver *solver, const struct rb_world *world, struct
 		joints -= s.tree.link[k].joint >= 0;
 	/* else there is a ring */
 	take_forces(&s, solver);
-	const bool good = joints == 0 && !is_at_rest(&s, solver) && rb_course_step(&s, solver->h_s);
+	const bool good = joints == 0 && !is_at_rest(&s, solver) &&
+	                  rb_course_step(&s, solver->h_s) && stays_apart(&s, solver, points);
 
 	for (int k = 0; k < s.tree.body_count; k++)
 		solver->local[s.tree.body[k]] = -1;
