@@ -113,6 +113,7 @@ struct rb_joint_query rb_islands_joints(const struct rb_solver *solver,
 	                               .bodies = &solver->dense.bodies,
 	                               .fixed = solver->body_count,
 	                               .h_s = solver->h_s,
+	                               .whole_s = solver->whole_s,
 	                               .lasts_s = solver->h_s,
 	                               .share = 1};
 }

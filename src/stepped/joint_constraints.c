@@ -393,16 +393,27 @@ static void make_motor(const struct filling *f, struct rb_constraint *row)
 		row->low = row->high = given;
 }
 
+/*
+ * m/s, rad/s: with which a limit is come to by the end; `ahead`: it is that far. What a step's turns
+ * have taken beyond it comes back within a whole step: in a short part of one that would throw it.
+ */
+static double limit_rate(const struct rb_joint_query *query, double ahead, bool is_beyond)
+{
+	const bool slow = query->before && is_beyond;
+
+	return query->at_end ? 0 : ahead / (slow ? fmax(query->h_s, query->whole_s) : query->h_s);
+}
+
 static struct rb_constraint free_row(const struct filling *f, int part)
 {
-	const double each = f->query->at_end ? 0 : 1 / f->query->h_s;
 	const double speed = f->query->world->joint[f->joint->def].motor_speed;
+	const double low = f->joint->low - f->way, high = f->joint->high - f->way;
 	double rate = 0;
 
 	if (part == RB_JOINT_LOW)
-		rate = each * (f->joint->low - f->way);
+		rate = limit_rate(f->query, low, low > 0);
 	else if (part == RB_JOINT_HIGH)
-		rate = each * (f->joint->high - f->way);
+		rate = limit_rate(f->query, high, high < 0);
 	else if (part == RB_JOINT_MOTOR && !isnan(speed))
 		rate = speed; /* of what follows it is known with how its bodies yield */
 	double scale, max = 0;

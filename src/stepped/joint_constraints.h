@@ -147,6 +147,7 @@ struct rb_joint_query {
 	const struct rb_solver_bodies *bodies;
 	int fixed; /* the body for all that stands still */
 	double h_s;
+	double whole_s; /* of the step that was tried first, if that was longer; or less */
 	/* s: of forces, what an impulse lasts for: `h_s`, or half of it */
 	double lasts_s;
 	bool at_end; /* the second half: `before` is the state that the first one has led to */
