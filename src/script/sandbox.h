@@ -68,9 +68,9 @@ struct rb_sandbox {
 
 	/* memory */
 	size_t bytes, bytes_max;
-	size_t bytes_most; /* that bytes_max can come to by bodies */
-	bool refused;      /* the system had no more: not the script's fault */
-	bool overdrawn;    /* more than bytes_max was had: the hook collects it */
+	size_t bytes_most;           /* that bytes_max can come to by bodies */
+	bool refused;                /* the system had no more: not the script's fault */
+	bool overdrawn;              /* more than bytes_max was had: the hook collects it */
 	char place[LUA_IDSIZE + 16]; /* "t.lua:3: " of the last text refused; "": not known */
 	void *free_list[RB_SANDBOX_CLASSES];
 	struct rb_sandbox_chunk *chunks; /* owned */

@@ -16,7 +16,7 @@
 
 /* What is known of two parts from the look before; decides cost only. */
 struct rb_clue {
-	rb_vec3 axis; /* the direction in which it was told apart, or touches; zero: none */
+	rb_vec3 axis;      /* the direction in which it was told apart, or touches; zero: none */
 	double gap, faces; /* m: if `is_known`, of rb_separation_of along the axis */
 	uint32_t placing_a, placing_b; /* of that pose */
 	bool is_known;

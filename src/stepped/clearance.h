@@ -118,8 +118,7 @@ static inline rb_separation rb_clearance_separation(const struct rb_part_pair *p
 {
 	if (rb_clue_knows(clue, placings))
 		return (rb_separation){clue->axis, clue->gap,
-		                       rb_separation_noise(&parts->a, &parts->b),
-		                       clue->faces};
+		                       rb_separation_noise(&parts->a, &parts->b), clue->faces};
 	const rb_separation found = rb_separation_of(&parts->a, &parts->b);
 
 	clue->axis = found.normal;
