@@ -78,6 +78,24 @@ static void cutting_does_not_split_a_character(void **state)
 	}
 }
 
+/* One that is longer than any message is has no end to be kept. */
+static void an_endless_text_is_cut_between_characters(void **state)
+{
+	static char text[20002];
+	struct rb_error err;
+
+	(void)state;
+	for (int offset = 0; offset < 2; offset++) {
+		memset(text, 'a', (size_t)offset);
+		for (int i = 0; i < 10000; i++)
+			memcpy(text + offset + 2 * i, "\xc3\xa9", 3);
+		(void)RB_FAIL(&err, RB_ERR_SCENE, "%s", text);
+		const size_t length = strlen(err.text);
+		assert_string_equal(err.text + length - 3, "...");
+		assert_int_equal((unsigned char)err.text[length - 4], 0xa9);
+	}
+}
+
 static void a_place_keeps_the_end_of_a_long_name(void **state)
 {
 	char out[24];
@@ -121,6 +139,7 @@ int main(void)
 		cmocka_unit_test(a_long_text_is_cut_visibly_and_never_overruns),
 		cmocka_unit_test(a_text_that_just_fits_is_not_cut),
 		cmocka_unit_test(cutting_does_not_split_a_character),
+		cmocka_unit_test(an_endless_text_is_cut_between_characters),
 		cmocka_unit_test(a_place_keeps_the_end_of_a_long_name),
 		cmocka_unit_test(a_record_may_be_quoted_in_its_successor),
 		cmocka_unit_test(exit_codes_are_those_of_the_manual),

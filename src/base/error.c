@@ -112,8 +112,13 @@ enum rb_status rb_error_set(struct rb_error *err, enum rb_status status, const c
 	va_end(arguments);
 
 	*err = (struct rb_error){.status = status, .file = file, .line = line};
-	if (length >= (int)sizeof text)
-		memcpy(text + sizeof text - sizeof left_out, left_out, sizeof left_out);
+	if (length >= (int)sizeof text) {
+		size_t end = sizeof text - sizeof left_out;
+
+		while (end > 0 && is_inside(text[end]))
+			end--;
+		memcpy(text + end, left_out, sizeof left_out);
+	}
 	if (length >= 0)
 		copy_cut(err->text, text);
 	return status;
