@@ -296,13 +296,12 @@ struct held {
 };
 
 /*
- * Whether joints and forces alone have acted on a group that moves; in halves, springs with rows,
- * too: whole impulses of those damp what the step does not resolve, and shorter steps gain by it.
+ * Whether a group moves by what shorter steps resolve better: contacts are no hindrance, springs
+ * with rows in whole impulses are, as these damp what the step does not resolve.
  */
-static bool is_alone(const struct rb_solver *solver, const struct rb_island *island)
+static bool is_resolvable(const struct rb_solver *solver, const struct rb_island *island)
 {
-	if (island->contact_count > 0 || rb_islands_has_no_rows(island) ||
-	    (island->sprung && !island->halves))
+	if (rb_islands_has_no_rows(island) || (island->sprung && !island->halves))
 		return false;
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
@@ -339,7 +338,7 @@ enum rb_status rb_joints_blame_held(struct rb_world *world, double h, struct rb_
 	for (size_t g = 0; g < solver->island_count; g++) {
 		const struct rb_island *island = &solver->island[g];
 
-		if (!is_alone(solver, island))
+		if (!is_resolvable(solver, island))
 			continue;
 		if (!island->halves)
 			held[g].work += stiffening_work(world, island);

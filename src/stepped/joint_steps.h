@@ -37,8 +37,8 @@ void rb_joints_blame(struct rb_world *world, const struct rb_cohort *cohort,
                      struct rb_attempt_outcome *outcome);
 
 /*
- * Blames mechanisms without contacts whose joints have done work by what holds them: the step does
- * not resolve how they move.
+ * Blames mechanisms whose joints have done work by what holds them: the step does not resolve how
+ * they move.
  */
 RB_CHECKED enum rb_status rb_joints_blame_held(struct rb_world *world, double h,
                                                struct rb_error *err);
