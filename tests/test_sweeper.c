@@ -600,6 +600,35 @@ static void what_is_squeezed_is_not_called_solved(void **slot)
 	}
 }
 
+/* Nor do they take room by rows for what is not begun: of a heap that is most of what there is. */
+static void factors_of_too_much_work_change_nothing(void **slot)
+{
+	struct heap *heap = make(0.1);
+	const struct rb_direct direct = {.dense = &heap->dense,
+	                                 .free = heap->free,
+	                                 .member = heap->member,
+	                                 .member_count = BODIES,
+	                                 .local = heap->local,
+	                                 .tolerance = 1e-6,
+	                                 .slip_tolerance = 1e-6,
+	                                 .steps_max = 1,
+	                                 .max = 1e3,
+	                                 .arena = &heap->arena};
+	static struct rb_constraint row[ROWS_MOST];
+	static struct rb_solver_body body[BODIES + 1];
+
+	(void)slot;
+	memcpy(row, heap->row, sizeof row);
+	memcpy(body, heap->body, sizeof body);
+	assert_false(rb_direct_solve(&direct).tried);
+	assert_memory_equal(row, heap->row, sizeof row);
+	assert_memory_equal(body, heap->body, sizeof body);
+	/* the plan: some numbers for each body, and for each end of a row */
+	print_message("%d rows, %zu bytes\n", heap->dense.row_count, heap->arena.high_water);
+	assert_true(heap->arena.high_water < 32 * (size_t)heap->dense.row_count + 96 * BODIES);
+	unmake(heap);
+}
+
 /* What takes long asks as often as its work says whether to go on, and ends when it is told to. */
 static void sweeps_and_factors_ask_by_their_work(void **slot)
 {
@@ -672,6 +701,7 @@ int main(void)
 		cmocka_unit_test(holding_closes_no_gap_and_leaves_friction),
 		cmocka_unit_test(a_ball_among_many_has_a_tail),
 		cmocka_unit_test(what_is_squeezed_is_not_called_solved),
+		cmocka_unit_test(factors_of_too_much_work_change_nothing),
 		cmocka_unit_test(sweeps_and_factors_ask_by_their_work),
 	};
 

@@ -424,6 +424,7 @@ static struct off follow(struct newton *s, double relax)
 
 /* ---- the whole ---- */
 
+/* The plan first: large groups are given up over it, before they take room for all else. */
 static bool prepare(struct newton *s)
 {
 	const struct rb_direct *direct = s->direct;
@@ -432,15 +433,8 @@ static bool prepare(struct newton *s)
 	int(*pair)[2] = rb_arena_take(direct->arena, rows, sizeof *pair);
 	int pairs = 0;
 
-	s->face = rb_arena_take(direct->arena, rows, sizeof *s->face);
-	s->gradient = rb_arena_take(direct->arena, 3 * RB_BLOCK * n, sizeof *s->gradient);
-	s->kept = rb_arena_take(direct->arena, n, sizeof *s->kept);
-	s->inertia = rb_arena_take(direct->arena, n, sizeof *s->inertia);
-	s->mass = rb_arena_take(direct->arena, n, sizeof *s->mass);
-	if (!pair || !s->face || !s->gradient || !s->kept || !s->inertia || !s->mass)
+	if (!pair)
 		return false;
-	s->move = s->gradient + RB_BLOCK * n;
-	s->scratch = s->move + RB_BLOCK * n;
 	for (size_t k = 0; k < n; k++)
 		direct->local[direct->member[k]] = (int)k;
 	for (size_t k = 0; k < rows; k++) {
@@ -451,8 +445,19 @@ static bool prepare(struct newton *s)
 			pair[pairs++][1] = b;
 		}
 	}
-	return rb_blocks_plan(&s->blocks, (int)n, (const int(*)[2])pair, pairs, direct->max,
-	                      direct->arena);
+	if (!rb_blocks_plan(&s->blocks, (int)n, (const int(*)[2])pair, pairs, direct->max,
+	                    direct->arena))
+		return false;
+	s->face = rb_arena_take(direct->arena, rows, sizeof *s->face);
+	s->gradient = rb_arena_take(direct->arena, 3 * RB_BLOCK * n, sizeof *s->gradient);
+	s->kept = rb_arena_take(direct->arena, n, sizeof *s->kept);
+	s->inertia = rb_arena_take(direct->arena, n, sizeof *s->inertia);
+	s->mass = rb_arena_take(direct->arena, n, sizeof *s->mass);
+	if (!s->face || !s->gradient || !s->kept || !s->inertia || !s->mass)
+		return false;
+	s->move = s->gradient + RB_BLOCK * n;
+	s->scratch = s->move + RB_BLOCK * n;
+	return true;
 }
 
 /* Of contacts, over their own yields. Through joints they yield by less. */
