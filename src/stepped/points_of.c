@@ -124,23 +124,35 @@ enum rb_status rb_step_points_choose(struct rb_step_points *points, struct rb_wo
 	return RB_OK;
 }
 
+/* In place, round by round: a second list of all would be the largest thing there is. */
 enum rb_status rb_step_points_sort(struct rb_step_points *points, struct rb_arena *arena,
                                    struct rb_error *err)
 {
 	const size_t n = points->count;
 	const rb_arena_mark here = rb_arena_here(arena);
 	struct rb_sort_item *item = rb_arena_take(arena, 2 * n + 1, sizeof *item);
-	struct rb_step_point *row = rb_arena_take(arena, n + 1, sizeof *row);
 
-	if (!item || !row)
+	if (!item)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", n);
 	for (size_t k = 0; k < n; k++)
 		item[k] = (struct rb_sort_item){points->row[k].pair, k};
 	rb_sort_by_key(item, item + n, n);
-	for (size_t k = 0; k < n; k++)
-		row[k] = points->row[item[k].value];
-	if (n > 0)
-		memcpy(points->row, row, n * sizeof *row);
+	for (size_t k = 0; k < n; k++) {
+		const struct rb_step_point first = points->row[k];
+		size_t to = k;
+
+		while (item[to].value != k) {
+			const size_t from = item[to].value;
+
+			points->row[to] = points->row[from];
+			item[to].value = to;
+			to = from;
+		}
+		if (to == k)
+			continue;
+		points->row[to] = first;
+		item[to].value = to;
+	}
 	rb_arena_back(arena, here);
 	return RB_OK;
 }
