@@ -63,7 +63,7 @@ static struct rb_arena_overflow *add_overflow(struct rb_arena *arena, size_t byt
 	}
 	/* what earlier parts of the step have left in the first block is not there beside it */
 	if (!arena->overflow && arena->block)
-		rb_memory_yield(arena->block, arena->used);
+		rb_memory_discard(arena->block, arena->used);
 	*overflow = (struct rb_arena_overflow){
 		.older = arena->overflow, .block = block, .size = size};
 	arena->overflow = overflow;

@@ -225,7 +225,7 @@ void rb_memory_free(void *block)
 		free(head.origin);
 }
 
-void rb_memory_yield(void *block, size_t first)
+void rb_memory_discard(void *block, size_t first)
 {
 	const struct head head = *head_of(block);
 

@@ -36,7 +36,7 @@ void rb_memory_free(void *block);
  * Of `block`, what lies from byte `first` on is not needed as it is: the system may take its pages,
  * which come again when they are written to. What it holds is then not known.
  */
-void rb_memory_yield(void *block, size_t first);
+void rb_memory_discard(void *block, size_t first);
 
 char *rb_memory_copy_text(const char *text);
 

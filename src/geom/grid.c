@@ -497,6 +497,7 @@ static bool scan_shared(struct rb_grid *grid, struct search *search, struct rb_g
 			return false;
 		memcpy(all->pairs + all->count, of->pairs, of->count * sizeof *of->pairs);
 		all->count += of->count;
+		rb_memory_discard(of->pairs, 0);
 	}
 	return true;
 }
