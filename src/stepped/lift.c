@@ -380,10 +380,14 @@ struct addend {
 	double way[SUMS], turn[SUMS];
 };
 
+/* Bodies of which there are addends at a time: enough for threads, few beside all there are. */
+enum { ADDENDS_MAX = 8192 };
+
 struct addends {
 	const struct rb_lift *lift;
 	const struct rb_world *world;
-	struct addend *of; /* [members of the step] */
+	const int *body;
+	struct addend *of; /* by these */
 };
 
 static struct addend addend_of(const struct rb_lift *lift, const struct rb_world *world, int i)
@@ -407,31 +411,40 @@ static struct addend addend_of(const struct rb_lift *lift, const struct rb_world
 static void find_addends(void *user, size_t first, size_t end)
 {
 	const struct addends *addends = user;
-	const int *const body = addends->world->stepped->body;
 
 	for (size_t k = first; k < end; k++)
-		addends->of[k] = addend_of(addends->lift, addends->world, body[k]);
+		addends->of[k] = addend_of(addends->lift, addends->world, addends->body[k]);
+}
+
+static void add_to(double *sum, const struct addend *more)
+{
+	for (int j = 0; j < SUMS; j++) {
+		sum[j] += more->way[j];
+		sum[j] += more->turn[j];
+	}
 }
 
 /* Sums of groups, in order of their bodies; false: no memory. */
 static bool add_up(struct rb_lift *lift, const struct rb_world *world, struct rb_arena *arena)
 {
 	const struct rb_stepped *s = world->stepped;
-	const size_t count = (size_t)s->member_count;
+	const size_t all = (size_t)s->member_count;
 	const rb_arena_mark here = rb_arena_here(arena);
-	struct addends addends = {lift, world, rb_arena_take(arena, count, sizeof *addends.of)};
+	struct addends addends = {.lift = lift, .world = world};
 
+	addends.of = rb_arena_take(arena, all < ADDENDS_MAX ? all : ADDENDS_MAX,
+	                           sizeof *addends.of);
 	if (!addends.of)
 		return false;
-	rb_team_share(world->team, count, BODIES_PER_BLOCK, find_addends, &addends);
-	for (size_t k = 0; k < count; k++) {
-		double *const sum = lift->sum +
-		                    SUMS * (size_t)rb_forest_root(lift->parent, s->body[k]);
+	for (size_t first = 0; first < all; first += ADDENDS_MAX) {
+		const size_t left = all - first, count = left < ADDENDS_MAX ? left : ADDENDS_MAX;
 
-		for (int j = 0; j < SUMS; j++) {
-			sum[j] += addends.of[k].way[j];
-			sum[j] += addends.of[k].turn[j];
-		}
+		addends.body = s->body + first;
+		rb_team_share(world->team, count, BODIES_PER_BLOCK, find_addends, &addends);
+		for (size_t k = 0; k < count; k++)
+			add_to(lift->sum +
+			               SUMS * (size_t)rb_forest_root(lift->parent, addends.body[k]),
+			       &addends.of[k]);
 	}
 	rb_arena_back(arena, here);
 	return true;

@@ -76,7 +76,7 @@ struct search {
 	int count;
 	uint32_t *first, *of; /* by body, its candidates: `of` from first[i] up to the next one's */
 	int *place;           /* by body: in `body` */
-	struct ends *ends;    /* by pair */
+	struct ends *ends;    /* by pair, while these are indexed */
 	unsigned char *seen;  /* by body: its candidates have been looked at */
 	double *depth;        /* m, by body that is: the overlap that it has been seen from */
 	unsigned char *moved; /* by body: in the round before */
@@ -102,6 +102,11 @@ struct search {
 
 /* ---- candidates by body ---- */
 
+static enum rb_status no_memory(struct rb_error *err)
+{
+	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
+}
+
 static enum rb_status begin_search(struct search *search, struct rb_error *err)
 {
 	struct rb_arena *arena = &search->world->arena[0];
@@ -112,7 +117,6 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->place = rb_arena_take(arena, n, sizeof *search->place);
 	search->first = rb_arena_take(arena, count + 2, sizeof *search->first);
 	search->of = rb_arena_take(arena, 2 * pairs + 1, sizeof *search->of);
-	search->ends = rb_arena_take(arena, pairs + 1, sizeof *search->ends);
 	search->seen = rb_arena_take(arena, n, 1);
 	search->depth = rb_arena_take(arena, n, sizeof *search->depth);
 	search->moved = rb_arena_take(arena, n, 1);
@@ -129,8 +133,8 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->at_rest = rb_arena_take(arena, n, sizeof *search->at_rest);
 	search->pair = rb_arena_take(arena, pairs + 1, sizeof *search->pair);
 	search->carried_pair = rb_arena_take(arena, pairs + 1, sizeof *search->carried_pair);
-	if (search->place && search->first && search->of && search->ends && search->seen &&
-	    search->depth && search->moved && search->stopped && search->parent && search->lost &&
+	if (search->place && search->first && search->of && search->seen && search->depth &&
+	    search->moved && search->stopped && search->parent && search->lost &&
 	    search->inspected && search->anchored && search->frozen && search->astray &&
 	    search->kept && search->wave && search->active && search->at_rest && search->pair &&
 	    search->carried_pair) {
@@ -138,7 +142,7 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 		memset(search->stopped, 0, n);
 		return RB_OK;
 	}
-	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
+	return no_memory(err);
 }
 
 static void find_ends(void *user, size_t first, size_t end)
@@ -153,11 +157,16 @@ static void find_ends(void *user, size_t first, size_t end)
 		                                        : -1};
 }
 
-static void index_pairs(struct search *search)
+static enum rb_status index_pairs(struct search *search, struct rb_error *err)
 {
+	struct rb_arena *const arena = &search->world->arena[0];
+	const rb_arena_mark here = rb_arena_here(arena);
 	const size_t pairs = search->cohort->candidates->pair_count;
 	uint32_t *const first = search->first;
 
+	search->ends = rb_arena_take(arena, pairs + 1, sizeof *search->ends);
+	if (!search->ends)
+		return no_memory(err);
 	memset(first, 0, ((size_t)search->count + 2) * sizeof *first);
 	for (int k = 0; k < search->count; k++)
 		search->place[search->body[k]] = k;
@@ -174,6 +183,8 @@ static void index_pairs(struct search *search)
 		if (search->ends[k].b >= 0)
 			search->of[first[search->ends[k].b + 1]++] = (uint32_t)k;
 	}
+	rb_arena_back(arena, here);
+	return RB_OK;
 }
 
 /* ---- velocities, which are ways while positions are moved ---- */
@@ -700,12 +711,14 @@ enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *coh
 	blame_unclosable(world, cohort, found);
 	if (all_is_lost(s, cohort))
 		return RB_OK;
+	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
 	status = begin_search(&search, err);
+	if (status == RB_OK)
+		status = index_pairs(&search, err);
 	if (status == RB_OK)
 		status = rb_carried_begin(&search.carried, world, cohort, err);
 	if (status != RB_OK)
 		return status;
-	index_pairs(&search);
 	status = rb_lift_begin(&search.lift, world, &cohort->points, cohort->candidates->h_s, err);
 	if (status == RB_OK)
 		find_anchored(&search);
@@ -735,5 +748,7 @@ enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *coh
 		*found = last;
 	else
 		found->max = fmax(found->max, last.max);
+	if (found->deep_count == 0) /* none in the arena, which the records of the step go on in */
+		rb_arena_back(&world->arena[0], here);
 	return status;
 }
