@@ -43,7 +43,8 @@ static void go_on(struct rb_candidates *candidates, int i, rb_vec3 to, rb_quat t
 
 	RB_ASSERT_COSTLY(i >= 0 && !(candidates->path[i] < 0)); /* NaN: of a try that fails */
 	candidates->turn[i] = turn;
-	candidates->placing[i]++; /* also where the square of a turn is too small for a number */
+	/* also where the square of a turn is too small for a number */
+	candidates->placing[i] = (candidates->placing[i] + 1) & RB_PLACING_MAX;
 	if (square > 0)
 		candidates->path[i] += 2 * candidates->size[i] * sqrt(square) * (1 + 1e-9);
 	if (way.x != 0 || way.y != 0 || way.z != 0)

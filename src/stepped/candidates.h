@@ -14,14 +14,20 @@
 #include "step/broadphase.h"
 #include "world/world.h"
 
+/* Numbers of poses go on from 0 after it. */
+#define RB_PLACING_MAX 0x7fffffffu
+
 /* What is known of two parts from the look before; decides cost only. */
 struct rb_clue {
 	rb_vec3 axis;      /* the direction in which it was told apart, or touches; zero: none */
 	double gap, faces; /* m: if `is_known`, of rb_separation_of along the axis */
-	uint32_t placing_a, placing_b; /* of that pose */
-	bool is_known;
-	bool is_close; /* it was not told apart */
+	unsigned placing_a : 31; /* of that pose */
+	unsigned is_known : 1;
+	unsigned placing_b : 31;
+	unsigned is_close : 1; /* it was not told apart */
 };
+
+_Static_assert(sizeof(struct rb_clue) == 48, "there may be thirteen for each body");
 
 struct rb_candidates {
 	bool valid;
@@ -64,7 +70,8 @@ struct rb_candidates {
 	rb_placed *placed; /* where parts stand: rb_candidates_place */
 	rb_vec3 *at;       /* [bodies and statics] m: their origins, as the parts stand */
 	rb_quat *turn;     /* [bodies] so are they turned */
-	uint32_t *placing; /* [bodies and statics] number of that pose, another one each time */
+	/* [bodies and statics] number of that pose, of 31 bits, another one each time */
+	uint32_t *placing;
 	/* [bodies and statics] m: how far points of each have got at most, through all placings */
 	double *path;
 	/* [bodies and statics] m: no point is farther from there; infinite planes: INFINITY */

@@ -124,8 +124,8 @@ static inline rb_separation rb_clearance_separation(const struct rb_part_pair *p
 	clue->axis = found.normal;
 	clue->gap = found.gap;
 	clue->faces = found.faces;
-	clue->placing_a = placings.a;
-	clue->placing_b = placings.b;
+	clue->placing_a = placings.a & RB_PLACING_MAX;
+	clue->placing_b = placings.b & RB_PLACING_MAX;
 	clue->is_known = true;
 	return found;
 }
