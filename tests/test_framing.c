@@ -175,23 +175,28 @@ static void planes_that_move_are_seen_unless_they_are_the_ground(void **state)
 		const bool alone = k < 3;
 		const double size = sizes[k % 3];
 		struct rb_camera_def camera = rb_camera_def_default();
-		const rb_vec3 points[2] = {{0, 0, 0}, {0, 0, 3}};
-		const double half[2] = {0.5 * size, 0.5}; /* its edges lie along the world's axes */
+		const double h = 0.5 * size; /* its edges lie along the world's axes */
+		const rb_vec3 points[5] = {
+			{h, h, 0}, {-h, h, 0}, {h, -h, 0}, {-h, -h, 0}, {0, 0, 3}};
+		const double radii[5] = {0, 0, 0, 0, 0.5};
 		struct rb_framing framing;
 		struct rb_error err;
 		struct lab lab;
 
 		lab_open(&lab, 1, 10);
-		const int plane = lab_rectangle(&lab, points[0], (rb_vec3){0, 0, 1}, size, size);
+		const int plane = lab_rectangle(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1}, size,
+		                                size);
 		if (!alone)
-			lab_sphere(&lab, 0.5, 1, points[1], (rb_vec3){0, 0, 0});
+			lab_sphere(&lab, 0.5, 1, points[4], (rb_vec3){0, 0, 0});
 		lab.scene.bodies[plane].is_static = false;
 		lab.scene.bodies[plane].motion = 0;
 		seal(&lab);
 		assert_ok(rb_framing_init(&framing, lab.model, &err));
 		assert_int_equal(rb_framing_aim(&framing, &camera, text, sizeof text), 0);
-		assert_true(farthest(&camera, points, half, alone ? 1 : 2) <= 0.9 + 1e-12 ||
-		            (!alone && size > 50));
+		const double most = farthest(&camera, points, radii, alone ? 4 : 5);
+		assert_true(most <= 0.9 + 1e-12 || (!alone && size > 50));
+		if (alone)
+			assert_near(most, 0.9, 1e-12); /* and fill it */
 		if (!alone && size > 50)
 			assert_true(rb_vec3_length(camera.position.value) < 20);
 		rb_framing_release(&framing);
@@ -460,11 +465,70 @@ static void where_springs_hang_is_in_the_picture(void **state)
 	}
 }
 
+/* A ladder is long, not as wide as it is long: the box round its corners fills the picture, however it is turned. */
+static void what_is_long_and_thin_fills_the_picture(void **state)
+{
+	const rb_vec3 size = {0.4, 0.05, 6};
+
+	(void)state;
+	for (uint64_t k = 0; k < 24; k++) {
+		const int kind = (int)(k % 3); /* a box, a hull, a union of the box */
+		const rb_vec3 at = {1, 2, 3};
+		rb_quat turn = rb_quat_from_turn((rb_vec3){
+			uniform(1, k, -2, 2), uniform(2, k, -2, 2), uniform(3, k, -2, 2)});
+		struct rb_camera_def camera = rb_camera_def_default();
+		struct rb_body_def def = rb_body_def_default();
+		struct rb_framing framing;
+		struct rb_error err;
+		rb_vec3 points[8], low = {1e9, 1e9, 1e9}, high = {-1e9, -1e9, -1e9};
+		const double none[8] = {0};
+		struct lab lab;
+		char text[80];
+
+		lab_open(&lab, 1, 10);
+		def.shape = (struct rb_shape){.kind = RB_SHAPE_BOX,
+		                              .size = {size.x, size.y, size.z}};
+		for (int c = 0; c < 8; c++)
+			points[c] = (rb_vec3){(c & 1 ? 0.5 : -0.5) * size.x,
+			                      (c & 2 ? 0.5 : -0.5) * size.y,
+			                      (c & 4 ? 0.5 : -0.5) * size.z};
+		if (kind == 1) {
+			def.shape = (struct rb_shape){.kind = RB_SHAPE_HULL};
+			assert_ok(rb_scene_add_hull(&lab.scene, points, 8, &def.shape.solid, &err));
+		} else if (kind == 2) {
+			const struct rb_solid_part part = {def.shape, {0, 0, 0}, {1, 0, 0, 0}, 1};
+			def.shape = (struct rb_shape){.kind = RB_SHAPE_UNION};
+			assert_ok(rb_scene_add_union(&lab.scene, &part, 1, &def.shape.solid, &err));
+		}
+		def.mass = 1;
+		def.orientation = turn;
+		def.position = at;
+		def.filters = true;
+		lab_add(&lab, &def);
+		seal(&lab);
+		for (int c = 0; c < 8; c++) {
+			const rb_vec3 v = rb_vec3_add(at, rb_quat_rotate(turn, points[c]));
+			low = (rb_vec3){fmin(low.x, v.x), fmin(low.y, v.y), fmin(low.z, v.z)};
+			high = (rb_vec3){fmax(high.x, v.x), fmax(high.y, v.y), fmax(high.z, v.z)};
+		}
+		for (int c = 0; c < 8; c++)
+			points[c] = (rb_vec3){c & 1 ? high.x : low.x, c & 2 ? high.y : low.y,
+			                      c & 4 ? high.z : low.z};
+		camera.framed = true;
+		assert_ok(rb_framing_init(&framing, lab.model, &err));
+		assert_int_equal(rb_framing_aim(&framing, &camera, text, sizeof text), 0);
+		assert_near(farthest(&camera, points, none, 8), 0.9, 1e-12);
+		rb_framing_release(&framing);
+		lab_close(&lab);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(where_joints_hang_on_the_world_is_in_the_picture),
 		cmocka_unit_test(where_springs_hang_is_in_the_picture),
+		cmocka_unit_test(what_is_long_and_thin_fills_the_picture),
 		cmocka_unit_test(where_the_origin_of_a_shape_is_does_not_matter),
 		cmocka_unit_test(every_body_is_in_the_picture_and_fills_it),
 		cmocka_unit_test(what_moves_is_seen_wherever_it_gets),

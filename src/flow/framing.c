@@ -23,10 +23,11 @@
 #include "model/joints.h"
 #include "model/shape.h"
 
-/* What a body is within: in object coordinates, m. */
-struct ball {
+/* What a body is within, in object coordinates, m: a ball, and a box of these half lengths. */
+struct hull {
 	rb_vec3 middle;
 	double radius;
+	rb_vec3 half;
 };
 
 /*
@@ -34,7 +35,7 @@ struct ball {
  * planes have none.
  */
 struct rb_reach {
-	struct ball around;
+	struct hull around;
 	rb_vec3 low, high;
 	rb_vec3 last;            /* its origin */
 	double away_m, before_m; /* from the middle of all, in the last frame and at most before */
@@ -60,65 +61,88 @@ static rb_vec3 max(rb_vec3 a, rb_vec3 b)
 	return (rb_vec3){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
 }
 
-/*
- * Extends a box by a ball of `radius` m at `at`; true if it became larger. An infinite radius
- * (planes) gives a box without finite corners, which rb_framing_aim passes over.
- */
-static bool grow(struct rb_reach *reach, rb_vec3 at, double radius)
+static rb_vec3 alike(double length)
 {
-	const rb_vec3 r = {radius, radius, radius};
-	const rb_vec3 low = least(reach->low, rb_vec3_sub(at, r));
-	const rb_vec3 high = max(reach->high, rb_vec3_add(at, r));
+	return (rb_vec3){length, length, length};
+}
+
+/*
+ * Extends a box by one of half lengths `half` m at `at`; true if it became larger. Infinite ones
+ * (planes) give a box without finite corners, which rb_framing_aim passes over.
+ */
+static bool grow(struct rb_reach *reach, rb_vec3 at, rb_vec3 half)
+{
+	const rb_vec3 low = least(reach->low, rb_vec3_sub(at, half));
+	const rb_vec3 high = max(reach->high, rb_vec3_add(at, half));
 	const bool more = low.x < reach->low.x || low.y < reach->low.y || low.z < reach->low.z ||
 	                  high.x > reach->high.x || high.y > reach->high.y ||
 	                  high.z > reach->high.z;
 
-	RB_ASSERT(!(radius < 0));
+	RB_ASSERT(!(half.x < 0 || half.y < 0 || half.z < 0));
 	reach->low = low;
 	reach->high = high;
 	return more;
 }
 
-static struct ball ball_of(const struct rb_scene *scene, const struct rb_shape *shape);
-
-/* The k-th corner of a hull or part of a union, as a ball. */
-static struct ball ball_at(const struct rb_scene *scene, const struct rb_solid *solid, int k)
+/*
+ * Half lengths of what is turned so: of the box or of the ball, whichever is less. Comparisons are
+ * such that infinite and undefined radii stay.
+ */
+static rb_vec3 turned_half(const struct hull *hull, rb_quat orientation)
 {
-	if (solid->part_count == 0)
-		return (struct ball){solid->vertices[k], 0};
-	const struct rb_solid_part *const part = &solid->parts[k];
-	const struct ball own = ball_of(scene, &part->shape);
+	const rb_mat3 turn = rb_quat_to_mat3(orientation);
+	double half[3];
 
-	return (struct ball){
-		rb_vec3_add(part->position, rb_quat_rotate(part->orientation, own.middle)),
-		own.radius};
+	for (int k = 0; k < 3; k++) {
+		half[k] = fabs(turn.m[k][0]) * hull->half.x + fabs(turn.m[k][1]) * hull->half.y +
+		          fabs(turn.m[k][2]) * hull->half.z;
+		if (!(half[k] < hull->radius))
+			half[k] = hull->radius;
+	}
+	return rb_vec3_from(half);
 }
 
-/* Around the box that its corners or parts fill, or around its origin if that is less. */
-static struct ball ball_of(const struct rb_scene *scene, const struct rb_shape *shape)
+static struct hull hull_of(const struct rb_scene *scene, const struct rb_shape *shape);
+
+/* The k-th corner of a hull or part of a union. */
+static struct hull hull_at(const struct rb_scene *scene, const struct rb_solid *solid, int k)
 {
-	struct ball origin = {{0, 0, 0}, rb_shape_reach(scene->solids, shape)};
+	if (solid->part_count == 0)
+		return (struct hull){.middle = solid->vertices[k]};
+	const struct rb_solid_part *const part = &solid->parts[k];
+	const struct hull own = hull_of(scene, &part->shape);
+
+	return (struct hull){
+		rb_vec3_add(part->position, rb_quat_rotate(part->orientation, own.middle)),
+		own.radius, turned_half(&own, part->orientation)};
+}
+
+/* Around the box that its corners or parts fill. */
+static struct hull hull_of(const struct rb_scene *scene, const struct rb_shape *shape)
+{
+	const double reach = rb_shape_reach(scene->solids, shape);
 	const enum rb_shape_form form = rb_shape_type(shape)->form;
 	const rb_vec3 end = {(double)INFINITY, (double)INFINITY, (double)INFINITY};
 	struct rb_reach box = {.low = end, .high = rb_vec3_neg(end)};
-	struct ball around = {{0, 0, 0}, 0};
+	struct hull around = {{0, 0, 0}, 0, {0, 0, 0}};
 
 	if (form != RB_FORM_POLYHEDRON && form != RB_FORM_UNION)
-		return origin;
+		return (struct hull){{0, 0, 0}, reach, rb_shape_type(shape)->half(shape)};
 	const struct rb_solid *const solid = &scene->solids[shape->solid];
 	const int count = solid->part_count > 0 ? solid->part_count : solid->vertex_count;
 	for (int k = 0; k < count; k++) {
-		const struct ball one = ball_at(scene, solid, k);
-		(void)grow(&box, one.middle, one.radius);
+		const struct hull one = hull_at(scene, solid, k);
+		(void)grow(&box, one.middle, one.half);
 	}
 	around.middle = rb_vec3_scale(0.5, rb_vec3_add(box.low, box.high));
 	for (int k = 0; k < count; k++) {
-		const struct ball one = ball_at(scene, solid, k);
+		const struct hull one = hull_at(scene, solid, k);
 		around.radius = fmax(around.radius,
 		                     rb_vec3_length(rb_vec3_sub(one.middle, around.middle)) +
 		                             one.radius);
 	}
-	return around.radius < origin.radius ? around : origin;
+	around.half = rb_vec3_scale(0.5, rb_vec3_sub(box.high, box.low));
+	return around;
 }
 
 /*
@@ -126,17 +150,24 @@ static struct ball ball_of(const struct rb_scene *scene, const struct rb_shape *
  * widens no picture. Planes without end reach nowhere, and so do finite ones that are larger than
  * the place where the others begin: they are the ground, beside which nothing else would be seen.
  */
-static struct ball around(const struct rb_framing *framing, int i)
+static struct hull around(const struct rb_framing *framing, int i)
 {
 	const struct rb_shape *const shape = &framing->model->shape[i];
 	const double plate_m = 0.5 * hypot(shape->size[0], shape->size[1]);
 
-	if (shape->kind == RB_SHAPE_RECTANGLE)
-		return (struct ball){{0, 0, 0},
-		                     plate_m <= framing->plate_most_m ? plate_m : (double)NAN};
+	if (shape->kind == RB_SHAPE_RECTANGLE) {
+		const double radius = plate_m <= framing->plate_most_m ? plate_m : (double)NAN;
+		return (struct hull){
+			{0, 0, 0},
+			radius,
+			isnan(radius) ? alike(radius)
+				      : (rb_vec3){0.5 * shape->size[0], 0.5 * shape->size[1], 0}};
+	}
 	if (rb_shape_type(shape)->form == RB_FORM_SURFACE)
-		return (struct ball){{0, 0, 0}, rb_model_reach(framing->model, i)};
-	return ball_of(framing->model->scene, shape);
+		return (struct hull){{0, 0, 0},
+		                     rb_model_reach(framing->model, i),
+		                     alike(rb_model_reach(framing->model, i))};
+	return hull_of(framing->model->scene, shape);
 }
 
 /* Extends what a body has reached by where it is now. */
@@ -144,7 +175,7 @@ static bool extend(struct rb_reach *reach, rb_vec3 position, rb_quat orientation
 {
 	const rb_vec3 middle = rb_quat_rotate(orientation, reach->around.middle);
 
-	return grow(reach, rb_vec3_add(position, middle), reach->around.radius);
+	return grow(reach, rb_vec3_add(position, middle), turned_half(&reach->around, orientation));
 }
 
 /* Half the diagonal of the largest finite plane that is no ground. */
@@ -160,7 +191,7 @@ static double plate_most(const struct rb_framing *framing)
 			continue;
 		const bool plate = model->shape[i].kind == RB_SHAPE_RECTANGLE;
 		plates_only &= plate;
-		(void)grow(&all, model->position[i], plate ? 0 : rb_model_reach(model, i));
+		(void)grow(&all, model->position[i], alike(plate ? 0 : rb_model_reach(model, i)));
 	}
 	return plates_only ? (double)INFINITY : rb_vec3_length(rb_vec3_sub(all.high, all.low));
 }
@@ -178,7 +209,7 @@ static void add_joints(struct rb_framing *framing)
 		if (def->b >= 0 || !def->visible || index >= framing->count)
 			continue;
 		rb_joint_points(scene, def, &a, &b);
-		(void)grow(&framing->reach[index], b, 0);
+		(void)grow(&framing->reach[index], b, alike(0));
 	}
 }
 
@@ -201,7 +232,7 @@ static void add_springs(struct rb_framing *framing)
 		const rb_vec3 origin = model->position[fixed];
 		const rb_vec3 end = isnan(at.x) ? rb_model_center(model, fixed, origin, turn)
 		                                : rb_vec3_add(origin, rb_quat_rotate(turn, at));
-		(void)grow(&framing->reach[moves], end, 0);
+		(void)grow(&framing->reach[moves], end, alike(0));
 	}
 }
 
@@ -265,8 +296,9 @@ bool rb_framing_see(struct rb_framing *framing, const struct rb_frame *frame)
 		else if (!(model->features & RB_FEATURE_ROTATION))
 			more |= extend(reach, at, model->orientation[i]);
 		else /* it is not recorded how they are turned */
-			more |= grow(reach, at,
-			             rb_vec3_length(reach->around.middle) + reach->around.radius);
+			more |= grow(
+				reach, at,
+				alike(rb_vec3_length(reach->around.middle) + reach->around.radius));
 		reach->before_m = fmax(reach->before_m, reach->away_m);
 		reach->away_m = rb_vec3_length(rb_vec3_sub(at, framing->middle));
 		reach->leaves = reach->away_m > reach->before_m;
