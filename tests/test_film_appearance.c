@@ -165,6 +165,22 @@ static void patterns_are_those_that_were_named(void **state)
 	camera.position.value.z = 10000;
 	rb_looks_show_motion(&stage.looks, stage.lab.model, &camera);
 	assert_near(stage.looks.cell_m, 1000, 1e-9);
+	/* of parallel lines of sight and of a frustum by the height that is stated */
+	camera.orthographic = true;
+	camera.height = 80000;
+	rb_looks_show_motion(&stage.looks, stage.lab.model, &camera);
+	assert_near(stage.looks.cell_m, 10000, 1e-9);
+	camera.orthographic = false;
+	camera.has_frustum = true;
+	memcpy(camera.frustum, (const double[6]){-1, 1, -4, 4, 1, 1e9}, sizeof camera.frustum);
+	camera.position.value.z = 1e5;
+	rb_looks_show_motion(&stage.looks, stage.lab.model, &camera);
+	assert_near(stage.looks.cell_m, 1e5, 1e-8);
+	/* one that moves has no height of its own: they stay as they are */
+	camera.position.source = RB_CAMERA_FUNCTION;
+	camera.position.value.z = 1e9;
+	rb_looks_show_motion(&stage.looks, stage.lab.model, &camera);
+	assert_near(stage.looks.cell_m, 1e5, 1e-8);
 	assert_int_equal(look_of(&stage, 7)->pattern, RB_PATTERN_CHECKER);
 	assert_int_equal(look_of(&stage, 8)->pattern, RB_PATTERN_PLAIN);
 	assert_int_equal(look_of(&stage, 0)->pattern, RB_PATTERN_PLAIN);

@@ -242,10 +242,50 @@ static void springs_are_seen_where_an_end_is(void **state)
 	assert_int_equal(dark[2], 0);
 }
 
+/* Rows in which a spring between two balls is seen, of `count` springs in the same place. */
+static int rows_of_springs(int count)
+{
+	const double paper[3] = {1, 1, 1};
+	struct rb_spring_def def = rb_spring_def_default();
+	struct studio studio;
+	int *const end[2] = {&def.a, &def.b};
+	int rows = 0;
+
+	studio_open(&studio);
+	memcpy(studio.camera.background, paper, sizeof paper);
+	for (int k = 0; k < 2; k++) {
+		struct rb_body_def ball = lab_sphere_def(0.3, 1, (rb_vec3){4 * k - 2, 0, 1},
+		                                         (rb_vec3){0, 0, 0});
+		*end[k] = lab_add(&studio.lab, &ball);
+	}
+	def.stiffness = 1;
+	for (int k = 0; k < count; k++)
+		assert_int_equal(rb_scene_add_spring(&studio.lab.scene, &def, &studio.err), RB_OK);
+	studio_seal(&studio);
+	studio_draw(&studio);
+	for (int y = 0; y < HEIGHT; y++) {
+		bool any = false;
+		for (int x = WIDTH / 2 - 10; x < WIDTH / 2 + 10; x++)
+			any |= brightness(pixel_at(&studio, x, y)) < 600;
+		rows += any;
+	}
+	studio_close(&studio);
+	return rows;
+}
+
+static void very_many_springs_are_lines(void **state)
+{
+	(void)state;
+	const int coil = rows_of_springs(64), line = rows_of_springs(65);
+
+	assert_true(line > 0 && coil >= line + 2);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(springs_are_seen_where_an_end_is),
+		cmocka_unit_test(very_many_springs_are_lines),
 		cmocka_unit_test(a_rod_is_a_bar_between_its_ends),
 		cmocka_unit_test(a_joint_that_is_not_visible_is_not_drawn),
 		cmocka_unit_test(a_released_joint_is_not_drawn),

@@ -32,15 +32,20 @@ static void bodies_are_where_they_should_be_and_nothing_is_flipped(void **state)
 /* A camera that was placed for a body shows where a small one is; others show it as it is. */
 static void a_body_too_small_to_be_seen_is_a_dot_where_nobody_placed_the_camera(void **state)
 {
-	int dots[2] = {0, 0};
+	int dots[4] = {0, 0, 0, 0};
 
 	(void)state;
-	for (int framed = 0; framed < 2; framed++) {
+	/* not framed; framed; by parallel lines of sight; framed among more bodies than dots are for */
+	for (int k = 0; k < 4; k++) {
 		struct studio studio;
 
 		studio_open(&studio);
-		studio.camera.framed = framed;
+		studio.camera.framed = k > 0;
+		studio.camera.orthographic = k == 2;
+		studio.camera.height = 150;
 		studio.camera.position.value = (rb_vec3){0, -300, 100};
+		for (int i = 0; k == 3 && i < RB_CAMERA_TRAILS_MAX; i++)
+			studio_ball(&studio, 0.05, (rb_vec3){i, 500, 500}, blue);
 		studio_ball(&studio, 0.05, (rb_vec3){0, 0, 0.05}, red);
 		struct rb_body_def hidden = lab_sphere_def(0.05, 1, (rb_vec3){20, 0, 0.05},
 		                                           (rb_vec3){0, 0, 0});
@@ -50,12 +55,14 @@ static void a_body_too_small_to_be_seen_is_a_dot_where_nobody_placed_the_camera(
 		lab_plane(&studio.lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
 		studio_seal(&studio);
 		studio_draw(&studio);
-		for (int k = 0; k < WIDTH * HEIGHT; k++)
-			dots[framed] += is_red(&studio.picture.rgba[4 * k]);
+		for (int p = 0; p < WIDTH * HEIGHT; p++)
+			dots[k] += is_red(&studio.picture.rgba[4 * p]);
 		studio_close(&studio);
 	}
-	assert_true(dots[0] <= 2);
-	assert_in_range(dots[1], 4, 16); /* 3 pixels wide, its edge softened */
+	assert_true(dots[0] <= 2 && dots[3] <= 2);
+	/* 3 pixels wide, its edge softened; the ground hides none of it */
+	assert_in_range(dots[1], 8, 16);
+	assert_in_range(dots[2], 8, 16);
 }
 
 static void the_silhouette_of_a_sphere_is_that_of_its_cone(void **state)

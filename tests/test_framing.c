@@ -423,6 +423,16 @@ static void where_the_origin_of_a_shape_is_does_not_matter(void **state)
 		if (off)
 			assert_vector(camera.position.value, from, 1e-12);
 		from = camera.position.value;
+		if (turns) { /* where it is not recorded how they are turned they are, somehow */
+			double reach = 0;
+
+			for (int i = 0; i < 6; i++)
+				reach = fmax(reach, rb_vec3_length(points[i]));
+			const struct rb_frame bare = {.body_count = 1, .position = frame.position};
+			(void)rb_framing_see(&framing, &bare);
+			assert_int_equal(rb_framing_aim(&framing, &camera, text, sizeof text), 0);
+			assert_true(farthest(&camera, &def.position, &reach, 1) <= 0.9 + 1e-12);
+		}
 		rb_frame_release(&frame);
 		rb_framing_release(&framing);
 		lab_close(&lab);
