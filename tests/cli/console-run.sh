@@ -18,7 +18,7 @@ terminal 110 34
 # one that is over before it can be watched, and one that has ended is started again
 # an older recording stands under its name until it has a frame of its own, and is not shown as its own
 exits 0 s.lua --duration 0.2 --param height=9
-enters "$RBSIM console s.lua --duration 0.2 --force"
+enters "$RBSIM console --duration 0.2 --force -- s.lua"
 sees 'at the end .*frame 10 of 10'
 types Home : && enters 'body ball'
 sees 'position +0 +0 +3 m'
@@ -49,6 +49,13 @@ types q
 sees '^ready>'
 enters "clear; $RBSIM console s.h5"
 sees 's.h5: unfinished'
+types q
+sees '^ready>'
+# one that replaces it shows its own frames, though the old one says that it is being written
+enters "clear; $RBSIM console s.lua --force --duration 0.2 --param height=5"
+sees 'at the end .*frame 10 of 10'
+types Home : && enters 'body ball'
+sees 'position +0 +0 +5 m'
 types q
 sees '^ready>'
 enters "clear; $RBSIM console s.lua"
