@@ -206,6 +206,29 @@ static void a_straight_side_that_lies_on_a_facet_touches_within_it(void **state)
 	rb_terrain_destroy(sheet.terrain);
 }
 
+static void a_plane_goes_on_over_edges_and_corners_within_it(void **state)
+{
+	static struct sheet sheet;
+	(void)state;
+
+	make(&sheet, flat);
+	const int above = facet_at(4, 4, true);
+	assert_false(rb_terrain_goes_on(sheet.terrain, above, (rb_vec3){4.2, 4.7, 0}));
+	assert_true(rb_terrain_goes_on(sheet.terrain, above, (rb_vec3){4, 4.5, 0}));
+	assert_true(rb_terrain_goes_on(sheet.terrain, above, (rb_vec3){4.4, 4.4, 0}));
+	assert_true(rb_terrain_goes_on(sheet.terrain, above, (rb_vec3){4, 4, 0}));
+	assert_false(rb_terrain_goes_on(sheet.terrain, facet_at(0, 4, true), (rb_vec3){0, 4.5, 0}));
+	assert_false(rb_terrain_goes_on(sheet.terrain, facet_at(0, 4, true), (rb_vec3){0, 4, 0}));
+	rb_terrain_destroy(sheet.terrain);
+
+	/* the ridge at x = 4, and beside it the diagonal of a slope */
+	make(&sheet, folds);
+	assert_false(rb_terrain_goes_on(sheet.terrain, above, (rb_vec3){4, 4.5, 4}));
+	assert_false(rb_terrain_goes_on(sheet.terrain, above, (rb_vec3){4, 4, 4}));
+	assert_true(rb_terrain_goes_on(sheet.terrain, above, (rb_vec3){4.5, 4.5, 3.5}));
+	rb_terrain_destroy(sheet.terrain);
+}
+
 static void no_memory_is_told(void **state)
 {
 	static struct sheet sheet;
@@ -237,6 +260,7 @@ int main(void)
 		cmocka_unit_test(edges_in_a_plane_are_not_felt),
 		cmocka_unit_test(ridges_are_felt_and_valleys_are_not),
 		cmocka_unit_test(a_straight_side_that_lies_on_a_facet_touches_within_it),
+		cmocka_unit_test(a_plane_goes_on_over_edges_and_corners_within_it),
 		cmocka_unit_test(no_memory_is_told),
 	};
 

@@ -7,6 +7,9 @@
 
 #include "base/error.h"
 
+/* Share of a body's size within which a point is at one of its corners. */
+static const double at_corner = 1e-9;
+
 rb_core rb_core_of_polytope(const struct rb_polytope *polytope, double radius)
 {
 	RB_ASSERT(polytope->vertex_count > 0 && radius >= 0);
@@ -52,6 +55,21 @@ rb_vec3 rb_placed_face_normal(const rb_placed *p, int face)
 
 	RB_ASSERT_COSTLY(face >= 0 && face < rb_core_face_count(p->core));
 	return rb_mat3_apply(&p->turn, local);
+}
+
+int rb_placed_corner_at(const rb_placed *p, rb_vec3 point, rb_vec3 direction)
+{
+	const struct rb_polytope *const polytope = p->core->polytope;
+	const double within = at_corner * (polytope->reach + p->core->radius);
+
+	RB_ASSERT_COSTLY(p->core->kind == RB_CORE_POLYTOPE);
+	for (int v = 0; v < polytope->vertex_count; v++) {
+		const rb_vec3 away = rb_vec3_sub(rb_placed_point(p, polytope->vertices[v]), point);
+
+		if (rb_vec3_length(rb_vec3_reject(away, direction)) <= within)
+			return v;
+	}
+	return -1;
 }
 
 double rb_placed_height(const rb_placed *p, rb_vec3 direction)

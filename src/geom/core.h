@@ -58,6 +58,12 @@ double rb_placed_height(const rb_placed *p, rb_vec3 direction);
 int rb_core_face_count(const rb_core *core);
 rb_vec3 rb_placed_face_normal(const rb_placed *p, int face);
 
+/*
+ * The corner of a polytope, or end of a segment, that a point is over along a unit vector, to 1e-9
+ * of the body's size: beyond rounding, and no place of its own. -1: none.
+ */
+int rb_placed_corner_at(const rb_placed *p, rb_vec3 point, rb_vec3 direction);
+
 /* A point of the core that is farthest along `direction`. Not for half spaces. */
 rb_vec3 rb_placed_support(const rb_placed *p, rb_vec3 direction);
 

@@ -28,6 +28,9 @@ static const double SLIGHT = 1e-3;
 /* Share of its size by which a point may be inside of a facet and still be on its border. */
 static const double BORDER = 1e-9;
 
+/* ulp by which a vertex may be off the plane of a facet and still lie in it: as what touches. */
+static const double PLANE_ULPS = 16;
+
 /* ---- tree ---- */
 
 static double component(rb_vec3 v, int axis)
@@ -320,22 +323,43 @@ static rb_vec3 outermost(const rb_vec3 v[3], double size, rb_vec3 outward)
 	return rb_vec3_scale(1 / count, sum);
 }
 
-bool rb_terrain_touch_is_real(const struct rb_terrain *terrain, int facet, rb_vec3 point,
-                              rb_vec3 outward, const rb_vec3 *axis)
-{
-	const int *const corner = terrain->corners[facet];
-	const rb_vec3 zero = {0, 0, 0};
+/* A facet in its place: corners, the longest side, unit normal. */
+struct facet {
 	rb_vec3 v[3];
-	double size = 0;
-	int on[3];
+	double size;
+	rb_vec3 normal;
+};
+
+static struct facet facet_of(const struct rb_terrain *terrain, int facet)
+{
+	const rb_vec3 zero = {0, 0, 0};
+	struct facet f = {.size = 0};
 
 	RB_ASSERT_COSTLY(facet >= 0 && facet < terrain->facet_count);
 	for (int k = 0; k < 3; k++)
-		v[k] = terrain->vertices[corner[k]];
+		f.v[k] = terrain->vertices[terrain->corners[facet][k]];
 	for (int k = 0; k < 3; k++)
-		size = fmax(size, rb_vec3_length(rb_vec3_sub(v[(k + 1) % 3], v[k])));
-	const rb_vec3 normal = rb_vec3_unit(
-		rb_vec3_cross(rb_vec3_sub(v[1], v[0]), rb_vec3_sub(v[2], v[0])), zero);
+		f.size = fmax(f.size, rb_vec3_length(rb_vec3_sub(f.v[(k + 1) % 3], f.v[k])));
+	f.normal = rb_vec3_unit(
+		rb_vec3_cross(rb_vec3_sub(f.v[1], f.v[0]), rb_vec3_sub(f.v[2], f.v[0])), zero);
+	return f;
+}
+
+/* Of edges k and k + 1 the corner between is k + 1, of 0 and 2 it is 0. */
+static int corner_between(const int on[2])
+{
+	return on[0] == 0 && on[1] == 2 ? 0 : on[1];
+}
+
+bool rb_terrain_touch_is_real(const struct rb_terrain *terrain, int facet, rb_vec3 point,
+                              rb_vec3 outward, const rb_vec3 *axis)
+{
+	const struct facet f = facet_of(terrain, facet);
+	const rb_vec3 *const v = f.v;
+	const double size = f.size;
+	const rb_vec3 normal = f.normal;
+	int on[3];
+
 	/* along its own normal nothing else is nearer */
 	const rb_vec3 tilt = rb_vec3_cross(normal, outward);
 	if (rb_vec3_length(tilt) <= LEAN)
@@ -348,8 +372,52 @@ bool rb_terrain_touch_is_real(const struct rb_terrain *terrain, int facet, rb_ve
 		return true;
 	if (count == 1)
 		return edge_is_real(terrain, facet, on[0], outward);
-	/* of edges k and k + 1 the corner between is k + 1, of 0 and 2 it is 0 */
-	return corner_is_real(terrain, facet, on[0] == 0 && on[1] == 2 ? 0 : on[1], outward);
+	return corner_is_real(terrain, facet, corner_between(on), outward);
+}
+
+/* Is a vertex in the plane of a facet, as exactly as both are given? */
+static bool lies_in(const struct rb_terrain *terrain, const struct facet *f, int vertex)
+{
+	const rb_vec3 w = terrain->vertices[vertex];
+	const double coordinate = fmax(rb_vec3_max_abs(w), rb_vec3_max_abs(f->v[0]));
+
+	return fabs(rb_vec3_dot(f->normal, rb_vec3_sub(w, f->v[0]))) <=
+	       PLANE_ULPS * DBL_EPSILON * fmax(coordinate, f->size);
+}
+
+/* All facets at corner k do, and close round it: each edge there is that of two. */
+static bool corner_goes_on(const struct rb_terrain *terrain, const struct facet *f, int v)
+{
+	const int first = terrain->spoke_first[v], end = terrain->spoke_first[v + 1];
+
+	for (int s = first; s < end; s++) {
+		int same = 0;
+
+		for (int other = first; other < end; other++)
+			same += terrain->spokes[other] == terrain->spokes[s];
+		if (same != 2 || !lies_in(terrain, f, terrain->spokes[s]))
+			return false;
+	}
+	return true;
+}
+
+bool rb_terrain_goes_on(const struct rb_terrain *terrain, int facet, rb_vec3 point)
+{
+	const struct facet f = facet_of(terrain, facet);
+	int on[3];
+	const int count = edges_at(f.v, f.normal, f.size, point, on);
+
+	if (count == 0)
+		return false;
+	if (count > 1)
+		return corner_goes_on(terrain, &f, terrain->corners[facet][corner_between(on)]);
+	const int across = terrain->across[facet][on[0]];
+	if (across < 0 || !lies_in(terrain, &f, across))
+		return false;
+	/* and not back over the facet */
+	const rb_vec3 from = f.v[on[0]];
+	const rb_vec3 inward = rb_vec3_cross(f.normal, rb_vec3_sub(f.v[(on[0] + 1) % 3], from));
+	return rb_vec3_dot(inward, rb_vec3_sub(terrain->vertices[across], from)) < 0;
 }
 
 /* m: from a point to a segment. */

@@ -65,6 +65,12 @@ int rb_terrain_walk_next(struct rb_terrain_walk *walk); /* -1: no more */
 bool rb_terrain_touch_is_real(const struct rb_terrain *terrain, int facet, rb_vec3 point,
                               rb_vec3 outward, const rb_vec3 *axis);
 
+/*
+ * Does the surface go on in the plane of a facet, to rounding, on all sides of a point of its
+ * border? What lies flat on it has no corner of its touch there. False within the facet.
+ */
+bool rb_terrain_goes_on(const struct rb_terrain *terrain, int facet, rb_vec3 point);
+
 /* m: from a point to the nearest of three corners' triangle. */
 double rb_terrain_distance(const rb_vec3 *a, const rb_vec3 *b, const rb_vec3 *c, rb_vec3 point);
 

@@ -491,6 +491,48 @@ static void choose_normal(const struct search *s, const struct couple *c, rb_man
 		}
 }
 
+/* The side of a facet that faces a. */
+static rb_part side_towards(const struct couple *c, rb_vec3 normal)
+{
+	const rb_placed b = rb_feature_placed(&c->b);
+
+	return rb_part_of(RB_PART_FACE, rb_vec3_dot(rb_placed_face_normal(&b, 0), normal) > 0);
+}
+
+/*
+ * What lies flat on triangles in one plane shares with each of them a polygon of its own. Corners
+ * where these meet are none of the whole, and friction would act there. `at`: m, on the terrain,
+ * from its place.
+ */
+static bool is_on_seam(const struct rb_located *l, const struct rb_contact_name *name,
+                       const struct rb_pose *pose_b, rb_vec3 at)
+{
+	const struct rb_terrain *const terrain = rb_model_parts(l->model, name->b)->terrain;
+
+	return terrain && (rb_part)(name->key >> 32) >> 24 != RB_PART_VERTEX &&
+	       rb_model_parts(l->model, name->a)->part[part_of_a(name->parts)].core.kind ==
+	               RB_CORE_POLYTOPE &&
+	       rb_terrain_goes_on(terrain, (int)part_of_b(name->parts),
+	                          rb_quat_rotate_back(pose_b->orientation, at));
+}
+
+/*
+ * By rounding a corner over a seam may be on neither side of it: names it as one of this side.
+ * False: it is no corner.
+ */
+static bool name_corner(const struct couple *c, const rb_manifold *manifold, int k,
+                        struct rb_contact_name *name)
+{
+	const rb_placed a = rb_feature_placed(&c->a);
+	const int corner = rb_placed_corner_at(&a, manifold->point[k].on_b, manifold->normal);
+
+	if (corner < 0)
+		return false;
+	name->key = (uint64_t)rb_part_of(RB_PART_VERTEX, corner) << 32 |
+	            side_towards(c, manifold->normal);
+	return true;
+}
+
 /* Names of all points of all parts within the depth. */
 static void add_names(struct search *s, const struct rb_touch_pair *pair)
 {
@@ -522,11 +564,16 @@ static void add_names(struct search *s, const struct rb_touch_pair *pair)
 			for (int k = 0; k < manifold.count; k++) {
 				if (manifold.point[k].gap > s->depth)
 					continue;
-				const uint64_t key = rb_feature_name(&c.a, &c.b, &manifold, k,
-				                                     s->depth);
-				add_rim(s, &c,
-				        &(struct rb_contact_name){pair->a, pair->b, parts, key,
-				                                  none});
+				struct rb_contact_name name = {
+					pair->a, pair->b, parts,
+					rb_feature_name(&c.a, &c.b, &manifold, k, s->depth), none};
+				const rb_vec3 at = rb_vec3_sub(
+					manifold.point[k].on_b,
+					rb_pose_between(&pair->pose_a, &pair->pose_b));
+				if (is_on_seam(s->l, &name, &pair->pose_b, at) &&
+				    !name_corner(&c, &manifold, k, &name))
+					continue;
+				add_rim(s, &c, &name);
 			}
 		}
 	}
@@ -589,8 +636,9 @@ static int collect(struct search *s, const struct rb_touch_pair *pair, double sl
 			const struct rb_contact_point n = rb_touch_of(s->l, &next, &pair->pose_a,
 			                                              &pair->pose_b);
 
-			/* parallel lines: rounding leads nowhere */
-			if (n.inside > fmin(m.inside, -LEAVING_BANDS * band)) {
+			/* parallel lines: rounding leads nowhere; beyond a seam is a neighbour */
+			if (!is_on_seam(s->l, &next, &pair->pose_b, n.arm_b) &&
+			    n.inside > fmin(m.inside, -LEAVING_BANDS * band)) {
 				add_name(s, &next);
 				continue;
 			}

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# A terrain of flat triangles is a plane: what rolls over its inner edges, or falls onto its slope, moves as over one, by every
+# A terrain of flat triangles is a plane: what rolls, slides or lands on its inner edges, or falls onto its slope, moves as over one, by every
 # method that has it. On a bumpy one every shape ends above it and within the tolerance, and a heap does. From files as from a
 # height; files that lie are refused. Recordings, films and exports have it.
 . tests/cli/functions
@@ -9,7 +9,7 @@ command -v python3 >/dev/null || { echo "no python3 to make and compare files wi
 cat >flat.lua <<'END'
 local method = param("method", "located", "of the run")
 local floor = param("floor", "height", "what is below", {choices = {"plane", "height", "stl", "ascii", "obj"}})
-local body = param("body", "sphere", "what rolls", {choices = {"sphere", "cylinder", "box"}})
+local body = param("body", "sphere", "what rolls", {choices = {"sphere", "cylinder", "box", "puck", "chip", "rod"}})
 local slope, g, r = param("slope", 0.0, "of the floor along x"), 9.81, 0.125
 world { duration = 1, frame_rate = 40, gravity = {0, 0, -g}, method = method, tolerance = 1e-6 * r }
 local stuff = material { friction = 0.5, restitution = 0.5 }
@@ -26,6 +26,18 @@ local n = vec3(-slope, 0, 1) / math.sqrt(1 + slope ^ 2)
 local moves = {name = "body", mass = 1, material = stuff}
 if body == "box" then
 	moves.size, moves.position, moves.orientation = {0.5, 0.375, 0.25}, n * 0.125, {axis = {0, 1, 0}, angle = -math.atan(slope)}
+elseif body == "puck" then
+	-- slides over seams and spins
+	moves.size, moves.position, moves.velocity, moves.angular_velocity = {0.75, 0.5, 0.25}, {0.1, 0.2, r}, {1, 0.5, 0}, {0, 0, 4}
+elseif body == "chip" then
+	-- lands on its face, which covers seams, while it turns: its corners slip and stick
+	moves.points, moves.position, moves.velocity, moves.angular_velocity = {}, {0.1, 0.2, r}, {1, 0.5, -1}, {1, -2, 5}
+	for k, p in ipairs {{4, 0}, {1, 4}, {-3, 2}, {-3, -2}, {1, -4}} do
+		moves.points[2 * k - 1], moves.points[2 * k] = {r * p[1], r * p[2], -r}, {r * p[1], r * p[2], r}
+	end
+elseif body == "rod" then
+	moves.radius, moves.length, moves.position, moves.velocity, moves.angular_velocity = r, 0.75, {0.1, 0.2, r}, {1, 0.5, 0}, {0, 0, 4}
+	moves.orientation = {axis = {1, 0, 0}, angle = math.pi / 2}
 elseif body == "cylinder" then
 	moves.radius, moves.length, moves.position, moves.velocity, moves.angular_velocity = r, 0.75, {-1, 0.0625, r}, {2, 0, 0}, {0, 2 / r, 0}
 	moves.orientation = {axis = {1, 0, 0}, angle = math.pi / 2}
@@ -35,7 +47,7 @@ else
 	-- falls, bounces, slips and rolls
 	moves.radius, moves.position, moves.velocity = r, {1, 0.03125, 1}, {0.25, 0.125, 0}
 end
-local b = (({sphere = sphere, cylinder = cylinder, box = box})[body])(moves)
+local b = (({sphere = sphere, cylinder = cylinder, box = box, puck = box, chip = hull, rod = capsule})[body])(moves)
 for k, axis in ipairs {"x", "y", "z"} do
 	result("p" .. axis, function() return b.position[axis] end)
 	result("v" .. axis, function() return b.velocity[axis] end)
@@ -92,6 +104,11 @@ for method in located stepped; do
 	same box 0 $method height 1e-12
 done
 same cylinder 0 located height 1e-12
+# friction acts where corners are, not where seams cross edges or meet below a face; seams cut pieces, and the direction of a slip
+# that ends is known to 1e-5 of the speeds only (rb_set_creep), over a time and a way as small
+for body in puck chip rod; do
+	same $body 0 located height 1e-6
+done
 same cylinder 0 stepped height 5e-6
 python3 mesh.py 0.25
 # a ball that comes to a slope of the plane z = x / 4, and a box that friction holds on it
