@@ -373,8 +373,15 @@ static bool is_real(const struct rb_model *model, int terrain, int j, const rb_m
 	                                          rb_vec3_sub(at->on_b, model->position[terrain]));
 	const rb_vec3 axis = is_sphere ? (rb_vec3){0, 0, 0}
 	                               : rb_quat_rotate_back(turn, rb_placed_axis(other));
+	const struct rb_terrain *const facets = rb_model_parts(model, terrain)->terrain;
 
-	return rb_terrain_touch_is_real(rb_model_parts(model, terrain)->terrain, j, point,
+	/* of what is straight over a plane only corners are lowest, unless rounding has lost one */
+	if (other->core->kind == RB_CORE_POLYTOPE &&
+	    (rb_part)(at->key >> 32) >> 24 != RB_PART_VERTEX &&
+	    rb_terrain_goes_on(facets, j, point) &&
+	    rb_placed_corner_at(other, at->on_b, normal) < 0)
+		return false;
+	return rb_terrain_touch_is_real(facets, j, point,
 	                                rb_quat_rotate_back(turn, rb_vec3_neg(normal)),
 	                                is_round ? &axis : NULL);
 }
