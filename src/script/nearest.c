@@ -26,8 +26,8 @@ static int least(int a, int b)
 }
 
 /*
- * Edits (insert, delete, change, swap neighbours) of `a` that make `b`; WORD_MAX, which is far apart,
- * for words that are too long.
+ * Edits (insert, delete, change, swap neighbours) of `a` that make `b`; WORD_MAX, which is far
+ * apart, for words that are too long.
  */
 static int distance_of(const char *a, size_t a_size, const char *b, size_t b_size)
 {

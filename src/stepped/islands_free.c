@@ -100,7 +100,7 @@ static void sort_points(struct asked *asked, const int *group_of)
 }
 
 /* Whether a group has joints, and no point of it has pushed. */
-static bool is_apart(const struct asked *asked, int group)
+static bool is_clear(const struct asked *asked, int group)
 {
 	const struct rb_island *const island = &asked->solver->island[group];
 
@@ -117,7 +117,7 @@ static void swing(void *user, int group, int worker)
 	const struct rb_elements *const springs = rb_model_elements(pass->world->model,
 	                                                            &rb_force_spring);
 	bool may = solver->before && solver->before->spin && !rb_islands_forces_vary(pass->world) &&
-	           !island->rests && !island->sprung && is_apart(pass, group);
+	           !island->rests && !island->sprung && is_clear(pass, group);
 
 	for (int k = 0; may && k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];

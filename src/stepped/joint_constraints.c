@@ -57,14 +57,9 @@ static bool is_dynamic(const struct rb_model *model, int i)
 	return i >= 0 && i < model->body_count && model->inverse_mass[i] > 0;
 }
 
-int rb_step_joint_rows_owner(const struct rb_model *model, const struct rb_joint *joint)
-{
-	return is_dynamic(model, joint->a) ? joint->a : joint->b;
-}
-
 static bool is_turned_round(const struct rb_model *model, const struct rb_joint *joint)
 {
-	return !is_dynamic(model, joint->a);
+	return rb_step_joint_rows_owner(model, joint) != joint->a;
 }
 
 /* Of the state; velocities are those before the step. */
@@ -394,14 +389,12 @@ static void make_motor(const struct filling *f, struct rb_constraint *row)
 }
 
 /*
- * m/s, rad/s: with which a limit is come to by the end; `ahead`: it is that far. What a step's turns
- * have taken beyond it comes back within a whole step: in a short part of one that would throw it.
+ * m/s, rad/s: with which a limit is come to by the end; `ahead`: it is that far. What turns of a
+ * step have taken beyond it comes back within a whole step: in a short part that would throw it.
  */
 static double limit_rate(const struct rb_joint_query *query, double ahead, bool is_beyond)
 {
-	const bool slow = query->before && is_beyond;
-
-	return query->at_end ? 0 : ahead / (slow ? fmax(query->h_s, query->whole_s) : query->h_s);
+	return ahead / (query->before && is_beyond ? fmax(query->h_s, query->whole_s) : query->h_s);
 }
 
 static struct rb_constraint free_row(const struct filling *f, int part)
@@ -410,9 +403,9 @@ static struct rb_constraint free_row(const struct filling *f, int part)
 	const double low = f->joint->low - f->way, high = f->joint->high - f->way;
 	double rate = 0;
 
-	if (part == RB_JOINT_LOW)
+	if (part == RB_JOINT_LOW && !f->query->at_end)
 		rate = limit_rate(f->query, low, low > 0);
-	else if (part == RB_JOINT_HIGH)
+	else if (part == RB_JOINT_HIGH && !f->query->at_end)
 		rate = limit_rate(f->query, high, high < 0);
 	else if (part == RB_JOINT_MOTOR && !isnan(speed))
 		rate = speed; /* of what follows it is known with how its bodies yield */
@@ -431,8 +424,8 @@ static struct rb_constraint free_row(const struct filling *f, int part)
 		return row; /* made when it is known how its bodies yield */
 	max = part == RB_JOINT_MOTOR ? f->query->world->joint[f->joint->def].motor_max
 	                             : f->joint->friction;
-	if (is_given(f))
-		return row; /* 0 and 0 */
+	if (is_given(f)) /* 0 and 0 */
+		return row;
 	row.high = impulse_of(&row,
 	                      (f->of->spring_is_late ? f->query->h_s : f->query->lasts_s) * max);
 	row.low = -row.high;

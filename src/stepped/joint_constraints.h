@@ -137,7 +137,13 @@ struct rb_step_joint {
 int rb_step_joint_rows_count(const struct rb_joint *joint);
 
 /* A body that forces move: its rows are those of this one's group. */
-int rb_step_joint_rows_owner(const struct rb_model *model, const struct rb_joint *joint);
+static inline int rb_step_joint_rows_owner(const struct rb_model *model,
+                                           const struct rb_joint *joint)
+{
+	const int a = joint->a;
+
+	return a >= 0 && a < model->body_count && model->inverse_mass[a] > 0 ? a : joint->b;
+}
 
 /* How rows are asked for. */
 struct rb_joint_query {

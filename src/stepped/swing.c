@@ -189,22 +189,22 @@ static rb_vec3 moved_by(const struct rb_swing_step *s, const struct rb_solver *s
 }
 
 /* Whether no gap has closed at the end, along its normal as the step begins. */
-static bool stays_apart(const struct rb_swing_step *s, const struct rb_solver *solver,
-                        const struct rb_group_points *points)
+static bool goes_free(const struct rb_swing_step *s, const struct rb_solver *solver,
+                      const struct rb_group_points *points)
 {
-	bool apart = true;
+	bool free = true;
 
-	for (int k = 0; k < points->count && apart; k++) {
+	for (int k = 0; k < points->count && free; k++) {
 		const struct rb_step_point *const point = &points->row[points->number[k]];
 		const rb_vec3 arm_a = point->central ? none : point->arm_a;
 		const rb_vec3 arm_b = point->central ? none : point->arm_b;
 		const rb_vec3 way = rb_vec3_sub(moved_by(s, solver, point->b, arm_b),
 		                                moved_by(s, solver, point->a, arm_a));
 
-		/* written so that NaN is not apart */
-		apart = point->gap + rb_vec3_dot(way, point->normal) > 0;
+		/* written so that NaN is not free */
+		free = point->gap + rb_vec3_dot(way, point->normal) > 0;
 	}
-	return apart;
+	return free;
 }
 
 /* ---- what has come of it ---- */
@@ -339,7 +339,7 @@ bool rb_swing_try(struct rb_solver *solver, const struct rb_world *world, struct
 	/* else there is a ring */
 	take_forces(&s, solver);
 	const bool good = joints == 0 && !is_at_rest(&s, solver) &&
-	                  rb_course_step(&s, solver->h_s) && stays_apart(&s, solver, points);
+	                  rb_course_step(&s, solver->h_s) && goes_free(&s, solver, points);
 
 	for (int k = 0; k < s.tree.body_count; k++)
 		solver->local[s.tree.body[k]] = -1;
