@@ -29,6 +29,6 @@ body { name = "none" }
 -- expect: :13: body 'u': shapes[2]: 'shape' must be one of sphere, box, capsule, cylinder, hull (got 'cone')
 -- expect: :13: body 'u': shapes[3]: 'shape' is missing
 -- expect: :13: body 'u': shapes[4]: must be a table of keys (got 3)
--- expect: :14: body: shapes[1]: 'points': 1 points have no hull (wanted at least 4)
+-- expect: :14: body: shapes[1]: 'points': 1 point has no hull (wanted at least 4)
 -- expect: :14: body: shapes[2]: 'radius' is missing
 -- expect: :15: body 'none': 'shapes' is missing
