@@ -40,6 +40,11 @@ sees '^ready>'
 # one that is killed says so
 enters "clear; $RBSIM console s.lua --force --duration 1e6 -p work=100000"
 sees 'frame [0-9]+ of 50000000'
+is_recorded()
+{
+	"$RBSIM" info s.h5 2>/dev/null | grep -Eq '^  status +running'
+}
+until_true is_recorded # before that the older one has the name
 kill -s KILL "$(pgrep -f "run --listen .* s.lua --force --duration 1e6")"
 sees 'it was killed: by somebody, or for lack of memory'
 sees ': unfinished'
