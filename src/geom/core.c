@@ -5,6 +5,8 @@
  */
 #include "geom/core.h"
 
+#include <float.h>
+
 #include "base/error.h"
 
 /* Share of a body's size within which a point is at one of its corners. */
@@ -60,7 +62,9 @@ rb_vec3 rb_placed_face_normal(const rb_placed *p, int face)
 int rb_placed_corner_at(const rb_placed *p, rb_vec3 point, rb_vec3 direction)
 {
 	const struct rb_polytope *const polytope = p->core->polytope;
-	const double within = at_corner * (polytope->reach + p->core->radius);
+	/* far from the origin places round by more */
+	const double within = fmax(at_corner * (polytope->reach + p->core->radius),
+	                           16 * DBL_EPSILON * rb_vec3_length(point));
 
 	RB_ASSERT_COSTLY(p->core->kind == RB_CORE_POLYTOPE);
 	for (int v = 0; v < polytope->vertex_count; v++) {

@@ -60,7 +60,7 @@ rb_vec3 rb_placed_face_normal(const rb_placed *p, int face);
 
 /*
  * The corner of a polytope, or end of a segment, that a point is over along a unit vector, to 1e-9
- * of the body's size: beyond rounding, and no place of its own. -1: none.
+ * of the body's size or the rounding of its place: no other place of its own is as near. -1: none.
  */
 int rb_placed_corner_at(const rb_placed *p, rb_vec3 point, rb_vec3 direction);
 

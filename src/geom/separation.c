@@ -251,12 +251,15 @@ static bool both_points(const rb_placed *a, const rb_placed *b)
 	       a->core->polytope->vertex_count == 1 && b->core->polytope->vertex_count == 1;
 }
 
+/* m: of both. */
+static double scale_of(const rb_placed *a, const rb_placed *b)
+{
+	return rb_vec3_length(rb_vec3_sub(b->at, a->at)) + a->core->reach + b->core->reach;
+}
+
 double rb_separation_noise(const rb_placed *a, const rb_placed *b)
 {
-	const double scale = rb_vec3_length(rb_vec3_sub(b->at, a->at)) + a->core->reach +
-	                     b->core->reach;
-
-	return NOISE_ULP * DBL_EPSILON * scale;
+	return NOISE_ULP * DBL_EPSILON * scale_of(a, b);
 }
 
 static rb_separation found(const rb_axis *axis)
@@ -269,17 +272,17 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 	RB_ASSERT_COSTLY(a->core->kind != RB_CORE_HALF_SPACE ||
 	                 b->core->kind != RB_CORE_HALF_SPACE);
 
-	const rb_vec3 d = rb_vec3_sub(b->at, a->at);
-	const double distance = rb_vec3_length(d);
-	const double scale = distance + a->core->reach + b->core->reach;
-	const double noise = NOISE_ULP * DBL_EPSILON * scale;
+	const double scale = scale_of(a, b), noise = NOISE_ULP * DBL_EPSILON * scale;
 	const bool round = a->core->kind == RB_CORE_CYLINDER || b->core->kind == RB_CORE_CYLINDER;
 
 	if (a->core->kind == RB_CORE_HALF_SPACE || b->core->kind == RB_CORE_HALF_SPACE)
 		return of_half_space(a, b, noise);
-	if (both_points(a, b))
-		return (rb_separation){rb_vec3_unit(d, (rb_vec3){0, 0, 1}), distance, noise,
-		                       (double)INFINITY};
+	if (both_points(a, b)) {
+		const rb_vec3 d = rb_vec3_sub(b->at, a->at);
+
+		return (rb_separation){rb_vec3_unit(d, (rb_vec3){0, 0, 1}), rb_vec3_length(d),
+		                       noise, (double)INFINITY};
+	}
 	const double none = -(double)INFINITY;
 	rb_axis axis = {.a = a, .b = b, .noise = 0.25 * noise, .gap = none, .second = none};
 	if (rb_box_is(a) && rb_box_is(b)) {

@@ -14,7 +14,7 @@
 #include "located/coupled.h"
 
 enum { ROUNDS_MAX = 32 };
-/* Of the way to a cone's surface that is gone, and how much of it is enough. */
+/* Share of the way to a cone's surface that a round goes, beyond it. */
 static const double beyond = 1.5;
 /*
  * Share of its forces that a way may do to a body: it is nothing but rounding, in which different

@@ -35,8 +35,11 @@ static const double left_share = 16;
  */
 static const double whole_share = 1e-3;
 enum { SOME_STEPS = 4, BENDS = 2 };
-/* Cosine of how far round a rim a point still counts as its lowest one. */
-static const double lowest_share = 1 - 1e-6;
+/*
+ * Cosine of the angle round a rim, about a microradian, within which a point counts as its lowest
+ * one: its place is rounded, by an angle of an ulp of it over the radius.
+ */
+static const double lowest_share = 1 - 0x1p-40;
 
 static double larger(double a, double b)
 {

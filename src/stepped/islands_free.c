@@ -15,8 +15,10 @@ struct asked {
 	struct rb_solver *solver;
 	struct rb_world *world;
 	const struct rb_step_points *points;
-	/* in the arena, by group: where its points begin in `number`; that many touch. NULL: there
-	   are none, or no memory */
+	/*
+	 * In the arena. By group: where its points begin in `number`, and how many of them touch;
+	 * NULL: there are none, or no memory.
+	 */
 	int *first, *touching, *number;
 };
 

@@ -176,7 +176,7 @@ static bool take_rows(struct group *g)
 		}
 	for (int k = 0; k < island->member_count && stops > 0; k++)
 		take_restitution(g, g->solver->member[island->first_member + k]);
-	return g->contact_count + stops > (g->contact_count > 0 ? 0 : 1) && g->held_count > 0 &&
+	return (g->contact_count > 0 || stops > 1) && g->held_count > 0 &&
 	       g->held_count <= HELD_MAX;
 }
 

@@ -427,8 +427,7 @@ static enum rb_status find_points(struct search *search, const struct rb_depths 
 		if (candidates->live_count > 0)
 			status = rb_step_points_add(points, world, candidates, 1, max, err);
 		if (status == RB_OK && !add_carried(search))
-			status = RB_FAIL(err, RB_ERR_MEMORY,
-			                 "no memory for the overlaps of a step");
+			status = no_memory(err);
 		for (; at < points->count; at++)
 			join(search, &points->row[at]);
 	}

@@ -15,9 +15,9 @@
 #include "stepped/islands.h"
 
 /*
- * Tries to step the group, whose members and joints are known, and says whether that is done, with
- * no gap of its points closed at the end: where
- * its bodies end is in solver->swung, velocities are in its bodies, what joints exert in theirs.
+ * Tries to step the group, whose members and joints are known. True: it is done, and no gap of its
+ * points has closed at the end. Where its bodies end is in solver->swung, velocities are in its
+ * bodies, what joints exert in theirs.
  */
 rb_swing rb_swing_try;
 
