@@ -7,6 +7,7 @@
 #include <rbsim/world.h>
 
 #include "base/memory.h"
+#include "flow/schedule.h"
 #include "script/hooks.h"
 #include "script/load.h"
 #include "script/shots.h"
@@ -83,12 +84,14 @@ static void only_what_is_a_function_is_asked_for(void **state)
 	            "camera { position = function(t) return {t, 2, 3} end }\n"
 	            "camera { position = {1, 2, 3} }\n"
 	            "camera { look_at = function(t) return vec3(0, t, 0) end,\n"
-	            "         up = function(t) return {0, 0, 2} end }");
-	assert_true(rb_shot_wanted(&it.scene.cameras[0]));
-	assert_false(rb_shot_wanted(&it.scene.cameras[1]));
-	assert_true(rb_shot_wanted(&it.scene.cameras[2]));
+	            "         up = function(t) return {0, 0, 2} end,\n"
+	            "         text = {'constant', function(t) return t end, function(t) return "
+	            "('\\u{20ac}'):rep(99) end} }");
+	assert_true(rb_camera_has_functions(&it.scene.cameras[0]));
+	assert_false(rb_camera_has_functions(&it.scene.cameras[1]));
+	assert_true(rb_camera_has_functions(&it.scene.cameras[2]));
 	it.frame.time_s = 0.25;
-	it.shot = (struct rb_frame_shot){7, 8, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}, false, 1};
+	it.shot = (struct rb_frame_shot){7, 8, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}, false, 1, {""}};
 	must_shoot(&it, 0);
 	assert_at(it.shot.position, 0.25, 2, 3);
 	assert_at(it.shot.look_at, 2, 2, 2);
@@ -99,6 +102,10 @@ static void only_what_is_a_function_is_asked_for(void **state)
 	assert_at(it.shot.position, 0.25, 2, 3);
 	assert_at(it.shot.look_at, 0, 0.25, 0);
 	assert_at(it.shot.up, 0, 0, 2);
+	assert_string_equal(it.shot.text[0], "");
+	assert_string_equal(it.shot.text[1], "0.25");
+	/* cut between two characters of three bytes */
+	assert_int_equal(strlen(it.shot.text[2]), 3 * ((RB_CAMERA_TEXT_SIZE - 1) / 3));
 	lower(&it);
 }
 

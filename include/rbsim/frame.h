@@ -15,6 +15,7 @@
 #include <rbsim/error.h>
 #include <rbsim/ledger.h>
 #include <rbsim/math.h>
+#include <rbsim/scene.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -117,6 +118,7 @@ struct rb_frame_shot {
 	bool steered;
 	/* by commands: an orthographic picture shows so many times less; 1: as much as ever */
 	double enlarged;
+	char text[RB_CAMERA_TEXTS_MAX][RB_CAMERA_TEXT_SIZE]; /* what functions of texts return */
 };
 
 struct rb_frame {

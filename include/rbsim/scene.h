@@ -280,7 +280,13 @@ struct rb_camera_vector {
 	int function; /* the script's number of a function, for RB_CAMERA_FUNCTION */
 };
 
-enum { RB_CAMERA_LIGHTS_MAX = 8, RB_CAMERA_TRAILS_MAX = 64 };
+enum {
+	RB_CAMERA_LIGHTS_MAX = 8,
+	RB_CAMERA_TRAILS_MAX = 64,
+	RB_CAMERA_LABELS_MAX = 64,
+	RB_CAMERA_TEXTS_MAX = 8,
+	RB_CAMERA_TEXT_SIZE = 160 /* bytes of a text that a function returns, with its zero */
+};
 enum {
 	RB_OVERLAY_TIME = 1u << 0,
 	RB_OVERLAY_TITLE = 1u << 1,
@@ -298,6 +304,24 @@ struct rb_light_def {
 	double angle;            /* rad: of a spot, from the axis of its cone to its edge */
 	double softness;         /* of `angle`, over which a spot's light fades out */
 	double color[3], intensity;
+};
+
+/* A text that goes with a body. */
+struct rb_label_def {
+	int body;         /* its id */
+	const char *text; /* NULL: its name */
+};
+
+/* A text over the picture. */
+struct rb_caption_def {
+	const char *text; /* NULL: `function` returns it */
+	int function;     /* the script's number of a function of time */
+	/*
+	 * shares of the picture's width and height, from its lower left corner: there the same
+	 * shares of the text lie; at[0] NAN: a line at the upper left corner
+	 */
+	double at[2];
+	double size; /* of the letters, as a share of the picture's height; NAN: the usual */
 };
 
 /* What a camera's texts tell a quantity in. */
@@ -334,6 +358,9 @@ struct rb_camera_def {
 	unsigned overlay, vectors;                     /* RB_OVERLAY_*, RB_VECTORS_* */
 	struct rb_unit_def length_unit, time_unit;     /* of its texts */
 	int trails[RB_CAMERA_TRAILS_MAX], trail_count; /* ids of bodies */
+	struct rb_label_def labels[RB_CAMERA_LABELS_MAX];
+	struct rb_caption_def texts[RB_CAMERA_TEXTS_MAX];
+	int label_count, text_count;
 	bool wireframe;
 	const char *png, *video; /* output patterns, NULL: none */
 };

@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "control/steer.h"
 #include "flow/framing.h"
+#include "flow/schedule.h"
 #include "script/shots.h"
 
 /* One slot of the ring's consumers is the recorder's. */
@@ -138,7 +139,7 @@ static void add(struct rb_films *films, const struct rb_camera_def *camera, int 
 		       "bodies move: it shows the start",
 		       film->label);
 	}
-	films->shoots |= rb_shot_wanted(&film->camera);
+	films->shoots |= rb_camera_has_functions(&film->camera);
 }
 
 enum rb_status rb_film_choice(struct rb_films *films, const struct rb_films_wish *wish,

@@ -12,6 +12,7 @@
 #include "base/outfile.h"
 #include "flow/between.h"
 #include "flow/frame.h"
+#include "flow/schedule.h"
 #include "script/shots.h"
 
 /*
@@ -89,7 +90,7 @@ static enum rb_status draw_cell(struct drawing *d, int cell, double time_s, stru
 	struct rb_pixmap picture;
 	enum rb_status status = moment_at(d, time_s, &moment, &after, err);
 
-	if (!status && rb_shot_wanted(&d->camera))
+	if (!status && rb_camera_has_functions(&d->camera))
 		status = rb_script_shot(d->sheet->loaded->script, d->sheet->loaded->model,
 		                        &d->camera, moment, &shot, err);
 	if (!status)

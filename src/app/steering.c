@@ -15,6 +15,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "control/steer.h"
+#include "flow/schedule.h"
 #include "math/vec3.h"
 #include "script/shots.h"
 
@@ -77,9 +78,10 @@ static enum rb_status ask_functions(const struct rb_steering_film *film,
                                     const struct rb_frame *moment, struct rb_frame_shot *shot,
                                     struct rb_error *err)
 {
-	return rb_shot_wanted(camera) ? rb_script_shot(film->loaded->script, film->loaded->model,
-	                                               camera, moment, shot, err)
-	                              : RB_OK;
+	return rb_camera_has_functions(camera)
+	               ? rb_script_shot(film->loaded->script, film->loaded->model, camera, moment,
+	                                shot, err)
+	               : RB_OK;
 }
 
 /*
@@ -134,7 +136,7 @@ enum rb_status rb_steering_advance(struct rb_steering *steering,
 
 bool rb_steering_is_wanted(const struct rb_steering *steering, const struct rb_steering_film *film)
 {
-	return rb_shot_wanted(film->camera) ||
+	return rb_camera_has_functions(film->camera) ||
 	       camera_at(steering, film, (double)INFINITY) != film->camera;
 }
 

@@ -20,6 +20,7 @@
 #include "base/memory.h"
 #include "flow/between.h"
 #include "flow/frame.h"
+#include "flow/schedule.h"
 #include "script/shots.h"
 
 /* ns between two looks when nothing goes on. */
@@ -62,7 +63,7 @@ void rb_viewer_aim(struct rb_viewer *viewer)
 
 	viewer->picture++;
 	viewer->has_shot = false;
-	if (!viewer->has_frame || !rb_shot_wanted(&viewer->camera) || !options->script)
+	if (!viewer->has_frame || !rb_camera_has_functions(&viewer->camera) || !options->script)
 		return;
 	viewer->has_shot = true;
 	if (rb_script_shot(options->script, options->model, &viewer->camera, &viewer->frame,

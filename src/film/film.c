@@ -117,7 +117,7 @@ enum rb_status rb_film_check(const struct rb_film_options *options, struct rb_er
 		               count, picture_count_max);
 	status = rb_looks_make(&looks, options->model, err);
 	rb_looks_release(&looks);
-	if (!status && camera->overlay) {
+	if (!status && rb_take_writes(camera)) {
 		status = rb_overlay_create(&overlay, press.width, press.height, err);
 		rb_overlay_destroy(overlay);
 	}
@@ -179,8 +179,7 @@ static enum rb_status find_shot(const struct rb_film *film, const struct rb_fram
 		return RB_OK;
 	}
 	/* cameras without functions have a shot only where commands have moved them */
-	if (camera->position.source != RB_CAMERA_FUNCTION &&
-	    camera->look_at.source != RB_CAMERA_FUNCTION && camera->up.source != RB_CAMERA_FUNCTION)
+	if (!rb_camera_has_functions(camera))
 		return RB_OK;
 	return RB_FAIL(err, RB_ERR_BUG, "%s: its place at %.12g s is unknown", film->label,
 	               rb_schedule_time(&film->schedule, film->next));

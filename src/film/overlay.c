@@ -440,18 +440,21 @@ static void put_line(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
 		}
 }
 
-void rb_overlay_write(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
-                      enum rb_overlay_corner corner, int line, const char *text)
+/* Letters of one line, cut to `room` px. */
+static int set_letters(struct rb_overlay *overlay, struct letter letters[LETTERS_MAX],
+                       const char *text, int room, int *width)
 {
-	struct letter letters[LETTERS_MAX];
-	const bool right = corner == RB_OVERLAY_TOP_RIGHT || corner == RB_OVERLAY_BOTTOM_RIGHT;
-	const bool bottom = corner == RB_OVERLAY_BOTTOM_LEFT || corner == RB_OVERLAY_BOTTOM_RIGHT;
-	const int margin = overlay->margin, rim = overlay->rim;
-	int text_width;
-
 	if (overlay->glyph_count > GLYPHS_MAX / 2)
 		forget_glyphs(overlay); /* now all of this line fits into the cache */
-	const int count = set_line(overlay, letters, text, pixmap->width - 2 * margin, &text_width);
+	return set_line(overlay, letters, text, room, width);
+}
+
+/* Draws a line with its upper left corner, without the rim, at x, y. */
+static void put_letters(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
+                        const struct letter *letters, int count, const int at[2], int text_width)
+{
+	const int rim = overlay->rim;
+
 	if (count == 0)
 		return;
 	/* from above the highest letters to below the deepest, rims included */
@@ -460,10 +463,44 @@ void rb_overlay_write(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
 	const size_t needed = 2 * (size_t)width * (size_t)height;
 	if (!rb_memory_reserve(&overlay->mask, &overlay->mask_size, needed, 1))
 		return; /* a picture without its text is better than none */
-	const int down = margin + line * overlay->line_height;
-	const int x = right ? pixmap->width - margin - text_width : margin;
-	const int y = bottom ? pixmap->height - down - (int)lrint(1.25 * overlay->size_px) : down;
-	put_line(overlay, pixmap, letters, count, (const int[]){x - rim, y - rim, width, height});
+	put_line(overlay, pixmap, letters, count,
+	         (const int[]){at[0] - rim, at[1] - rim, width, height});
+}
+
+void rb_overlay_write(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
+                      enum rb_overlay_corner corner, int line, const char *text)
+{
+	struct letter letters[LETTERS_MAX];
+	const bool right = corner == RB_OVERLAY_TOP_RIGHT || corner == RB_OVERLAY_BOTTOM_RIGHT;
+	const bool bottom = corner == RB_OVERLAY_BOTTOM_LEFT || corner == RB_OVERLAY_BOTTOM_RIGHT;
+	const int margin = overlay->margin, down = margin + line * overlay->line_height;
+	int text_width;
+
+	const int count = set_letters(overlay, letters, text, pixmap->width - 2 * margin,
+	                              &text_width);
+	const int at[2] = {right ? pixmap->width - margin - text_width : margin,
+	                   bottom ? pixmap->height - down - (int)lrint(1.25 * overlay->size_px)
+	                          : down};
+	put_letters(overlay, pixmap, letters, count, at, text_width);
+}
+
+struct rb_overlay_size rb_overlay_size_of(struct rb_overlay *overlay, const char *text)
+{
+	struct letter letters[LETTERS_MAX];
+	struct rb_overlay_size size = {.height = overlay->line_height};
+
+	(void)set_letters(overlay, letters, text, INT32_MAX / 64, &size.width);
+	return size;
+}
+
+void rb_overlay_put(struct rb_overlay *overlay, struct rb_pixmap *pixmap, int x, int y,
+                    const char *text)
+{
+	struct letter letters[LETTERS_MAX];
+	int text_width;
+
+	const int count = set_letters(overlay, letters, text, pixmap->width - x, &text_width);
+	put_letters(overlay, pixmap, letters, count, (const int[]){x, y}, text_width);
 }
 
 /* Blends a box of the ink with its rim, sharp, since it has no slanted edges. */

@@ -38,6 +38,18 @@ enum rb_overlay_corner {
 void rb_overlay_write(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
                       enum rb_overlay_corner corner, int line, const char *text);
 
+/* Width and height in px of a line that is not cut. */
+struct rb_overlay_size {
+	int width, height;
+};
+struct rb_overlay_size rb_overlay_size_of(struct rb_overlay *overlay, const char *text);
+/*
+ * The same with the upper left corner of the line's box at a pixel, cut where the picture ends to
+ * the right.
+ */
+void rb_overlay_put(struct rb_overlay *overlay, struct rb_pixmap *pixmap, int x, int y,
+                    const char *text);
+
 /*
  * A line of text as above, with a bar of `length_px` below it that ends where the text does: two
  * lines high.

@@ -39,7 +39,7 @@ struct rb_painter {
 	GLuint block, sky_program, sky_array;
 	struct rb_pixmap picture;
 	struct rb_painter_times times;
-	double pixel_m;
+	struct rb_view view; /* of `picture` */
 };
 
 /* The sky's program: a triangle over the whole picture at the far depth. */
@@ -284,16 +284,16 @@ enum rb_status rb_painter_draw(struct rb_painter *painter, const struct rb_frame
 	status = rb_canvas_read(painter->canvas, &painter->picture, err);
 	if (status != RB_OK)
 		return status;
-	painter->pixel_m = rb_view_pixel_at(&view, view.aim_m);
+	painter->view = view;
 	painter->times.draw_ns += drawn - start;
 	painter->times.read_ns += rb_clock_now_ns() - drawn;
 	*picture = painter->picture;
 	return RB_OK;
 }
 
-double rb_painter_pixel_m(const struct rb_painter *painter)
+const struct rb_view *rb_painter_view(const struct rb_painter *painter)
 {
-	return painter->pixel_m;
+	return &painter->view;
 }
 
 struct rb_painter_times rb_painter_times(const struct rb_painter *painter)

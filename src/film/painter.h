@@ -17,6 +17,7 @@
 
 #include "film/pixmap.h"
 #include "film/trails.h"
+#include "film/view.h"
 
 struct rb_painter;
 
@@ -49,8 +50,8 @@ RB_CHECKED enum rb_status rb_painter_draw(struct rb_painter *painter, const stru
                                           const struct rb_trails *trails, struct rb_pixmap *picture,
                                           struct rb_error *err);
 
-/* Width of a pixel where the last picture's camera looks at, m; 0 before the first. */
-double rb_painter_pixel_m(const struct rb_painter *painter);
+/* What the last picture's camera saw; owned by the painter. Zeros before the first. */
+const struct rb_view *rb_painter_view(const struct rb_painter *painter);
 
 /* Wall time spent so far, ns. */
 struct rb_painter_times {

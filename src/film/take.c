@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "film/captions.h"
 #include "film/overlay.h"
 #include "flow/schedule.h"
 
@@ -27,7 +28,8 @@ struct rb_take {
 	const struct rb_model *model;
 	const struct rb_camera_def *camera;
 	struct rb_painter *painter;
-	struct rb_overlay *overlay; /* NULL: nothing is to be written */
+	struct rb_overlay *overlay;   /* NULL: nothing is to be written */
+	struct rb_captions *captions; /* NULL: the camera has none */
 	struct rb_trails trails;
 
 	/* how times are written: chosen once, so that they look the same in all pictures */
@@ -81,6 +83,11 @@ static void choose_speed_text(struct rb_take *take)
 		snprintf(take->speed, sizeof take->speed, "%.4g\xc3\x97 speed", speed);
 }
 
+bool rb_take_writes(const struct rb_camera_def *camera)
+{
+	return camera->overlay || rb_captions_wanted(camera);
+}
+
 enum rb_status rb_take_create(struct rb_take **take, const struct rb_model *model,
                               const struct rb_camera_def *camera, struct rb_error *err)
 {
@@ -93,9 +100,11 @@ enum rb_status rb_take_create(struct rb_take **take, const struct rb_model *mode
 	choose_time_format(t);
 	choose_speed_text(t);
 	enum rb_status status = rb_trails_init(&t->trails, model, camera, err);
-	if (!status && camera->overlay)
+	if (!status && rb_take_writes(camera))
 		status = rb_overlay_create(&t->overlay, camera->size_px[0], camera->size_px[1],
 		                           err);
+	if (!status && rb_captions_wanted(camera))
+		status = rb_captions_create(&t->captions, model, camera, t->overlay, err);
 	if (!status)
 		status = rb_painter_create(&t->painter, model, camera, err);
 	if (status) {
@@ -110,6 +119,7 @@ void rb_take_destroy(struct rb_take *take)
 	if (!take)
 		return;
 	rb_painter_destroy(take->painter);
+	rb_captions_destroy(take->captions);
 	rb_overlay_destroy(take->overlay);
 	rb_trails_release(&take->trails);
 	rb_memory_free(take);
@@ -241,7 +251,8 @@ static void write_scale(struct rb_take *take, struct rb_pixmap *picture)
 		{"nm", 1e-9},         {"\xc2\xb5m", 1e-6},     {"mm", 1e-3}, {"m", 1}, {"km", 1e3},
 		{"AU", 149597870700}, {"ly", 9460730472580800}};
 	enum { UNITS = sizeof units / sizeof *units };
-	const double pixel = rb_painter_pixel_m(take->painter);
+	const struct rb_view *const view = rb_painter_view(take->painter);
+	const double pixel = rb_view_pixel_at(view, view->aim_m);
 	const double room = bar_part * picture->width * pixel;
 	struct rb_unit_def unit = take->camera->length_unit;
 	char text[TEXT_SIZE];
@@ -291,6 +302,9 @@ enum rb_status rb_take_draw(struct rb_take *take, const struct rb_frame *frame,
 
 	if (!status && take->overlay)
 		write_texts(take, frame, picture);
+	if (!status && take->captions)
+		rb_captions_draw(take->captions, frame, shot, rb_painter_view(take->painter),
+		                 picture, take->camera->overlay & RB_OVERLAY_TITLE ? 1 : 0);
 	return status;
 }
 

@@ -10,6 +10,9 @@
 
 struct rb_take;
 
+/* Whether pictures of the camera have texts, for which a font is needed. */
+bool rb_take_writes(const struct rb_camera_def *camera);
+
 RB_CHECKED enum rb_status rb_take_create(struct rb_take **take, const struct rb_model *model,
                                          const struct rb_camera_def *camera, struct rb_error *err);
 void rb_take_destroy(struct rb_take *take);                      /* NULL is fine; same thread */

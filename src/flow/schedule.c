@@ -52,6 +52,17 @@ double rb_schedule_time(const struct rb_schedule *schedule, uint64_t picture)
 	return fmin(schedule->from_s + since, schedule->to_s);
 }
 
+bool rb_camera_has_functions(const struct rb_camera_def *camera)
+{
+	bool has = camera->position.source == RB_CAMERA_FUNCTION ||
+	           camera->look_at.source == RB_CAMERA_FUNCTION ||
+	           camera->up.source == RB_CAMERA_FUNCTION;
+
+	for (int i = 0; i < camera->text_count; i++)
+		has |= camera->texts[i].function >= 0;
+	return has;
+}
+
 unsigned rb_schedule_fields(const struct rb_camera_def *camera, const struct rb_model *model,
                             double end_s)
 {

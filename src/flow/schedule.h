@@ -6,6 +6,7 @@
 #ifndef RB_FLOW_SCHEDULE_H
 #define RB_FLOW_SCHEDULE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include <rbsim/model.h>
@@ -29,6 +30,8 @@ uint64_t rb_schedule_count(const struct rb_schedule *schedule);
  * speed 1 and the fps of the recording pictures fall on frames to the bit; never later than to_s.
  */
 double rb_schedule_time(const struct rb_schedule *schedule, uint64_t picture);
+/* Whether it has functions of time, which are asked for each of its pictures. */
+bool rb_camera_has_functions(const struct rb_camera_def *camera);
 /*
  * RB_FIELD_* that pictures need; between frames also velocities, spins and impacts, which tell how
  * bodies go there.

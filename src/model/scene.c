@@ -420,6 +420,18 @@ enum rb_status rb_scene_group(struct rb_scene *scene, const char *name, int *ind
 	return RB_OK;
 }
 
+/* Labels and texts of a camera. */
+static bool own_texts(struct rb_scene *scene, struct rb_camera_def *camera)
+{
+	bool owned = true;
+
+	for (int i = 0; i < camera->label_count; i++)
+		owned &= own(scene, &camera->labels[i].text);
+	for (int i = 0; i < camera->text_count; i++)
+		owned &= own(scene, &camera->texts[i].text);
+	return owned;
+}
+
 enum rb_status rb_scene_add_camera(struct rb_scene *scene, const struct rb_camera_def *def,
                                    struct rb_error *err)
 {
@@ -427,7 +439,7 @@ enum rb_status rb_scene_add_camera(struct rb_scene *scene, const struct rb_camer
 
 	if (!own(scene, &camera.name) || !own(scene, &camera.file) || !own(scene, &camera.png) ||
 	    !own(scene, &camera.video) || !own(scene, &camera.length_unit.name) ||
-	    !own(scene, &camera.time_unit.name) ||
+	    !own(scene, &camera.time_unit.name) || !own_texts(scene, &camera) ||
 	    !reserve(scene, &scene->cameras, ARRAY_CAMERAS, scene->camera_count, sizeof camera))
 		return out_of_memory("cameras", err);
 	scene->cameras[scene->camera_count++] = camera;

@@ -17,6 +17,7 @@
 #include "script/fields.h"
 #include "script/nearest.h"
 #include "script/values.h"
+#include "script/vector.h"
 
 /*
  * Pushes the list at `key`, and returns its length; -1 with nothing pushed when there is none, or a
@@ -123,6 +124,135 @@ static void read_trails(struct rb_call *call, struct rb_camera_def *def)
 		def->trail_count = count;
 		lua_pop(call->L, 1);
 	}
+}
+
+/* The text at the top of the stack, or NULL and a mistake. */
+static const char *take_text(struct rb_call *call, const char *key, const char *wanted, int at)
+{
+	char found[80];
+
+	if (lua_type(call->L, -1) == LUA_TSTRING)
+		return lua_tostring(call->L, -1);
+	rb_call_mistake(call, "'%s' must be %s (got %s at %d)", key, wanted,
+	                rb_describe(call->L, -1, found), at);
+	return NULL;
+}
+
+/* Reads `labels`: bodies, or {body, "text"}. Texts live as long as the call's table. */
+static void read_labels(struct rb_call *call, struct rb_camera_def *def)
+{
+	static const char wanted[] = "a list of bodies, or {body, \"text\"}";
+	lua_State *const L = call->L;
+	const int count = push_list(call, "labels", "bodies", RB_CAMERA_LABELS_MAX);
+	char found[80];
+
+	for (int i = 0; i < count; i++) {
+		struct rb_label_def *const label = &def->labels[i];
+		lua_rawgeti(L, -1, i + 1);
+		label->body = rb_handle_id(L, -1);
+		if (label->body < 0 && lua_type(L, -1) == LUA_TTABLE && lua_rawlen(L, -1) == 2) {
+			lua_rawgeti(L, -1, 1);
+			label->body = rb_handle_id(L, -1);
+			lua_rawgeti(L, -2, 2);
+			label->text = take_text(call, "labels", wanted, i + 1);
+			lua_pop(L, 2);
+		}
+		if (label->body < 0)
+			rb_call_mistake(call, "'labels' must be %s (got %s at %d)", wanted,
+			                rb_describe(L, -1, found), i + 1);
+		lua_pop(L, 1);
+	}
+	if (count >= 0) {
+		def->label_count = count;
+		lua_pop(L, 1);
+	}
+}
+
+/* `at` and `size` of the table at the top of the stack; false: they are wrong, or there is more. */
+static bool read_place(lua_State *L, struct rb_caption_def *caption)
+{
+	bool right = true;
+
+	for (lua_pushnil(L); right && lua_next(L, -2); lua_pop(L, 1)) {
+		const char *const key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
+
+		if (strcmp(key, "at") == 0) {
+			right = rb_vector_numbers(L, -1, 2, caption->at, NULL) &&
+			        caption->at[0] >= 0 && caption->at[0] <= 1 && caption->at[1] >= 0 &&
+			        caption->at[1] <= 1;
+		} else if (strcmp(key, "size") == 0) {
+			caption->size = lua_tonumber(L, -1);
+			right = lua_type(L, -1) == LUA_TNUMBER && caption->size > 0 &&
+			        caption->size <= 1;
+		} else {
+			right = lua_isinteger(L, -2) && lua_tointeger(L, -2) == 1;
+		}
+		if (!right)
+			lua_pop(L, 1);
+	}
+	return right;
+}
+
+/* Reads one text of `text`, at the top of the stack: a text, a function, or a table of it. */
+static void read_caption(struct rb_call *call, struct rb_camera_def *def)
+{
+	lua_State *const L = call->L;
+	struct rb_caption_def *const caption = &def->texts[def->text_count++];
+	const bool table = lua_type(L, -1) == LUA_TTABLE;
+	char found[80];
+
+	*caption = (struct rb_caption_def){
+		.function = -1, .at = {(double)NAN, (double)NAN}, .size = (double)NAN};
+	const bool placed = !table || read_place(L, caption);
+	if (table)
+		lua_rawgeti(L, -1, 1);
+	if (lua_type(L, -1) == LUA_TFUNCTION)
+		caption->function = rb_script_keep_function(L, -1);
+	else if (lua_type(L, -1) == LUA_TSTRING)
+		caption->text = lua_tostring(L, -1);
+	if (table)
+		lua_pop(L, 1);
+	if (!placed || (!caption->text && caption->function < 0)) {
+		rb_call_mistake(
+			call,
+			"'text' must be a text, a function or {text, at = {x, y}, size = s} "
+			"with shares in [0, 1], or a list of these (got %s)",
+			rb_describe(L, -1, found));
+		caption->text = "";
+	}
+}
+
+static bool has_key(lua_State *L, const char *key)
+{
+	const bool has = lua_getfield(L, -1, key) != LUA_TNIL;
+
+	lua_pop(L, 1);
+	return has;
+}
+
+/* Reads `text`: one, with a place or without, or a list. */
+static void read_texts(struct rb_call *call, struct rb_camera_def *def)
+{
+	lua_State *const L = call->L;
+
+	if (rb_call_push(call, "text") == LUA_TNIL) {
+		lua_pop(L, 1);
+		return;
+	}
+	if (lua_type(L, -1) != LUA_TTABLE || has_key(L, "at") || has_key(L, "size")) {
+		read_caption(call, def);
+		lua_pop(L, 1);
+		return;
+	}
+	lua_pop(L, 1);
+	const int count = push_list(call, "text", "texts", RB_CAMERA_TEXTS_MAX);
+	for (int i = 0; i < count; i++) {
+		lua_rawgeti(L, -1, i + 1);
+		read_caption(call, def);
+		lua_pop(L, 1);
+	}
+	if (count >= 0)
+		lua_pop(L, 1);
 }
 
 struct named_size {
@@ -347,6 +477,8 @@ static int l_camera(lua_State *L)
 	rb_call_read(&call, &def);
 	read_lights(&call, &def);
 	read_trails(&call, &def);
+	read_labels(&call, &def);
+	read_texts(&call, &def);
 	read_units(&call, &def);
 	check_camera(&call, &def);
 	rb_name_take(&call, "camera", def.name);

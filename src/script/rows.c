@@ -247,6 +247,15 @@ static const struct rb_row camera_rows[] = {
          "in which the overlay tells lengths and times: {length = \"AU\", time = \"d\"}"},
 	{"trails", RB_ROW_LIST, 0, 0, HAND, NULL, "none", "",
          "a list of bodies whose paths since the start are drawn, at most 64"},
+	{"labels", RB_ROW_LIST, 0, 0, HAND, NULL, "none", "",
+         "a list of bodies whose names are written above them, at most 64; {body, \"TEXT\"} for "
+         "another text"},
+	{"text", RB_ROW_TEXT, 0, 0, HAND, NULL, "none", "",
+         "written over the picture: a text, a function of t that returns one, or a list of up to 8 "
+         "of them, each also as {text, at = {x, y}, size = s}: at is its place in shares of the "
+         "picture's width and height, from {0, 0}, the lower left corner, to {1, 1}, size the "
+         "height of its lines as a share of the picture's height; without at, lines at the upper "
+         "left corner"},
 	{"vectors", RB_ROW_FLAGS, 0, 0, AT(rb_camera_def, vectors), "velocity, contact, joint",
          "none", "",
          "arrows over the picture: of velocities, of the forces in lasting contacts, and of those "

@@ -22,9 +22,27 @@ struct request {
 	bool direction; /* a vector without length is none */
 	double time_s;
 	rb_vec3 value;
+	char *text; /* [RB_CAMERA_TEXT_SIZE]: where a text goes; NULL: a vector is wanted */
 };
 
-/* Calls the function with the time and takes its vector; in protected mode. */
+/* Copies the text that the function has returned; a number is one, too. Cut between characters. */
+static int take_text(lua_State *L, const struct request *request)
+{
+	size_t size;
+
+	if (lua_type(L, -1) != LUA_TSTRING && lua_type(L, -1) != LUA_TNUMBER)
+		return rb_function_refuse(L, request->function, request->key, "a text", -1);
+	const char *const text = lua_tolstring(L, -1, &size);
+	if (size > RB_CAMERA_TEXT_SIZE - 1)
+		for (size = RB_CAMERA_TEXT_SIZE - 1;
+		     size > 0 && ((unsigned char)text[size] & 0xc0) == 0x80;)
+			size--;
+	memcpy(request->text, text, size);
+	request->text[size] = '\0';
+	return 0;
+}
+
+/* Calls the function with the time and takes what it returns; in protected mode. */
 static int serve(lua_State *L)
 {
 	struct request *request = lua_touserdata(L, 1);
@@ -33,6 +51,8 @@ static int serve(lua_State *L)
 	rb_script_push_function(L, request->function);
 	lua_pushnumber(L, request->time_s);
 	lua_call(L, 1, 1);
+	if (request->text)
+		return take_text(L, request);
 	const bool vector = rb_vector_numbers(L, -1, 3, numbers, NULL);
 	if (vector)
 		request->value = rb_vec3_from(numbers);
@@ -81,13 +101,6 @@ static enum rb_status tell(const struct rb_camera_def *camera, const struct requ
 	               camera->line, request->key, request->time_s);
 }
 
-bool rb_shot_wanted(const struct rb_camera_def *camera)
-{
-	return camera->position.source == RB_CAMERA_FUNCTION ||
-	       camera->look_at.source == RB_CAMERA_FUNCTION ||
-	       camera->up.source == RB_CAMERA_FUNCTION;
-}
-
 enum rb_status rb_script_shot(struct rb_script *script, const struct rb_model *model,
                               const struct rb_camera_def *camera, const struct rb_frame *frame,
                               struct rb_frame_shot *shot, struct rb_error *err)
@@ -118,6 +131,18 @@ enum rb_status rb_script_shot(struct rb_script *script, const struct rb_model *m
 		if (status == RB_OK)
 			*parts[i].value = request.value;
 		else
+			status = tell(camera, &request, status, &own, err);
+	}
+	for (int i = 0; i < camera->text_count && status == RB_OK; i++) {
+		struct request request = {.key = "text",
+		                          .function = camera->texts[i].function,
+		                          .time_s = frame->time_s,
+		                          .text = shot->text[i]};
+		struct rb_error own;
+		if (camera->texts[i].function < 0)
+			continue;
+		status = ask(script, &request, &own);
+		if (status != RB_OK)
 			status = tell(camera, &request, status, &own, err);
 	}
 	script->phase = phase;

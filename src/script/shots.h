@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cameras that move by functions of time: where they stand at one of their pictures.
+ * Cameras with functions of time: where they stand at one of their pictures, and what it says.
  *
  * Same thread, errors and budget as the callbacks (script/hooks). The functions depend on nothing
  * but t and on handles, which show the frame that is being drawn, in a live run as in one that is
@@ -9,19 +9,14 @@
 #ifndef RB_SCRIPT_SHOTS_H
 #define RB_SCRIPT_SHOTS_H
 
-#include <stdbool.h>
-
 #include <rbsim/frame.h>
 #include <rbsim/model.h>
 
 struct rb_script;
 
-/* One of its vectors comes from a function. */
-bool rb_shot_wanted(const struct rb_camera_def *camera);
-
 /*
  * Calls the camera's functions for the time of `frame`; handles show that frame. Fills position,
- * look_at and up of `shot` as far as they come from functions; the others stay. RB_ERR_SCENE with
+ * look_at, up and texts of `shot` as far as they come from functions; the others stay. RB_ERR_SCENE with
  * the camera, the key, the time and what was wrong.
  */
 RB_CHECKED enum rb_status rb_script_shot(struct rb_script *script, const struct rb_model *model,

@@ -10,6 +10,7 @@
 #include <rbsim/model.h>
 
 #include "base/memory.h"
+#include "flow/schedule.h"
 #include "script/load.h"
 #include "script/shots.h"
 
@@ -24,7 +25,7 @@ static void shoot(struct rb_script *script, const struct rb_scene *scene,
 	struct rb_error err;
 
 	for (int i = 0; i < scene->camera_count && i < 10; i++)
-		if (rb_shot_wanted(&scene->cameras[i]))
+		if (rb_camera_has_functions(&scene->cameras[i]))
 			(void)!rb_script_shot(script, model, &scene->cameras[i], &frame, &shot,
 			                      &err);
 }
