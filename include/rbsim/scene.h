@@ -142,6 +142,9 @@ struct rb_spring_def {
 	double stiffness;     /* N/m, >= 0 */
 	double damping;       /* N s/m, >= 0 */
 	double rest_length_m; /* NAN: as long as it is at the start */
+	bool visible;         /* drawn where one of its bodies is */
+	double radius_m;      /* of its coil; NAN: from the sizes of its bodies */
+	double color[3];      /* color[0] NAN: dark grey */
 	int line;
 };
 
@@ -293,7 +296,35 @@ enum {
 	RB_OVERLAY_ENERGY = 1u << 2,
 	RB_OVERLAY_SCALE = 1u << 3
 };
-enum { RB_VECTORS_VELOCITY = 1u << 0, RB_VECTORS_CONTACT = 1u << 1, RB_VECTORS_JOINT = 1u << 2 };
+/* Kinds of arrows, in the order of their names. */
+enum {
+	RB_ARROWS_VELOCITY,
+	RB_ARROWS_CONTACT,
+	RB_ARROWS_JOINT,
+	RB_ARROWS_SPRING,
+	RB_ARROWS_ANGULAR_VELOCITY,
+	RB_ARROWS_ACCELERATION,
+	RB_ARROWS_MOMENTUM,
+	RB_ARROWS_FORCE,
+	RB_VECTORS_COUNT
+};
+enum {
+	RB_VECTORS_VELOCITY = 1u << RB_ARROWS_VELOCITY,
+	RB_VECTORS_CONTACT = 1u << RB_ARROWS_CONTACT,
+	RB_VECTORS_JOINT = 1u << RB_ARROWS_JOINT,
+	RB_VECTORS_SPRING = 1u << RB_ARROWS_SPRING,
+	RB_VECTORS_ANGULAR_VELOCITY = 1u << RB_ARROWS_ANGULAR_VELOCITY,
+	RB_VECTORS_ACCELERATION = 1u << RB_ARROWS_ACCELERATION,
+	RB_VECTORS_MOMENTUM = 1u << RB_ARROWS_MOMENTUM,
+	RB_VECTORS_FORCE = 1u << RB_ARROWS_FORCE
+};
+
+/* How arrows of one kind are drawn; all zeros: as usual. */
+struct rb_arrows_def {
+	double scale;                     /* m of arrow per SI unit; 0: from the scene */
+	int bodies[RB_CAMERA_TRAILS_MAX]; /* ids */
+	int body_count;                   /* 0: of all bodies */
+};
 
 enum rb_light_kind { RB_LIGHT_LAMP, RB_LIGHT_SUN, RB_LIGHT_SPOT, RB_LIGHT_AMBIENT };
 
@@ -358,6 +389,7 @@ struct rb_camera_def {
 	unsigned overlay, vectors;                     /* RB_OVERLAY_*, RB_VECTORS_* */
 	struct rb_unit_def length_unit, time_unit;     /* of its texts */
 	int trails[RB_CAMERA_TRAILS_MAX], trail_count; /* ids of bodies */
+	struct rb_arrows_def arrows[RB_VECTORS_COUNT];
 	struct rb_label_def labels[RB_CAMERA_LABELS_MAX];
 	struct rb_caption_def texts[RB_CAMERA_TEXTS_MAX];
 	int label_count, text_count;

@@ -212,14 +212,15 @@ void rb_films_tell_missing(const struct rb_model *model, const char *name, unsig
 		unsigned field;
 		const char *what, *then;
 	} rows[] = {
-		{RB_FIELD_POSITION, "positions", "no film can be made from it"},
-		{RB_FIELD_ORIENTATION, "orientations", "bodies are shown unturned"},
-		{RB_FIELD_VELOCITY, "velocities", "no arrows, straight lines between frames"},
+		{RB_FIELD_POSITION, "positions", "no film can be made of it"},
+		{RB_FIELD_ORIENTATION, "orientations", "films of it show bodies unturned"},
+		{RB_FIELD_VELOCITY, "velocities",
+	         "films of it show no arrows, and straight lines between frames"},
 		{RB_FIELD_ANGULAR_VELOCITY, "angular velocities",
-	         "between frames bodies turn the shortest way"},
-		{RB_FIELD_CONTACTS, "contacts", "their arrows are not drawn"},
-		{RB_FIELD_JOINTS, "joints", "arrows of their forces are not drawn"},
-		{RB_FIELD_EVENTS, "events", "pictures between frames show straight lines"},
+	         "films of it turn bodies the shortest way between frames"},
+		{RB_FIELD_CONTACTS, "contacts", "films of it do not show their arrows"},
+		{RB_FIELD_JOINTS, "joints", "films of it do not show their forces"},
+		{RB_FIELD_EVENTS, "events", "films of it show straight lines between frames"},
 	};
 	const unsigned missing = rb_frame_fields(model, wanted) & ~fields;
 

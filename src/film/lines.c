@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "film/arrows.h"
 #include "film/glsl.h"
 #include "film/joint_shapes.h"
 #include "flow/joint_view.h"
@@ -38,16 +39,11 @@ enum { LINE, ARROW, PROGRAM_COUNT };
 
 struct rb_lines {
 	struct rb_bodies_setup setup;
-	/*
-	 * Arrows: metres per m/s and per N. The same in all pictures, at any `speed` of the film.
-	 */
-	double per_speed, per_force;
+	struct rb_arrow_scales scales; /* the same in all pictures, at any `speed` of the film */
 	struct list list[PROGRAM_COUNT];
 	GLuint program[PROGRAM_COUNT], array, buffer;
 };
 
-/* Lengths of arrows in diameters of a typical body: of a usual speed, of its weight. */
-static const double SPEED_SIZES = 1.5, WEIGHT_SIZES = 1;
 static const double TRAIL_PX = 2.2, DOT_PX = 6, SPECK_PX = 4, WIRE_PX = 1.8, ARROW_PX = 3.2,
 		    HEAD_PX = 13;
 /* More springs than these are lines. */
@@ -55,10 +51,7 @@ enum { COILS_MAX = 64 };
 /* Widths are for this height of the picture; others scale with it. */
 static const double USUAL_HEIGHT_PX = 720;
 
-static const double velocity_colour[3] = {1.00, 0.80, 0.10};
-static const double contact_colour[3] = {0.93, 0.16, 0.30};
 static const float spring_colour[3] = {0.08F, 0.08F, 0.09F}; /* linear light */
-static const double joint_colour[3] = {0.62, 0.20, 0.85};
 
 /* ---- set-up ---- */
 
@@ -95,43 +88,6 @@ static enum rb_status make_program(struct rb_lines *lines, int kind, struct rb_e
 	return RB_OK;
 }
 
-/*
- * Typical speed, m/s: the fastest at the start, or a fall over two diameters; else 40 diameters in
- * the whole run.
- */
-static double usual_speed(const struct rb_model *model, double size)
-{
-	const struct rb_scene *scene = model->scene;
-	double fastest = 2 * sqrt(rb_vec3_length(scene->world.gravity) * size);
-
-	for (int i = 0; i < model->body_count; i++)
-		fastest = fmax(fastest, rb_vec3_length(scene->bodies[model->id_of[i]].velocity));
-	return fastest > 0 ? fastest : 40 * size / model->duration_s;
-}
-
-/*
- * Typical force, N: mean weight; else the strongest applied force; else what reverses the typical
- * speed within a diameter.
- */
-static double usual_force(const struct rb_model *model, double size, double speed)
-{
-	const struct rb_scene *scene = model->scene;
-	double mass = 0, applied = 0;
-	int count = 0;
-
-	for (int i = 0; i < model->body_count; i++)
-		if (isfinite(model->mass[i])) {
-			mass += model->mass[i];
-			count++;
-		}
-	mass /= fmax(count, 1);
-	const double weight = mass * rb_vec3_length(scene->world.gravity) +
-	                      rb_vec3_length(scene->world.gravity_force);
-	for (int k = 0; k < scene->force_count; k++)
-		applied = fmax(applied, rb_vec3_length(scene->forces[k].vector));
-	return weight > 0 ? weight : applied > 0 ? applied : mass * speed * speed / size;
-}
-
 enum rb_status rb_lines_create(struct rb_lines **lines_out, const struct rb_bodies_setup *setup,
                                struct rb_error *err)
 {
@@ -142,10 +98,7 @@ enum rb_status rb_lines_create(struct rb_lines **lines_out, const struct rb_bodi
 	if (!lines)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot draw lines: out of memory");
 	lines->setup = *setup;
-	const double size = setup->looks->size_m, speed = usual_speed(setup->model, size);
-	const double force = usual_force(setup->model, size, speed);
-	lines->per_speed = speed > 0 ? SPEED_SIZES * size / speed : 0;
-	lines->per_force = force > 0 ? WEIGHT_SIZES * size / force : 0;
+	lines->scales = rb_arrow_scales_of(setup);
 	glGenVertexArrays(1, &lines->array);
 	glGenBuffers(1, &lines->buffer);
 	for (int kind = 0; kind < PROGRAM_COUNT && status == RB_OK; kind++)
@@ -318,6 +271,8 @@ static double coil_width(const struct rb_lines *lines, const struct rb_spring_de
 		if (reach > 0)
 			width = fmin(width, 0.4 * reach);
 	}
+	if (spring->radius_m > 0)
+		return spring->radius_m;
 	return spring->rest_length_m > 0 ? fmin(width, 0.08 * spring->rest_length_m) : width;
 }
 
@@ -351,10 +306,13 @@ static void add_springs(struct rb_lines *lines, struct pen *pen, const struct rb
 	rb_vec3 end[2];
 
 	pen->width_px = thickness(lines, WIRE_PX);
-	pen->colour = spring_colour;
 	for (int k = 0; k < count; k++) {
 		const struct rb_spring_def *spring = rb_scene_spring(model->scene, k);
+		float own[3];
 
+		for (int c = 0; c < 3; c++)
+			own[c] = (float)rb_look_linear(spring->color[c]);
+		pen->colour = isnan(spring->color[0]) ? spring_colour : own;
 		if (!rb_spring_ends(model, frame, k, end))
 			continue;
 		if (count <= COILS_MAX)
@@ -364,53 +322,22 @@ static void add_springs(struct rb_lines *lines, struct pen *pen, const struct rb
 	}
 }
 
-/* Arrows from centres of mass. */
-static void add_velocities(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
-                           const struct rb_view *view)
+/* What rb_arrows_each is given to: one arrow. */
+struct quiver {
+	struct pen pen;
+	const struct rb_view *view;
+};
+
+static void add_arrow(void *user, rb_vec3 from, rb_vec3 to, const double colour[3])
 {
-	const struct rb_model *model = lines->setup.model;
+	struct quiver *const quiver = user;
+	float paint[3];
 
-	if (!frame->velocity)
-		return;
-	for (int i = 0; i < model->body_count; i++) {
-		const rb_pose pose = rb_view_pose(model, frame, model->id_of[i]);
-		const rb_vec3 velocity = rb_vec3_from(frame->velocity + 3 * i);
-		const rb_vec3 from = rb_model_center(model, i, pose.position, pose.orientation);
-		if (!lines->setup.looks->of[i].visible)
-			continue;
-		stroke(pen, rb_view_point(view, from),
-		       rb_view_point(view, rb_vec3_add_scaled(from, lines->per_speed, velocity)), 1,
-		       1);
-	}
-}
-
-/* Arrows of contact forces from the contact points. */
-static void add_contacts(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
-                         const struct rb_view *view)
-{
-	for (int k = 0; k < frame->contact_count; k++) {
-		const struct rb_frame_contact *contact = &frame->contacts[k];
-		const rb_vec3 tip = rb_vec3_add_scaled(contact->point, lines->per_force,
-		                                       contact->force);
-		stroke(pen, rb_view_point(view, contact->point), rb_view_point(view, tip), 1, 1);
-	}
-}
-
-/* Arrows of what joints do to b, from their points. */
-static void add_joint_forces(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
-                             const struct rb_view *view)
-{
-	struct rb_joint_place place;
-
-	for (int k = 0; frame->joint_force && k < frame->joint_count; k++) {
-		const rb_vec3 force = rb_vec3_from(frame->joint_force + 3 * (size_t)k);
-
-		if (!rb_joint_place(lines->setup.model, frame, k, &place))
-			continue;
-		stroke(pen, rb_view_point(view, place.b),
-		       rb_view_point(view, rb_vec3_add_scaled(place.b, lines->per_force, force)), 1,
-		       1);
-	}
+	for (int k = 0; k < 3; k++)
+		paint[k] = (float)rb_look_linear(colour[k]);
+	quiver->pen.colour = paint;
+	stroke(&quiver->pen, rb_view_point(quiver->view, from), rb_view_point(quiver->view, to), 1,
+	       1);
 }
 
 /* Joints of a wire model: the middle lines of their pieces. */
@@ -708,12 +635,11 @@ enum rb_status rb_lines_draw(struct rb_lines *lines, const struct rb_frame *fram
                              struct rb_error *err)
 {
 	const struct rb_camera_def *camera = lines->setup.camera;
-	float colour[3];
 	struct pen pen = {.list = &lines->list[LINE]};
-	struct pen arrow = {.list = &lines->list[ARROW],
-	                    .width_px = thickness(lines, ARROW_PX),
-	                    .head_px = thickness(lines, HEAD_PX),
-	                    .colour = colour};
+	struct quiver quiver = {{.list = &lines->list[ARROW],
+	                         .width_px = thickness(lines, ARROW_PX),
+	                         .head_px = thickness(lines, HEAD_PX)},
+	                        view};
 
 	for (int kind = 0; kind < PROGRAM_COUNT; kind++)
 		lines->list[kind].count = 0;
@@ -726,19 +652,8 @@ enum rb_status rb_lines_draw(struct rb_lines *lines, const struct rb_frame *fram
 		add_trails(lines, &pen, frame, view, trails);
 	if (has_specks(&lines->setup))
 		add_specks(lines, &pen, frame, view);
-	for (int k = 0; k < 3; k++)
-		colour[k] = (float)rb_look_linear(velocity_colour[k]);
-	if (camera->vectors & RB_VECTORS_VELOCITY)
-		add_velocities(lines, &arrow, frame, view);
-	for (int k = 0; k < 3; k++)
-		colour[k] = (float)rb_look_linear(contact_colour[k]);
-	if (camera->vectors & RB_VECTORS_CONTACT)
-		add_contacts(lines, &arrow, frame, view);
-	for (int k = 0; k < 3; k++)
-		colour[k] = (float)rb_look_linear(joint_colour[k]);
-	if (camera->vectors & RB_VECTORS_JOINT)
-		add_joint_forces(lines, &arrow, frame, view);
-	if (pen.failed || arrow.failed)
+	rb_arrows_each(&lines->setup, &lines->scales, frame, add_arrow, &quiver);
+	if (pen.failed || quiver.pen.failed)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot draw lines: out of memory");
 	draw_list(lines, LINE);
 	/* arrows begin inside of bodies: drawn over everything */

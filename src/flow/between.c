@@ -77,6 +77,8 @@ enum rb_status rb_frame_copy(struct rb_frame *to, const struct rb_frame *from, s
 	held &= copy_column(&to->orientation, from->orientation, had, count, 4);
 	held &= copy_column(&to->velocity, from->velocity, had, count, 3);
 	held &= copy_column(&to->angular_velocity, from->angular_velocity, had, count, 3);
+	held &= copy_column(&to->acceleration, from->acceleration, had, count, 3);
+	held &= copy_column(&to->force, from->force, had, count, 3);
 	const int had_joints = to->joint_count, joints = from->joint_count;
 
 	held &= copy_column(&to->joint_value, from->joint_value, had_joints, joints, 1);

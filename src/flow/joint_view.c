@@ -58,7 +58,8 @@ bool rb_spring_ends(const struct rb_model *model, const struct rb_frame *frame, 
 		                        : rb_vec3_add(pose.origin,
 		                                      rb_quat_rotate(pose.orientation, at[k]));
 	}
-	return model->scene->bodies[id[0]].visible || model->scene->bodies[id[1]].visible;
+	return spring->visible &&
+	       (model->scene->bodies[id[0]].visible || model->scene->bodies[id[1]].visible);
 }
 
 bool rb_joint_place(const struct rb_model *model, const struct rb_frame *frame, int number,

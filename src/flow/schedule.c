@@ -63,6 +63,25 @@ bool rb_camera_has_functions(const struct rb_camera_def *camera)
 	return has;
 }
 
+unsigned rb_camera_arrow_fields(const struct rb_camera_def *camera)
+{
+	static const unsigned needed[RB_VECTORS_COUNT] = {
+		[RB_ARROWS_VELOCITY] = RB_FIELD_VELOCITY,
+		[RB_ARROWS_CONTACT] = RB_FIELD_CONTACTS,
+		[RB_ARROWS_JOINT] = RB_FIELD_JOINTS,
+		[RB_ARROWS_SPRING] = RB_FIELD_VELOCITY | RB_FIELD_ANGULAR_VELOCITY,
+		[RB_ARROWS_ANGULAR_VELOCITY] = RB_FIELD_ANGULAR_VELOCITY,
+		[RB_ARROWS_ACCELERATION] = RB_FIELD_ACCELERATION,
+		[RB_ARROWS_MOMENTUM] = RB_FIELD_VELOCITY,
+		[RB_ARROWS_FORCE] = RB_FIELD_FORCE};
+	unsigned fields = 0;
+
+	for (int kind = 0; kind < RB_VECTORS_COUNT; kind++)
+		if (camera->vectors & 1u << kind)
+			fields |= needed[kind];
+	return fields;
+}
+
 unsigned rb_schedule_fields(const struct rb_camera_def *camera, const struct rb_model *model,
                             double end_s)
 {
@@ -79,12 +98,7 @@ unsigned rb_schedule_fields(const struct rb_camera_def *camera, const struct rb_
 	const double noise = 1e-12;
 	unsigned fields = RB_FIELD_POSITION | RB_FIELD_ORIENTATION;
 
-	if (camera->vectors & RB_VECTORS_VELOCITY)
-		fields |= RB_FIELD_VELOCITY;
-	if (camera->vectors & RB_VECTORS_CONTACT)
-		fields |= RB_FIELD_CONTACTS;
-	if (camera->vectors & RB_VECTORS_JOINT)
-		fields |= RB_FIELD_JOINTS;
+	fields |= rb_camera_arrow_fields(camera);
 	if (fabs(step - nearbyint(step)) > noise * step ||
 	    fabs(first - nearbyint(first)) > noise * first)
 		fields |= RB_FIELD_VELOCITY | RB_FIELD_ANGULAR_VELOCITY | RB_FIELD_EVENTS;

@@ -32,6 +32,8 @@ uint64_t rb_schedule_count(const struct rb_schedule *schedule);
 double rb_schedule_time(const struct rb_schedule *schedule, uint64_t picture);
 /* Whether it has functions of time, which are asked for each of its pictures. */
 bool rb_camera_has_functions(const struct rb_camera_def *camera);
+/* RB_FIELD_* that its arrows need. */
+unsigned rb_camera_arrow_fields(const struct rb_camera_def *camera);
 /*
  * RB_FIELD_* that pictures need; between frames also velocities, spins and impacts, which tell how
  * bodies go there.

@@ -29,6 +29,11 @@ static const struct rb_row keys[] = {
          "where it is fixed to a, in object coordinates"},
 	{"at_b", RB_ROW_VECTOR, 0, 0, AT(at_b), NULL, "the centre of mass", "m",
          "where it is fixed to b, in object coordinates"},
+	{"visible", RB_ROW_BOOLEAN, 0, 0, AT(visible), NULL, "true", "",
+         "drawn by cameras, as a coil, if one of its bodies is visible"},
+	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(radius_m), NULL,
+         "from the sizes of its bodies", "m", "of the coil"},
+	{"color", RB_ROW_COLOR, 0, 0, AT(color), NULL, "dark grey", "", "of the coil"},
 };
 
 static const struct rb_spring_def defaults = {
@@ -37,6 +42,9 @@ static const struct rb_spring_def defaults = {
 	.at_a = {(double)NAN, 0, 0},
 	.at_b = {(double)NAN, 0, 0},
 	.rest_length_m = (double)NAN,
+	.visible = true,
+	.radius_m = (double)NAN,
+	.color = {(double)NAN, 0, 0},
 };
 
 static void ends(const void *row, int id[2])

@@ -255,6 +255,100 @@ static void read_texts(struct rb_call *call, struct rb_camera_def *def)
 		lua_pop(L, 1);
 }
 
+/* `bodies` and `scale` of the table at the top of the stack; false: they are wrong, or others. */
+static bool read_arrows(lua_State *L, struct rb_arrows_def *arrows)
+{
+	bool right = true;
+
+	for (lua_pushnil(L); right && lua_next(L, -2); lua_pop(L, 1)) {
+		const char *const key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
+
+		if (strcmp(key, "scale") == 0) {
+			arrows->scale = lua_tonumber(L, -1);
+			right = lua_type(L, -1) == LUA_TNUMBER && arrows->scale > 0 &&
+			        isfinite(arrows->scale);
+		} else if (strcmp(key, "bodies") == 0) {
+			const lua_Unsigned count = lua_type(L, -1) == LUA_TTABLE ? lua_rawlen(L, -1)
+			                                                         : 0;
+			right = count > 0 && count <= RB_CAMERA_TRAILS_MAX;
+			for (lua_Unsigned k = 0; right && k < count; k++) {
+				lua_rawgeti(L, -1, (lua_Integer)k + 1);
+				arrows->bodies[k] = rb_handle_id(L, -1);
+				right = arrows->bodies[k] >= 0;
+				lua_pop(L, 1);
+			}
+			arrows->body_count = right ? (int)count : 0;
+		} else {
+			right = lua_isinteger(L, -2) && lua_tointeger(L, -2) == 1;
+		}
+		if (!right)
+			lua_pop(L, 1);
+	}
+	return right;
+}
+
+static const struct rb_row *row_of(const char *key)
+{
+	const struct rb_row *row = rb_rows_camera.rows;
+
+	while (strcmp(row->key, key) != 0)
+		row++;
+	return row;
+}
+
+/* Reads one entry of `vectors`, at the top of the stack: a name, or {name, bodies =, scale =}. */
+static void read_vector(struct rb_call *call, struct rb_camera_def *def)
+{
+	lua_State *const L = call->L;
+	const struct rb_row *const row = row_of("vectors");
+	const bool table = lua_type(L, -1) == LUA_TTABLE;
+	struct rb_arrows_def arrows = {0};
+	char found[80];
+
+	if (table && !read_arrows(L, &arrows)) {
+		rb_call_mistake(
+			call,
+			"'vectors' must be names, or {NAME, bodies = {body, ...}, scale = m "
+			"per unit} with 1 to %d bodies and a positive scale (got %s)",
+			RB_CAMERA_TRAILS_MAX, rb_describe(L, -1, found));
+		return;
+	}
+	if (table)
+		lua_rawgeti(L, -1, 1);
+	const int kind = rb_call_choice(call, row, lua_absindex(L, -1));
+	if (table)
+		lua_pop(L, 1);
+	if (kind < 0)
+		return;
+	def->vectors |= 1u << kind;
+	def->arrows[kind] = arrows;
+}
+
+/* Reads `vectors`: one, or a list. */
+static void read_vectors(struct rb_call *call, struct rb_camera_def *def)
+{
+	lua_State *const L = call->L;
+
+	if (rb_call_push(call, "vectors") == LUA_TNIL) {
+		lua_pop(L, 1);
+		return;
+	}
+	if (lua_type(L, -1) != LUA_TTABLE || has_key(L, "bodies") || has_key(L, "scale")) {
+		read_vector(call, def);
+		lua_pop(L, 1);
+		return;
+	}
+	lua_pop(L, 1);
+	const int count = push_list(call, "vectors", "names", RB_VECTORS_COUNT);
+	for (int i = 0; i < count; i++) {
+		lua_rawgeti(L, -1, i + 1);
+		read_vector(call, def);
+		lua_pop(L, 1);
+	}
+	if (count >= 0)
+		lua_pop(L, 1);
+}
+
 struct named_size {
 	const char *key, *name; /* what a scene writes, and what a picture shows */
 	double size;            /* m or s */
@@ -479,6 +573,7 @@ static int l_camera(lua_State *L)
 	read_trails(&call, &def);
 	read_labels(&call, &def);
 	read_texts(&call, &def);
+	read_vectors(&call, &def);
 	read_units(&call, &def);
 	check_camera(&call, &def);
 	rb_name_take(&call, "camera", def.name);

@@ -24,6 +24,7 @@
 #include "base/log.h"
 #include "base/hash.h"
 #include "base/memory.h"
+#include "flow/schedule.h"
 #include "model/element.h"
 #include "model/joint_type.h"
 #include "model/shape.h"
@@ -565,9 +566,10 @@ static enum rb_status load(struct rb_script *script, struct rb_error *err)
 	if (status != RB_OK)
 		return status;
 	const size_t count = scene->expect_count > 0 ? (size_t)scene->expect_count : 1;
-	/* what films of the recording show between frames */
-	if (scene->camera_count > 0 && !scene->record.fields_given)
-		scene->record.fields |= RB_FIELD_EVENTS;
+	/* what films of the recording show between frames, and their arrows */
+	for (int i = 0; i < scene->camera_count && !scene->record.fields_given; i++)
+		scene->record.fields |= RB_FIELD_EVENTS |
+		                        rb_camera_arrow_fields(&scene->cameras[i]);
 	script->expects = rb_memory_take(count, sizeof *script->expects);
 	if (!script->expects)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory", scene->file);

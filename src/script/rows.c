@@ -256,16 +256,14 @@ static const struct rb_row camera_rows[] = {
          "picture's width and height, from {0, 0}, the lower left corner, to {1, 1}, size the "
          "height of its lines as a share of the picture's height; without at, lines at the upper "
          "left corner"},
-	{"vectors", RB_ROW_FLAGS, 0, 0, AT(rb_camera_def, vectors), "velocity, contact, joint",
+	{"vectors", RB_ROW_FLAGS, 0, 0, HAND,
+         "velocity, contact, joint, spring, angular_velocity, acceleration, momentum, force",
          "none", "",
-         "arrows over the picture: of velocities, of the forces in lasting contacts, and of those "
-         "of joints on their b; one or a "
-         "list; on the same scale in "
-         "all pictures, at any speed: a length of three diameters of a typical body stands for the "
-         "fastest body at the start, or for a fall over two diameters if that is faster; one "
-         "diameter stands for the weight of a typical body, or without gravity for the strongest "
-         "applied "
-         "force"},
+         "arrows over the picture: velocities of centres of mass, forces in lasting contacts, "
+         "forces "
+         "of joints and of springs on their b, angular velocities, accelerations, momenta, and the "
+         "sum of the forces on each body; one or a list, each also as {NAME, bodies = {...}, scale "
+         "= s}: of these bodies only, s metres long per SI unit; see Arrows"},
 	{"style", RB_ROW_SWITCH, 0, 0, AT(rb_camera_def, wireframe), "shaded, wireframe", "shaded",
          "", "wireframe: lines that turn with the bodies"},
 	{"png", RB_ROW_FILE, 0, 0, AT(rb_camera_def, png), NULL, "none", "",
@@ -314,7 +312,7 @@ static const struct rb_row record_rows[] = {
 	{"fields", RB_ROW_FLAGS, 0, 0, AT(rb_record_def, fields),
          "position, orientation, velocity, angular_velocity, contacts, events, acceleration, "
          "angular_acceleration, force, torque, joints, surfaces",
-         "the first four, and events if there is a camera", "",
+         "the first four; if there is a camera, events and what its arrows need", "",
          "what is recorded of each frame: one or a list, which replaces the default, or adds to it "
          "if its first entry is \"+\""},
 	{"ledger", RB_ROW_BOOLEAN, 0, 0, AT(rb_record_def, ledger), NULL, "see LEDGER", "",

@@ -323,8 +323,7 @@ static bool read_color(struct rb_call *call, const struct rb_row *row, int index
 	return true;
 }
 
-/* Place of the text at `index` among the row's choices; -1: a mistake was noted. */
-static int read_choice(struct rb_call *call, const struct rb_row *row, int index)
+int rb_call_choice(struct rb_call *call, const struct rb_row *row, int index)
 {
 	struct rb_nearest nearest;
 	const char *name;
@@ -369,7 +368,7 @@ static bool read_flags(struct rb_call *call, const struct rb_row *row, int index
 	unsigned flags = adds ? *value : 0;
 
 	if (lua_type(L, index) == LUA_TSTRING) {
-		const int k = read_choice(call, row, index);
+		const int k = rb_call_choice(call, row, index);
 		if (k >= 0)
 			*value = 1u << k;
 		return k >= 0;
@@ -379,7 +378,7 @@ static bool read_flags(struct rb_call *call, const struct rb_row *row, int index
 	const lua_Unsigned count = lua_rawlen(L, index);
 	for (lua_Unsigned i = adds ? 2 : 1; i <= count && i <= 32; i++) {
 		lua_rawgeti(L, index, (lua_Integer)i);
-		const int k = read_choice(call, row, lua_absindex(L, -1));
+		const int k = rb_call_choice(call, row, lua_absindex(L, -1));
 		lua_pop(L, 1);
 		if (k < 0)
 			return false;
@@ -561,12 +560,12 @@ bool rb_call_value(struct rb_call *call, const struct rb_row *row, int index, vo
 	case RB_ROW_COLOR:
 		return read_color(call, row, index, place);
 	case RB_ROW_CHOICE:
-		k = read_choice(call, row, index);
+		k = rb_call_choice(call, row, index);
 		if (k >= 0)
 			memcpy(place, &k, sizeof k);
 		return k >= 0;
 	case RB_ROW_SWITCH:
-		k = read_choice(call, row, index);
+		k = rb_call_choice(call, row, index);
 		if (k >= 0)
 			*(bool *)place = k == 1;
 		return k >= 0;

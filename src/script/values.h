@@ -18,6 +18,9 @@ bool rb_flags_add(lua_State *L, int index);
  * with `what`. */
 int rb_call_material(struct rb_call *call, const char *what, int index);
 
+/* Place of the text at `index` among the row's choices; -1: a mistake was noted. */
+int rb_call_choice(struct rb_call *call, const struct rb_row *row, int index);
+
 /* Id of the body of that name so far; -1: none, and `hint` tells the nearest. */
 int rb_body_named(lua_State *L, const char *name, char hint[96]);
 
