@@ -53,7 +53,7 @@ static void counts_are_whole_numbers_and_one_by_default(void **state)
 	assert_wrong("step 1.5", "'1.5'");
 	assert_wrong("step 1e3", "'1e3'");
 	assert_wrong("step 9999999999999999999999", "whole number");
-	assert_wrong("step 1 2", "'2' is too much (usage: step [N])");
+	assert_wrong("step 1 2", "unexpected '2' (usage: step [N])");
 }
 
 static void times_are_seconds_or_percentages(void **state)
@@ -161,7 +161,7 @@ static void unknown_commands_are_told_with_the_nearest_name(void **state)
 	assert_wrong("paus", "'paus' (did you mean 'pause'?)");
 	assert_wrong("xyzzy", "help lists them");
 	assert_wrong("help xyzzy", "unknown command 'xyzzy'");
-	assert_wrong("play now", "'play': 'now' is too much (usage: play)");
+	assert_wrong("play now", "'play': unexpected 'now' (usage: play)");
 }
 
 static void no_byte_is_trusted(void **state)

@@ -19,14 +19,22 @@ static const struct rb_export_form *form_of(const struct rb_options *options, st
 	const char *const name = options->output ? options->output : "";
 	const size_t size = strlen(name);
 
-	for (int k = 0; options->form && k < FORM_COUNT; k++)
-		if (strcmp(forms[k]->name, options->form) == 0)
-			return forms[k];
+	const struct rb_export_form *wanted = NULL, *named = NULL;
+
 	for (int k = 0; k < FORM_COUNT; k++) {
 		const char *const ending = *forms[k]->ending ? forms[k]->ending : ".csv";
+		if (options->form && strcmp(forms[k]->name, options->form) == 0)
+			wanted = forms[k];
 		if (size > strlen(ending) && strcmp(name + size - strlen(ending), ending) == 0)
-			return forms[k];
+			named = forms[k];
 	}
+	if (wanted && named && wanted != named) {
+		(void)RB_FAIL(err, RB_ERR_USAGE, "option '--output': '%s' is a name for '--to' %s",
+		              name, named->name);
+		return NULL;
+	}
+	if (wanted || named)
+		return wanted ? wanted : named;
 	(void)RB_FAIL(err, RB_ERR_USAGE,
 	              "'export' needs '--to' csv, glb, vtk or dump, or an '--output' that ends in "
 	              ".csv, .glb, .pvd or .dump");

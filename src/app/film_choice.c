@@ -48,16 +48,19 @@ static bool is_named(const char *names, const char *name)
 	return false;
 }
 
-/* The cameras' names, for who wished for another. */
+/* Which names of cameras there are, for who wished for another. */
 static void list_names(const struct rb_scene *scene, char *out, size_t size)
 {
 	size_t used = 0;
 
-	snprintf(out, size, "none has a name");
+	snprintf(out, size,
+	         scene->camera_count > 0 ? "no camera of the scene has a name"
+	                                 : "the scene has no camera");
 	for (int i = 0; i < scene->camera_count && used < size; i++)
 		if (scene->cameras[i].name)
 			used += (size_t)snprintf(out + used, size - used, "%s%s",
-			                         used > 0 ? ", " : "", scene->cameras[i].name);
+			                         used > 0 ? ", " : "there are ",
+			                         scene->cameras[i].name);
 }
 
 static enum rb_status check_names(const struct rb_scene *scene, const char *names,
@@ -74,10 +77,9 @@ static enum rb_status check_names(const struct rb_scene *scene, const char *name
 			        memcmp(scene->cameras[i].name, at, size) == 0;
 		if (!found) {
 			list_names(scene, known, sizeof known);
-			return RB_FAIL(
-				err, RB_ERR_USAGE,
-				"option '--camera': there is no camera '%.*s' (there are: %s)",
-				(int)size, at, known);
+			return RB_FAIL(err, RB_ERR_USAGE,
+			               "option '--camera': there is no camera '%.*s' (%s)",
+			               (int)size, at, known);
 		}
 		at += size;
 	}

@@ -8,6 +8,8 @@
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "app/common.h"
@@ -155,6 +157,23 @@ static const struct {
 enum { FIELD_COUNT = sizeof field_names / sizeof *field_names };
 
 /* The scene's results by name, and the names and units of its probes. */
+/* A recording is written every second, but for frames that take longer: what is told beyond. */
+enum { SILENCE_TOLD_S = 10 };
+
+/*
+ * Seconds since a recording of a run that has not ended was last written: nothing in it tells
+ * whether its process is still there. -1: it has ended.
+ */
+static long silence_s(const char *path, const struct rb_reading *reading)
+{
+	struct stat file;
+
+	if (strcmp(reading->status, "running") != 0 || stat(path, &file) != 0)
+		return -1;
+	const double s = difftime(time(NULL), file.st_mtime);
+	return s > 0 ? (long)s : 0;
+}
+
 static void json_measures(struct rb_json *json, const struct rb_reading *reading)
 {
 	rb_json_open(json, "results", '{');
@@ -203,6 +222,8 @@ static void print_json(const char *path, const struct rb_reading *reading,
 	rb_json_text(&json, "title", reading->title);
 	rb_json_text(&json, "status", reading->status);
 	rb_json_text(&json, "reason", reading->reason);
+	if (silence_s(path, reading) >= 0)
+		rb_json_count(&json, "seconds_since_written", (uint64_t)silence_s(path, reading));
 	rb_json_text(&json, "state_hash", reading->state_hash);
 	rb_json_count(&json, "frames", reading->frame_count);
 	rb_json_count(&json, "bodies", (uint64_t)reading->body_count);
@@ -320,8 +341,13 @@ static void print_text(const char *path, const struct rb_reading *reading,
 			kinds[reading->joint_kind[k]]++;
 		rb_print(stdout, "  joints      %s\n", rb_text_joints(kinds, joints));
 	}
-	rb_print(stdout, "  status      %s%s%s\n", reading->status, *reading->reason ? ": " : "",
+	const long silence = silence_s(path, reading);
+	rb_print(stdout, "  status      %s%s%s", reading->status, *reading->reason ? ": " : "",
 	         reading->reason);
+	if (silence >= SILENCE_TOLD_S)
+		rb_print(stdout, ", unless its process was killed: last written %ld s ago",
+		         silence);
+	rb_print(stdout, "\n");
 	rb_print(stdout, "  columns    ");
 	for (int i = 0; i < FIELD_COUNT; i++)
 		if (reading->fields & field_names[i].bit)

@@ -179,8 +179,14 @@ int main(int argc, char **argv)
 	if (wants_overview(argc, argv))
 		return check_memory(print_overview());
 	char help[] = "--help", *of_verb[] = {argv[0], argc == 3 ? argv[2] : NULL, help, NULL};
-	if (argc == 3 && strcmp(argv[1], "help") == 0 && access("help", F_OK) != 0)
+	if (argc >= 3 && strcmp(argv[1], "help") == 0 && access("help", F_OK) != 0) {
+		if (argc > 3)
+			rb_print(stderr, "rbsim: 'help' takes one verb (got '%s' as well)\n",
+			         argv[3]);
+		if (argc > 3)
+			return check_memory(64);
 		argv = of_verb;
+	}
 	if (rb_options_parse(&options, argc, argv, &err)) {
 		exit_code = rb_app_refuse(&options, &err);
 		if (err.status == RB_ERR_USAGE)

@@ -352,6 +352,10 @@ static enum rb_status bad_number(struct parse *parse, const struct rb_option_row
 		return RB_FAIL(parse->err, RB_ERR_USAGE,
 		               "option '--%s': '%s' is not a finite %s above %g", row->name, text,
 		               kind, row->low);
+	if (!isfinite(row->high))
+		return RB_FAIL(parse->err, RB_ERR_USAGE,
+		               "option '--%s': '%s' is not a finite %s, %g or more", row->name,
+		               text, kind, row->low);
 	return RB_FAIL(parse->err, RB_ERR_USAGE, "option '--%s': '%s' is not a %s from %g to %.19g",
 	               row->name, text, kind, row->low, row->high);
 }

@@ -328,10 +328,8 @@ static enum rb_status read_observable(struct quantity *quantity, double *more, s
 		return RB_OK;
 	}
 	return RB_FAIL(err, RB_ERR_USAGE,
-	               "'%s' has no quantity '%s'%s (wanted: energy, momentum, ..., a probe, or "
-	               "BODY.x, .vx, .wx, .ax, .fx, .tx, .rx, .speed, .spin, .force, .angle, "
-	               ".yaw, ..., or JOINT.angle, .length, .speed, .force, ...; BODY, JOINT: a "
-	               "name, or #ID of a body, joint#NUMBER of a joint without)",
+	               "'%s' has no quantity '%.60s'%s (wanted: energy, momentum, a probe, "
+	               "BODY.z, .vz, .speed, or JOINT.angle, .force, and more: rbsim(1), plot)",
 	               quantity->file, name, hint_of(quantity, hint));
 }
 

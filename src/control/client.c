@@ -18,6 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/clock.h"
@@ -176,6 +177,15 @@ static enum rb_status check_greeting(struct rb_client *client, uint64_t deadline
 	return RB_OK;
 }
 
+/* A socket that a run has left, or no socket at all. */
+static const char *why_refused(const char *path)
+{
+	struct stat file;
+
+	return stat(path, &file) == 0 && !S_ISSOCK(file.st_mode) ? "it is not a socket"
+	                                                         : "no run listens there any more";
+}
+
 /* Connects and checks the greeting. On failure the caller closes the client. */
 static enum rb_status reach(struct rb_client *client, const struct sockaddr_un *address,
                             uint64_t deadline_ns, struct rb_error *err)
@@ -189,7 +199,8 @@ static enum rb_status reach(struct rb_client *client, const struct sockaddr_un *
 		if ((errno != EAGAIN && errno != EINTR) || rb_clock_now_ns() > deadline_ns)
 			return RB_FAIL(err, errno == EAGAIN ? RB_ERR_MISSING : RB_ERR_INPUT,
 			               "cannot reach a run at '%s': %s", client->path,
-			               strerror(errno));
+			               errno == ECONNREFUSED ? why_refused(client->path)
+			                                     : strerror(errno));
 		(void)poll(NULL, 0, 10);
 	}
 	return check_greeting(client, deadline_ns, err);

@@ -224,7 +224,7 @@ static enum rb_status at_most(const struct parse *parse, int count)
 
 	if (parse->words.count - 1 <= count)
 		return RB_OK;
-	return RB_FAIL(parse->err, RB_ERR_USAGE, "'%s': '%s' is too much (usage: %s%s%s)",
+	return RB_FAIL(parse->err, RB_ERR_USAGE, "'%s': unexpected '%s' (usage: %s%s%s)",
 	               parse->row->name, shown(argument(parse, count + 1), text), parse->row->name,
 	               *parse->row->arguments ? " " : "", parse->row->arguments);
 }

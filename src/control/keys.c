@@ -21,7 +21,7 @@ const struct rb_key_row rb_key_rows[] = {
 	{',', ",", RB_KEY_RUNS, "back", "one frame back"},
 	{'n', "n", RB_KEY_RUNS, "next collision", "the next frame with a collision"},
 	{'p', "p", RB_KEY_RUNS, "previous collision", "the previous frame with a collision"},
-	{'N', "N", RB_KEY_RUNS, "previous collision", "the same"},
+	{'N', "N", RB_KEY_RUNS, "previous collision", "the same as p"},
 	{'[', "[", RB_KEY_SCALES, "0.5", "half speed"},
 	{']', "]", RB_KEY_SCALES, "2", "double speed"},
 	{'1', "1", RB_KEY_RUNS, "speed 1", "real time"},

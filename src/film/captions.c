@@ -28,7 +28,7 @@ struct box {
 	int left, top, width, height;
 };
 
-/* Letters of the usual size take this share of the height; of a picture as high as 24 such lines. */
+/* Letters of the usual size take this share of the height of a picture. */
 static const double usual_share = 1.0 / 24;
 
 bool rb_captions_wanted(const struct rb_camera_def *camera)
@@ -76,7 +76,7 @@ void rb_captions_destroy(struct rb_captions *captions)
 
 /* ---- labels ---- */
 
-/* Pixel of the uppermost point of the sphere about a body; false: its centre is not in the picture. */
+/* Pixel of the top of the sphere about a body; false: its centre is not in the picture. */
 static bool find_top(const struct rb_captions *captions, const struct rb_frame *frame,
                      const struct rb_view *view, int id, double pixel[2])
 {

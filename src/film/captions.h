@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Texts that a scene writes over its pictures: labels above bodies, lines anywhere. One thread, like
- * the overlay.
+ * Texts that a scene writes over its pictures: labels above bodies, lines anywhere. One thread,
+ * like the overlay.
  */
 #ifndef RB_FILM_CAPTIONS_H
 #define RB_FILM_CAPTIONS_H

@@ -41,6 +41,7 @@
 #include "script/joint_handles.h"
 #include "script/library.h"
 #include "script/measures.h"
+#include "script/nearest.h"
 #include "script/advice.h"
 #include "script/nearest.h"
 #include "script/params.h"
@@ -526,6 +527,41 @@ static size_t most_for_bodies(void)
 	return share < most ? share : most;
 }
 
+/* Groups that are to be collided with and have no body: a word misspelt lets bodies fall through. */
+static void warn_of_empty_groups(const struct rb_script *script)
+{
+	const struct rb_scene *const scene = script->scene;
+	uint64_t told = 0;
+
+	for (int i = 0; i < scene->body_count; i++)
+		if (scene->bodies[i].group >= 0)
+			told |= (uint64_t)1 << scene->bodies[i].group;
+	for (int i = 0; i < scene->body_count; i++) {
+		const uint64_t empty = scene->bodies[i].filters
+		                               ? scene->bodies[i].collides_with & ~told
+		                               : 0;
+		char label[64], source[96];
+
+		for (int g = 0; empty && g < scene->group_count; g++) {
+			if (!(empty & (uint64_t)1 << g))
+				continue;
+			struct rb_nearest nearest = rb_nearest_to(scene->groups[g]);
+			char hint[96];
+			for (int k = 0; k < scene->body_count; k++)
+				if (scene->bodies[k].group >= 0)
+					rb_nearest_offer(
+						&nearest, scene->groups[scene->bodies[k].group],
+						strlen(scene->groups[scene->bodies[k].group]));
+			rb_log(RB_LOG_WARNING,
+			       "%s'%s' collides with group '%s', which has no body%s",
+			       rb_scene_body_source(scene, i, source),
+			       rb_scene_body_label(scene, i, label), scene->groups[g],
+			       rb_nearest_hint(&nearest, hint));
+		}
+		told |= empty;
+	}
+}
+
 /* Loads the scene of the options. */
 static enum rb_status load(struct rb_script *script, struct rb_error *err)
 {
@@ -566,6 +602,7 @@ static enum rb_status load(struct rb_script *script, struct rb_error *err)
 	if (status != RB_OK)
 		return status;
 	const size_t count = scene->expect_count > 0 ? (size_t)scene->expect_count : 1;
+	warn_of_empty_groups(script);
 	/* what films of the recording show between frames, and their arrows */
 	for (int i = 0; i < scene->camera_count && !scene->record.fields_given; i++)
 		scene->record.fields |= RB_FIELD_EVENTS |

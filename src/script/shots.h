@@ -16,8 +16,8 @@ struct rb_script;
 
 /*
  * Calls the camera's functions for the time of `frame`; handles show that frame. Fills position,
- * look_at, up and texts of `shot` as far as they come from functions; the others stay. RB_ERR_SCENE with
- * the camera, the key, the time and what was wrong.
+ * look_at, up and texts of `shot` as far as they come from functions; the others stay. RB_ERR_SCENE
+ * with the camera, the key, the time and what was wrong.
  */
 RB_CHECKED enum rb_status rb_script_shot(struct rb_script *script, const struct rb_model *model,
                                          const struct rb_camera_def *camera,

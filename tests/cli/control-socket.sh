@@ -96,7 +96,7 @@ wait $pid 2>/dev/null
 pid=
 [ -S s ] || fail "who has removed the socket of a killed run?"
 exits 66 ctl s status
-says err "cannot reach a run at 's': Connection refused"
+says err "cannot reach a run at 's': no run listens there any more"
 start
 kill $pid
 ended 143

@@ -187,6 +187,8 @@ exits 64 export still.h5
 says err "needs '--to' csv, glb, vtk or dump"
 exits 64 export still.h5 --to obj
 says err 'not one of: csv, glb, vtk, dump'
+exits 64 export still.h5 --to glb -o still.dump
+says err "'still.dump' is a name for '--to' dump"
 exits 64 export still.h5 --to vtk -o still.vtk
 exits 66 export none.h5 --to glb
 exits 66 export all.lua --to csv

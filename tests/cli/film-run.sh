@@ -40,7 +40,7 @@ exits 0 two.lua --force
 exits 0 two.lua --force --camera side --no-record
 grep -q 'main.mp4' err && fail "a film of a camera that was not chosen"
 exits 64 two.lua --force --camera sid
-grep -q "there is no camera 'sid' (there are: main, side, idle)" err || fail "$(cat err)"
+grep -q "there is no camera 'sid' (there are main, side, idle)" err || fail "$(cat err)"
 
 # the same bytes for any number of threads
 LP_NUM_THREADS=0 exits 0 two.lua --no-record --force --camera side

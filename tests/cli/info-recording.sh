@@ -63,3 +63,8 @@ frames=$(value frames)
 [ "$frames" -ge "$first" ] || fail "$frames frames after kill -9, $first before"
 exits 0 info long.h5
 says out 'status +running'
+touch -d '100 seconds ago' long.h5 # nothing in it tells that nobody writes it
+exits 0 info long.h5
+says out 'status +running, unless its process was killed: last written 1[0-9][0-9] s ago'
+exits 0 info long.h5 --json
+[ "$(value seconds_since_written)" -ge 100 ] || fail "$(cat out)"

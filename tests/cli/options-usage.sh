@@ -13,6 +13,10 @@ done
 [ "$(grep -c '^             rbsim ' out)" = "$(grep -c '^  [a-z]' out)" ] || fail "not an example for each verb"
 exits 0 help render
 says out '^usage: rbsim render'
+exits 64 help render check
+says err "'help' takes one verb \(got 'check' as well\)"
+exits 64 s.lua --checkpoint-every -1
+says err "'-1' is not a finite number, 0 or more"
 exits 64 help nonsense
 says err "'nonsense' is neither a verb nor a scene"
 says_nothing out

@@ -114,7 +114,7 @@ says err "no quantity '#4.z' .*JOINT.angle"
 
 exits 64 plot run.h5
 exits 64 plot run.h5 height
-says err "no quantity 'height' \(wanted: energy, momentum, ..., a probe"
+says err "no quantity 'height' \(wanted: energy, momentum, a probe"
 exits 64 plot run.h5 nobody.z
 exits 64 plot run.h5 energy --against e
 says err "no quantity 'e'"

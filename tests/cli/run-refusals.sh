@@ -224,3 +224,17 @@ END
 	got=$?
 	[ $got -eq 0 ] || [ $got -eq 77 ] || fail "without /proc, $got: $(cat bare.out err)"
 fi
+
+# a group that nobody is in
+cat >groups.lua <<'END'
+world { duration = 0.1 }
+plane { normal = {0, 0, 1}, group = "walls" }
+sphere { name = "ball", radius = 1, position = {0, 0, 2}, collides_with = {"wals", "walls"} }
+sphere { radius = 1, position = {4, 0, 2}, collides_with = "wals" }
+sphere { radius = 1, position = {8, 0, 2}, collides_with = {} }
+END
+exits 0 groups.lua --no-record
+says err "groups.lua:3: 'ball' collides with group 'wals', which has no body \(did you mean 'walls'\?\)"
+[ "$(grep -c warning err)" = 1 ] || fail "one warning for each group"
+exits 66 ctl groups.lua play
+says err "cannot reach a run at 'groups.lua': it is not a socket"
