@@ -21,6 +21,7 @@ static const struct {
 	{&rb_rows_force, sizeof(struct rb_force_def)},
 	{&rb_rows_particle, sizeof(double) + sizeof(rb_vec3)},
 	{&rb_rows_camera, sizeof(struct rb_camera_def)},
+	{&rb_rows_film, sizeof(struct rb_camera_def)},
 	{&rb_rows_units, sizeof(struct rb_camera_def)},
 	{&rb_rows_light, sizeof(struct rb_light_def)},
 	{&rb_rows_record, sizeof(struct rb_record_def)},

@@ -397,6 +397,15 @@ struct rb_camera_def {
 	const char *png, *video; /* output patterns, NULL: none */
 };
 
+/* Pictures of several cameras in one. */
+enum { RB_FILM_CELLS_MAX = 16 };
+struct rb_film_def {
+	struct rb_camera_def camera; /* name, size, times and outputs; the rest does not count */
+	int row_count, columns[RB_FILM_CELLS_MAX]; /* of each row, from above */
+	/* places in the scene's list of cameras, row by row */
+	int cells[RB_FILM_CELLS_MAX], cell_count;
+};
+
 enum {
 	RB_FIELD_POSITION = 1u << 0,
 	RB_FIELD_ORIENTATION = 1u << 1,
@@ -553,6 +562,8 @@ struct rb_scene {
 	int group_count;
 	struct rb_camera_def *cameras;
 	int camera_count;
+	struct rb_film_def *films;
+	int film_count;
 	struct rb_record_def record;
 	struct rb_param_def *params;
 	int param_count;
@@ -643,6 +654,8 @@ RB_CHECKED enum rb_status rb_scene_group(struct rb_scene *scene, const char *nam
 RB_CHECKED enum rb_status rb_scene_add_camera(struct rb_scene *scene,
                                               const struct rb_camera_def *def,
                                               struct rb_error *err);
+RB_CHECKED enum rb_status rb_scene_add_film(struct rb_scene *scene, const struct rb_film_def *def,
+                                            struct rb_error *err);
 RB_CHECKED enum rb_status rb_scene_add_param(struct rb_scene *scene, const struct rb_param_def *def,
                                              struct rb_error *err);
 RB_CHECKED enum rb_status rb_scene_add_expect(struct rb_scene *scene,

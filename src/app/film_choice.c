@@ -61,6 +61,11 @@ static void list_names(const struct rb_scene *scene, char *out, size_t size)
 			used += (size_t)snprintf(out + used, size - used, "%s%s",
 			                         used > 0 ? ", " : "there are ",
 			                         scene->cameras[i].name);
+	for (int i = 0; i < scene->film_count && used < size; i++)
+		if (scene->films[i].camera.name)
+			used += (size_t)snprintf(out + used, size - used, "%s%s",
+			                         used > 0 ? ", " : "there are ",
+			                         scene->films[i].camera.name);
 }
 
 static enum rb_status check_names(const struct rb_scene *scene, const char *names,
@@ -75,6 +80,10 @@ static enum rb_status check_names(const struct rb_scene *scene, const char *name
 		for (int i = 0; i < scene->camera_count && !found; i++)
 			found = scene->cameras[i].name && strlen(scene->cameras[i].name) == size &&
 			        memcmp(scene->cameras[i].name, at, size) == 0;
+		for (int i = 0; i < scene->film_count && !found; i++) {
+			const char *const name = scene->films[i].camera.name;
+			found = name && strlen(name) == size && memcmp(name, at, size) == 0;
+		}
 		if (!found) {
 			list_names(scene, known, sizeof known);
 			return RB_FAIL(err, RB_ERR_USAGE,
@@ -106,42 +115,97 @@ static void apply(struct rb_camera_def *camera, const struct rb_films_wish *wish
 	camera->video = png ? NULL : wish->output;
 }
 
-static void add(struct rb_films *films, const struct rb_camera_def *camera, int number,
-                const struct rb_films_wish *wish)
+/*
+ * Divides the picture of a film among its cameras: rows of one height, in each of which all have
+ * one width, with a narrow gap between them.
+ */
+static bool divide(struct film *film, const struct rb_scene *scene, const struct rb_film_def *def)
+{
+	const int width = film->camera.size_px[0], height = film->camera.size_px[1];
+	const int gap = height / 240;
+	int cell = 0;
+
+	film->cells = rb_memory_take((size_t)def->cell_count, sizeof *film->cells);
+	if (!film->cells)
+		return false;
+	film->cell_count = def->cell_count;
+	for (int r = 0; r < def->row_count; r++) {
+		const int columns = def->columns[r];
+		const int top = (height + gap) * r / def->row_count;
+		const int bottom = (height + gap) * (r + 1) / def->row_count - gap;
+		for (int c = 0; c < columns; c++, cell++) {
+			struct rb_film_cell *const part = &film->cells[cell];
+			const int left = (width + gap) * c / columns;
+			const int right = (width + gap) * (c + 1) / columns - gap;
+
+			part->camera = scene->cameras[def->cells[cell]];
+			part->at_px[0] = left;
+			part->at_px[1] = top;
+			part->camera.size_px[0] = right > left ? right - left : 1;
+			part->camera.size_px[1] = bottom > top ? bottom - top : 1;
+			part->camera.fps = film->camera.fps;
+			part->camera.speed = film->camera.speed;
+			part->camera.from_s = film->camera.from_s;
+			part->camera.to_s = film->camera.to_s;
+		}
+	}
+	return true;
+}
+
+/* A camera that cannot know how bodies will move stands where it sees the start. */
+static void frame_start(const struct rb_films *films, struct rb_camera_def *camera,
+                        const char *label)
+{
+	struct rb_framing start;
+	char left_out[1];
+
+	if (rb_framing_init(&start, films->loaded->model, NULL) == RB_OK)
+		(void)rb_framing_aim(&start, camera, left_out, sizeof left_out);
+	rb_framing_release(&start);
+	rb_log(RB_LOG_WARNING,
+	       "%s has no 'position', and without a recording it cannot know where "
+	       "bodies move: it shows the start",
+	       label);
+}
+
+/* Adds a camera, or a film of several; false: memory is out. */
+static bool add(struct rb_films *films, const struct rb_camera_def *camera,
+                const struct rb_film_def *def, int number, const struct rb_films_wish *wish)
 {
 	struct film *const film = &films->film[films->count++];
 
 	film->camera = *camera;
 	apply(&film->camera, wish);
-	film->late = camera->framed && wish->runs && wish->recording;
+	if (def && !divide(film, &films->loaded->scene, def))
+		return false;
 	/* one picture shows what it would in the film */
 	film->from_s = wish->still ? camera->from_s : film->camera.from_s;
 	film->to_s = wish->still ? camera->to_s : film->camera.to_s;
 	if (camera->name)
-		snprintf(film->label, sizeof film->label, "camera '%.60s'", camera->name);
+		snprintf(film->label, sizeof film->label, "%s '%.60s'", def ? "film" : "camera",
+		         camera->name);
 	else
-		snprintf(film->label, sizeof film->label, "camera %d", number + 1);
+		snprintf(film->label, sizeof film->label, "%s %d", def ? "film" : "camera",
+		         number + 1);
 	film->schedule = rb_schedule_of(&film->camera, films->loaded->model->frame_rate,
 	                                wish->end_s);
 	if (rb_schedule_count(&film->schedule) == 0) {
 		rb_log(RB_LOG_WARNING,
 		       "%s begins at %.9g s, after the end at %.9g s: it makes no film",
 		       film->label, film->schedule.from_s, wish->end_s);
+		rb_memory_free(film->cells);
+		*film = (struct film){0};
 		films->count--;
-		return;
+		return true;
 	}
-	if (camera->framed && wish->runs && !wish->recording) {
-		char left_out[1];
-		struct rb_framing start;
-		if (rb_framing_init(&start, films->loaded->model, NULL) == RB_OK)
-			(void)rb_framing_aim(&start, &film->camera, left_out, sizeof left_out);
-		rb_framing_release(&start);
-		rb_log(RB_LOG_WARNING,
-		       "%s has no 'position', and without a recording it cannot know where "
-		       "bodies move: it shows the start",
-		       film->label);
+	for (int c = 0; c < rb_film_camera_count(film); c++) {
+		struct rb_camera_def *const one = rb_film_camera(film, c);
+		film->late |= one->framed && wish->runs && wish->recording;
+		if (one->framed && wish->runs && !wish->recording)
+			frame_start(films, one, film->label);
+		films->shoots |= rb_camera_has_functions(one);
 	}
-	films->shoots |= rb_camera_has_functions(&film->camera);
+	return true;
 }
 
 enum rb_status rb_film_choice(struct rb_films *films, const struct rb_films_wish *wish,
@@ -153,19 +217,28 @@ enum rb_status rb_film_choice(struct rb_films *films, const struct rb_films_wish
 
 	if (status)
 		return status;
-	films->film = rb_memory_take((size_t)scene->camera_count + 1, sizeof *films->film);
+	films->film = rb_memory_take((size_t)scene->camera_count + (size_t)scene->film_count + 1,
+	                             sizeof *films->film);
 	if (!films->film)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare films: out of memory");
+	bool held = true;
 	for (int i = 0; i < scene->camera_count; i++) {
 		const struct rb_camera_def *const camera = &scene->cameras[i];
 		const bool has_output = camera->png || camera->video || wish->output;
 		if (has_output && (!wish->names || is_named(wish->names, camera->name)))
-			add(films, camera, i, wish);
+			held &= add(films, camera, NULL, i, wish);
+	}
+	for (int i = 0; i < scene->film_count; i++) {
+		const struct rb_film_def *const def = &scene->films[i];
+		if (!wish->names || is_named(wish->names, def->camera.name))
+			held &= add(films, &def->camera, def, i, wish);
 	}
 	if (scene->camera_count == 0 && wish->fallback && wish->output) {
 		const struct rb_camera_def camera = rb_steer_default(films->loaded->model);
-		add(films, &camera, 0, wish);
+		held &= add(films, &camera, NULL, 0, wish);
 	}
+	if (!held)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare films: out of memory");
 	if (wish->output && films->count == 0)
 		return RB_FAIL(err, RB_ERR_USAGE, "option '--camera' chooses no camera");
 	if (wish->output && films->count > 1) {

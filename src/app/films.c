@@ -34,6 +34,8 @@ static struct rb_film_options options_of(const struct rb_films *films, int numbe
 	return (struct rb_film_options){
 		.model = films->loaded->model,
 		.camera = &films->film[number].camera,
+		.cells = films->film[number].cells,
+		.cell_count = films->film[number].cell_count,
 		.still = wish->still,
 		.number = number,
 		.end_s = wish->end_s,
@@ -113,7 +115,14 @@ enum rb_status rb_films_one_camera(struct rb_camera_def *camera, struct rb_loade
 
 	if (!status)
 		*camera = films.film[0].camera;
+	const bool divided = !status && films.film[0].cell_count > 0;
+	for (int i = 0; i < films.count; i++)
+		rb_memory_free(films.film[i].cells);
 	rb_memory_free(films.film);
+	if (divided)
+		return RB_FAIL(err, RB_ERR_USAGE,
+		               "a film of several cameras has no contact sheet: --camera chooses "
+		               "one of them");
 	return status;
 }
 
@@ -150,16 +159,19 @@ enum rb_status rb_films_frame(struct rb_films *films, const struct rb_hdf5_modul
 
 	for (int i = 0; i < rb_films_count(films) && !status; i++) {
 		struct film *const film = &films->film[i];
-		struct rb_camera_def seen = film->camera;
-		if (!film->camera.framed || !works(films, film))
-			continue;
-		seen.from_s = film->from_s;
-		seen.to_s = film->to_s;
-		status = rb_films_frame_camera(&seen, films->loaded->model, module, reader,
-		                               film->label, err);
-		film->camera.position = seen.position;
-		film->camera.height = seen.height;
-		film->camera.look_at = seen.look_at;
+		for (int c = 0; c < rb_film_camera_count(film) && !status; c++) {
+			struct rb_camera_def *const camera = rb_film_camera(film, c);
+			struct rb_camera_def seen = *camera;
+			if (!camera->framed || !works(films, film))
+				continue;
+			seen.from_s = film->from_s;
+			seen.to_s = film->to_s;
+			status = rb_films_frame_camera(&seen, films->loaded->model, module, reader,
+			                               film->label, err);
+			camera->position = seen.position;
+			camera->height = seen.height;
+			camera->look_at = seen.look_at;
+		}
 	}
 	return status;
 }
@@ -186,6 +198,8 @@ void rb_films_destroy(struct rb_films *films)
 			films->module->film_destroy(films->film[i].film);
 	rb_frame_release(&films->last);
 	rb_between_release(&films->between);
+	for (int i = 0; films->film && i < films->count; i++)
+		rb_memory_free(films->film[i].cells);
 	rb_memory_free(films->switched);
 	rb_steering_release(&films->steering);
 	rb_memory_free(films->film);
@@ -243,9 +257,15 @@ void rb_films_tell_unrecorded(const struct rb_loaded *loaded)
 }
 
 /* Trails, and the digits of energies, which suit the largest so far. */
-static bool has_memory(const struct rb_camera_def *camera)
+static bool has_memory(struct film *film)
 {
-	return camera->trail_count > 0 || camera->overlay & RB_OVERLAY_ENERGY;
+	bool has = false;
+
+	for (int c = 0; c < rb_film_camera_count(film); c++) {
+		const struct rb_camera_def *const camera = rb_film_camera(film, c);
+		has |= camera->trail_count > 0 || camera->overlay & RB_OVERLAY_ENERGY;
+	}
+	return has;
 }
 
 double rb_films_first_s(const struct rb_films *films)
@@ -254,7 +274,7 @@ double rb_films_first_s(const struct rb_films *films)
 
 	for (int i = 0; i < rb_films_count(films); i++)
 		if (works(films, &films->film[i]))
-			first_s = fmin(first_s, has_memory(&films->film[i].camera)
+			first_s = fmin(first_s, has_memory(&films->film[i])
 			                                ? 0
 			                                : films->film[i].schedule.from_s);
 	return first_s;
@@ -274,25 +294,48 @@ enum rb_status rb_films_start(struct rb_films *films, struct rb_ring *ring,
 	return status;
 }
 
-static struct rb_steering_film steered(const struct rb_films *films, int number)
+/* A camera of a film; those of a film of several are not steered. */
+static struct rb_steering_film steered(const struct rb_films *films, int number, int cell)
 {
-	return (struct rb_steering_film){films->loaded, &films->film[number].camera, number};
+	return (struct rb_steering_film){films->loaded, rb_film_camera(&films->film[number], cell),
+	                                 number};
 }
 
-/* The shots of one camera that fall after the frame before and not after this one. */
+/* The shots of a film's cameras at one of its pictures. */
+static enum rb_status shoot_picture(struct rb_films *films, int number,
+                                    const struct rb_frame *moment, struct rb_frame *frame,
+                                    struct rb_error *err)
+{
+	struct film *const film = &films->film[number];
+	const int cells = rb_film_camera_count(film);
+	enum rb_status status = RB_OK;
+
+	for (int c = 0; c < cells && !status; c++) {
+		const struct rb_steering_film of = steered(films, number, c);
+		struct rb_frame_shot shot = {.camera = number,
+		                             .picture = film->next * (uint64_t)cells + (uint64_t)c};
+
+		if (!rb_steering_is_wanted(&films->steering, &of))
+			continue;
+		status = rb_steering_shot(&films->steering, &of, moment, &shot, err);
+		if (!status)
+			status = rb_frame_add_shot(frame, &shot, err);
+	}
+	return status;
+}
+
+/* The shots of one film that fall after the frame before and not after this one. */
 static enum rb_status shoot(struct rb_films *films, int number, struct rb_frame *frame,
                             struct rb_error *err)
 {
 	struct film *const film = &films->film[number];
 	const uint64_t count = rb_schedule_count(&film->schedule);
 	struct rb_frame plain = *frame; /* without shots, which would be copied for each of them */
-	const struct rb_steering_film of = steered(films, number);
 	enum rb_status status = RB_OK;
 
 	plain.shot_count = 0;
 	for (; !status && film->next < count && !atomic_load(&films->cut); film->next++) {
 		const double time_s = rb_schedule_time(&film->schedule, film->next);
-		struct rb_frame_shot shot = {.camera = number, .picture = film->next};
 		const struct rb_frame *moment = frame;
 		if (time_s > frame->time_s)
 			break;
@@ -304,9 +347,7 @@ static enum rb_status shoot(struct rb_films *films, int number, struct rb_frame 
 			moment = &films->between.frame;
 		}
 		if (!status)
-			status = rb_steering_shot(&films->steering, &of, moment, &shot, err);
-		if (!status)
-			status = rb_frame_add_shot(frame, &shot, err);
+			status = shoot_picture(films, number, moment, frame, err);
 	}
 	return status;
 }
@@ -319,11 +360,15 @@ enum rb_status rb_films_shoot(struct rb_films *films, struct rb_frame *frame, st
 	if (!films || (!films->shoots && films->steering.count == 0))
 		return RB_OK;
 	for (int i = 0; i < films->count && !status; i++) {
-		const struct rb_steering_film of = steered(films, i);
+		bool wanted = false;
 		if (!works(films, &films->film[i]))
 			continue;
-		status = rb_steering_advance(&films->steering, &of, frame, err);
-		if (!status && rb_steering_is_wanted(&films->steering, &of))
+		for (int c = 0; c < rb_film_camera_count(&films->film[i]) && !status; c++) {
+			const struct rb_steering_film of = steered(films, i, c);
+			status = rb_steering_advance(&films->steering, &of, frame, err);
+			wanted |= rb_steering_is_wanted(&films->steering, &of);
+		}
+		if (!status && wanted)
 			status = shoot(films, i, frame, err);
 	}
 	struct rb_frame plain = *frame;
@@ -367,7 +412,7 @@ enum rb_status rb_films_steer(struct rb_films *films, double time_s,
 
 	for (int i = 0; i < rb_films_count(films) && !status; i++) {
 		const char *const name = films->film[i].camera.name;
-		if (!works(films, &films->film[i]) ||
+		if (!works(films, &films->film[i]) || films->film[i].cell_count > 0 ||
 		    (aim->camera[0] && (!name || strcmp(name, aim->camera) != 0)))
 			continue;
 		status = rb_steering_add(&films->steering, i, time_s, aim, err);

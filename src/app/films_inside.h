@@ -18,7 +18,9 @@
 /* One camera that is filmed. */
 struct film {
 	struct rb_camera_def camera; /* of the scene, with the changes of the command line */
-	char label[80];              /* "camera 'main'", for messages */
+	struct rb_film_cell *cells;  /* owned: [cell_count]; of a film of several cameras */
+	int cell_count;
+	char label[80]; /* "camera 'main'", for messages */
 	struct rb_schedule schedule;
 	uint64_t next;       /* the next picture to compute a shot for */
 	bool late;           /* made from the recording after the run */
@@ -51,6 +53,17 @@ struct rb_films {
 	size_t switch_count, switch_capacity;
 	atomic_int cut; /* signal that ends all films, 0: none; any thread */
 };
+
+/* Cameras of a film, one after the other: its cells', or its own. */
+static inline int rb_film_camera_count(const struct film *film)
+{
+	return film->cell_count > 0 ? film->cell_count : 1;
+}
+
+static inline struct rb_camera_def *rb_film_camera(struct film *film, int k)
+{
+	return film->cell_count > 0 ? &film->cells[k].camera : &film->camera;
+}
 
 /* Whether a film ended before its last picture. */
 static inline bool rb_film_is_cut_short(const struct rb_film_tally *tally)

@@ -120,10 +120,17 @@ void rb_help_print_params(FILE *file, const struct rb_scene *scene)
 		}
 		putc('\n', file);
 	}
-	if (scene->camera_count > 0)
-		rb_print(file, "\nCameras of %s (--camera NAME):\n", scene->file);
-	for (int i = 0; i < scene->camera_count; i++)
-		rb_print(file, "  %s\n", scene->cameras[i].name);
+	bool named = false;
+	for (int i = 0; i < scene->camera_count + scene->film_count; i++) {
+		const char *const name =
+			i < scene->camera_count ? scene->cameras[i].name
+						: scene->films[i - scene->camera_count].camera.name;
+		if (name && !named)
+			rb_print(file, "\nCameras and films of %s (--camera NAME):\n", scene->file);
+		if (name)
+			rb_print(file, "  %s\n", name);
+		named |= name != NULL;
+	}
 }
 
 /* Prints "run, check": the verbs that take an option. */

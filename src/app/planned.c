@@ -126,6 +126,7 @@ static enum rb_status take_files(struct rb_planned *sweep, const struct rb_scene
 {
 	for (int i = 0; i < scene->camera_count; i++)
 		sweep->films |= scene->cameras[i].png || scene->cameras[i].video;
+	sweep->films |= scene->film_count > 0;
 	for (int i = 0; i < scene->file_count; i++) {
 		const struct rb_source_file *const from = &scene->files[i];
 		bool known = false;

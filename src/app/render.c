@@ -191,7 +191,7 @@ static enum rb_status add_cameras(struct render *render, struct rb_error *err)
 	if (!options->with)
 		return RB_OK;
 	/* they come instead of those of the scene */
-	scene->camera_count = 0;
+	scene->camera_count = scene->film_count = 0;
 	const enum rb_status status = rb_script_add_cameras(render->loaded.script, options->with,
 	                                                    &render->loaded.mistakes, err);
 	if (!status && scene->camera_count == 0)

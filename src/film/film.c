@@ -11,6 +11,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -36,8 +37,9 @@ struct rb_film {
 	char label[96]; /* "camera 'main'" */
 
 	/* the sink's thread's */
-	struct rb_take *take;
-	uint64_t next;          /* picture */
+	struct rb_take *take[RB_FILM_CELLS_MAX]; /* one for each cell, or for the whole picture */
+	struct rb_pixmap whole;                  /* of cells */
+	uint64_t next;                           /* picture */
 	bool has_frame;         /* there was one before; its number, and how many lay between: */
 	uint64_t index, stride; /* 0: not known yet */
 	bool has_last;          /* `last` is that one */
@@ -91,6 +93,17 @@ static uint64_t picture_count_of(const struct rb_film_options *options)
 	return options->still && count > 1 ? 1 : count;
 }
 
+/* Cells of a picture; one that is not divided is one. */
+static int cell_count_of(const struct rb_film_options *options)
+{
+	return options->cell_count > 0 ? options->cell_count : 1;
+}
+
+static const struct rb_camera_def *camera_of(const struct rb_film_options *options, int cell)
+{
+	return options->cell_count > 0 ? &options->cells[cell].camera : options->camera;
+}
+
 enum rb_status rb_film_check(const struct rb_film_options *options, struct rb_error *err)
 {
 	const struct rb_press_options press = press_options(options);
@@ -117,16 +130,44 @@ enum rb_status rb_film_check(const struct rb_film_options *options, struct rb_er
 		               count, picture_count_max);
 	status = rb_looks_make(&looks, options->model, err);
 	rb_looks_release(&looks);
-	if (!status && rb_take_writes(camera)) {
-		status = rb_overlay_create(&overlay, press.width, press.height, err);
-		rb_overlay_destroy(overlay);
-	}
+	for (int c = 0; c < cell_count_of(options) && !status; c++)
+		if (rb_take_writes(camera_of(options, c))) {
+			status = rb_overlay_create(&overlay, press.width, press.height, err);
+			rb_overlay_destroy(overlay);
+		}
 	return status ? status : rb_press_check(&press, err);
 }
 
 /* ---- the sink ---- */
 
-/* Creates painter and press in the sink's thread, to which the OpenGL context belongs. */
+static void destroy_takes(struct rb_film *film)
+{
+	for (int c = 0; c < RB_FILM_CELLS_MAX; c++) {
+		rb_take_destroy(film->take[c]);
+		film->take[c] = NULL;
+	}
+	rb_pixmap_release(&film->whole);
+}
+
+static enum rb_status create_takes(struct rb_film *film, struct rb_error *err)
+{
+	const struct rb_film_options *const options = &film->options;
+	enum rb_status status = RB_OK;
+
+	for (int c = 0; c < cell_count_of(options) && !status; c++) {
+		status = rb_take_create(&film->take[c], options->model, camera_of(options, c), err);
+		if (!status)
+			rb_take_heed(film->take[c], &film->cut);
+	}
+	if (!status && options->cell_count > 0)
+		status = rb_pixmap_init(&film->whole, options->camera->size_px[0],
+		                        options->camera->size_px[1], err);
+	if (status)
+		destroy_takes(film);
+	return status;
+}
+
+/* Creates painters and press in the sink's thread, to which the OpenGL contexts belong. */
 static enum rb_status film_open(void *self, struct rb_error *err)
 {
 	struct rb_film *const film = self;
@@ -134,17 +175,12 @@ static enum rb_status film_open(void *self, struct rb_error *err)
 	struct rb_press *press = NULL;
 
 	options.cut = &film->cut;
-	enum rb_status status = rb_take_create(&film->take, film->options.model,
-	                                       film->options.camera, err);
-	if (!status) {
-		rb_take_heed(film->take, &film->cut);
+	enum rb_status status = create_takes(film, err);
+	if (!status)
 		status = rb_press_create(&press, &options, err);
-	}
-	/* a sink that fails to open is not closed, and the painter belongs to this thread */
-	if (status) {
-		rb_take_destroy(film->take);
-		film->take = NULL;
-	}
+	/* a sink that fails to open is not closed, and the painters belong to this thread */
+	if (status)
+		destroy_takes(film);
 	pthread_mutex_lock(&film->lock);
 	film->press = press;
 	pthread_mutex_unlock(&film->lock);
@@ -157,24 +193,28 @@ static bool is_before(const struct rb_frame_shot *shot, int camera, uint64_t pic
 	return shot->camera < camera || (shot->camera == camera && shot->picture < picture);
 }
 
-/* Binary search for the next picture's shot: slow motion may have thousands in one frame. */
-static enum rb_status find_shot(const struct rb_film *film, const struct rb_frame *frame,
+/*
+ * Binary search for the shot of a cell of the next picture: slow motion may have thousands in one
+ * frame.
+ */
+static enum rb_status find_shot(const struct rb_film *film, int cell, const struct rb_frame *frame,
                                 const struct rb_frame_shot **shot, struct rb_error *err)
 {
-	const struct rb_camera_def *const camera = film->options.camera;
-	const int number = film->options.number;
+	const struct rb_camera_def *const camera = camera_of(&film->options, cell);
+	const int number = film->options.number, cells = cell_count_of(&film->options);
+	const uint64_t wanted = film->next * (uint64_t)cells + (uint64_t)cell;
 	int low = 0, high = frame->shot_count;
 
 	*shot = NULL;
 	while (low < high) {
 		const int middle = low + (high - low) / 2;
-		if (is_before(&frame->shots[middle], number, film->next))
+		if (is_before(&frame->shots[middle], number, wanted))
 			low = middle + 1;
 		else
 			high = middle;
 	}
 	if (low < frame->shot_count && frame->shots[low].camera == number &&
-	    frame->shots[low].picture == film->next) {
+	    frame->shots[low].picture == wanted) {
 		*shot = &frame->shots[low];
 		return RB_OK;
 	}
@@ -188,8 +228,13 @@ static enum rb_status find_shot(const struct rb_film *film, const struct rb_fram
 /* Copies the painter's times to the tally. */
 static void note_times(struct rb_film *film)
 {
-	const struct rb_painter_times times = rb_take_times(film->take);
+	struct rb_painter_times times = {0, 0};
 
+	for (int c = 0; c < cell_count_of(&film->options); c++) {
+		const struct rb_painter_times one = rb_take_times(film->take[c]);
+		times.draw_ns += one.draw_ns;
+		times.read_ns += one.read_ns;
+	}
 	pthread_mutex_lock(&film->lock);
 	film->tally.draw_ns = times.draw_ns;
 	film->tally.read_ns = times.read_ns;
@@ -208,21 +253,51 @@ static bool is_off(struct rb_film *film, double time_s)
 	return off;
 }
 
+/* Copies the picture of a cell into the whole. */
+static void place(struct rb_film *film, int cell, const struct rb_pixmap *part)
+{
+	const int *const at = film->options.cells[cell].at_px;
+	struct rb_pixmap *const whole = &film->whole;
+
+	RB_ASSERT(at[0] + part->width <= whole->width && at[1] + part->height <= whole->height);
+	for (int y = 0; y < part->height; y++)
+		memcpy(whole->rgba +
+		               4 * ((size_t)(at[1] + y) * (size_t)whole->width + (size_t)at[0]),
+		       part->rgba + 4 * (size_t)y * (size_t)part->width, 4 * (size_t)part->width);
+}
+
+/* The next picture, of one camera or of several. */
+static enum rb_status draw_next(struct rb_film *film, const struct rb_frame *moment,
+                                const struct rb_frame *frame, struct rb_pixmap *picture,
+                                struct rb_error *err)
+{
+	const struct rb_frame_shot *shot;
+	enum rb_status status = RB_OK;
+
+	for (int c = 0; c < cell_count_of(&film->options) && !status; c++) {
+		status = find_shot(film, c, frame, &shot, err);
+		if (!status)
+			status = rb_take_draw(film->take[c], moment, shot, picture, err);
+		if (!status && film->options.cell_count > 0)
+			place(film, c, picture);
+	}
+	if (film->options.cell_count > 0)
+		*picture = film->whole;
+	return status;
+}
+
 /* Draws and prints the next picture, of a moment not after `frame`, which has the camera's shot. */
 static enum rb_status make_picture(struct rb_film *film, const struct rb_frame *moment,
                                    const struct rb_frame *frame, struct rb_error *err)
 {
 	const double time_s = rb_schedule_time(&film->schedule, film->next);
-	const struct rb_frame_shot *shot;
 	struct rb_pixmap picture;
 
 	if (is_off(film, time_s)) {
 		film->next++;
 		return RB_OK;
 	}
-	enum rb_status status = find_shot(film, frame, &shot, err);
-	if (!status)
-		status = rb_take_draw(film->take, moment, shot, &picture, err);
+	enum rb_status status = draw_next(film, moment, frame, &picture, err);
 	if (status)
 		return status == RB_ERR_INTERRUPT ? RB_OK : status; /* there is no next one */
 	note_times(film);
@@ -295,7 +370,8 @@ static enum rb_status film_frame(void *self, const struct rb_frame *frame, struc
 		return RB_OK;
 	/* before the trails get this frame's points */
 	status = make_earlier(film, frame, err);
-	rb_take_see(film->take, frame);
+	for (int c = 0; c < cell_count_of(&film->options); c++)
+		rb_take_see(film->take[c], frame);
 	while (!status && next_time(film) == frame->time_s)
 		status = make_picture(film, frame, frame, err);
 	return status ? status : remember(film, frame, err);
@@ -319,8 +395,7 @@ static enum rb_status film_close(void *self, const struct rb_outcome *outcome, s
 	struct rb_film *const film = self;
 
 	(void)outcome;
-	rb_take_destroy(film->take);
-	film->take = NULL;
+	destroy_takes(film);
 	const enum rb_status status = rb_press_close(film->press, err);
 	pthread_mutex_lock(&film->lock);
 	take_over_tally(film);
@@ -344,19 +419,22 @@ enum rb_status rb_film_create(struct rb_film **film, struct rb_sink *sink,
 	f->picture_count = picture_count_of(options);
 	atomic_init(&f->cut, false);
 	f->tally.picture_count = f->picture_count;
+	const char *const word = options->cell_count > 0 ? "film" : "camera";
 	if (options->camera->name)
-		snprintf(f->label, sizeof f->label, "camera '%.60s'", options->camera->name);
+		snprintf(f->label, sizeof f->label, "%s '%.60s'", word, options->camera->name);
 	else
-		snprintf(f->label, sizeof f->label, "camera %d", options->number + 1);
+		snprintf(f->label, sizeof f->label, "%s %d", word, options->number + 1);
+	unsigned fields = 0;
+	for (int c = 0; c < cell_count_of(options); c++)
+		fields |= rb_schedule_fields(camera_of(options, c), options->model, options->end_s);
 	pthread_mutex_init(&f->lock, NULL);
-	*sink = (struct rb_sink){
-		.name = f->label,
-		.lossless = true,
-		.fields = rb_schedule_fields(options->camera, options->model, options->end_s),
-		.self = f,
-		.open = film_open,
-		.frame = film_frame,
-		.close = film_close};
+	*sink = (struct rb_sink){.name = f->label,
+	                         .lossless = true,
+	                         .fields = fields,
+	                         .self = f,
+	                         .open = film_open,
+	                         .frame = film_frame,
+	                         .close = film_close};
 	return RB_OK;
 }
 

@@ -41,6 +41,7 @@ enum {
 	ARRAY_JOINTS,
 	ARRAY_GROUPS,
 	ARRAY_CAMERAS,
+	ARRAY_FILMS,
 	ARRAY_PARAMS,
 	ARRAY_EXPECTS,
 	ARRAY_RESULTS,
@@ -200,6 +201,7 @@ void rb_scene_release(struct rb_scene *scene)
 	rb_memory_free(scene->joints);
 	rb_memory_free(scene->groups);
 	rb_memory_free(scene->cameras);
+	rb_memory_free(scene->films);
 	rb_memory_free(scene->params);
 	rb_memory_free(scene->expects);
 	rb_memory_free(scene->results);
@@ -432,14 +434,32 @@ static bool own_texts(struct rb_scene *scene, struct rb_camera_def *camera)
 	return owned;
 }
 
+static bool own_camera(struct rb_scene *scene, struct rb_camera_def *camera)
+{
+	return own(scene, &camera->name) && own(scene, &camera->file) && own(scene, &camera->png) &&
+	       own(scene, &camera->video) && own(scene, &camera->length_unit.name) &&
+	       own(scene, &camera->time_unit.name) && own_texts(scene, camera);
+}
+
+enum rb_status rb_scene_add_film(struct rb_scene *scene, const struct rb_film_def *def,
+                                 struct rb_error *err)
+{
+	struct rb_film_def film = *def;
+
+	RB_ASSERT(film.cell_count > 0 && film.cell_count <= RB_FILM_CELLS_MAX);
+	if (!own_camera(scene, &film.camera) ||
+	    !reserve(scene, &scene->films, ARRAY_FILMS, scene->film_count, sizeof film))
+		return out_of_memory("films", err);
+	scene->films[scene->film_count++] = film;
+	return RB_OK;
+}
+
 enum rb_status rb_scene_add_camera(struct rb_scene *scene, const struct rb_camera_def *def,
                                    struct rb_error *err)
 {
 	struct rb_camera_def camera = *def;
 
-	if (!own(scene, &camera.name) || !own(scene, &camera.file) || !own(scene, &camera.png) ||
-	    !own(scene, &camera.video) || !own(scene, &camera.length_unit.name) ||
-	    !own(scene, &camera.time_unit.name) || !own_texts(scene, &camera) ||
+	if (!own_camera(scene, &camera) ||
 	    !reserve(scene, &scene->cameras, ARRAY_CAMERAS, scene->camera_count, sizeof camera))
 		return out_of_memory("cameras", err);
 	scene->cameras[scene->camera_count++] = camera;

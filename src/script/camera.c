@@ -582,6 +582,102 @@ static int l_camera(lua_State *L)
 	return 0;
 }
 
+/* Place of the camera that the top of the stack names; -1: a mistake was noted. */
+static int camera_named(struct rb_call *call)
+{
+	const struct rb_scene *const scene = call->script->scene;
+	const char *const name = lua_type(call->L, -1) == LUA_TSTRING ? lua_tostring(call->L, -1)
+	                                                              : NULL;
+	struct rb_nearest nearest = rb_nearest_to(name ? name : "");
+	char found[80], hint[96];
+
+	for (int i = 0; i < scene->camera_count; i++) {
+		const char *const one = scene->cameras[i].name;
+		if (one && name && strcmp(one, name) == 0)
+			return i;
+		if (one)
+			rb_nearest_offer(&nearest, one, strlen(one));
+	}
+	if (name)
+		rb_call_mistake(call, "'rows': no camera is named '%.60s' so far%s", name,
+		                rb_nearest_hint(&nearest, hint));
+	else
+		rb_call_mistake(call, "'rows' must be lists of names of cameras (got %s)",
+		                rb_describe(call->L, -1, found));
+	return -1;
+}
+
+/* Reads `rows`; false: it is wrong, or there is none. */
+static bool read_rows(struct rb_call *call, struct rb_film_def *film)
+{
+	lua_State *const L = call->L;
+	const int rows = push_list(call, "rows", "rows", RB_FILM_CELLS_MAX);
+	char found[80];
+	bool right = rows > 0;
+
+	if (rows <= 0 && !(rows < 0 && rb_call_tried(call, "rows")))
+		rb_call_mistake(call, "'rows' is missing: lists of names of cameras, like "
+		                      "{{\"front\", \"top\"}}");
+	for (int r = 0; r < rows && right; r++) {
+		lua_rawgeti(L, -1, r + 1);
+		const size_t columns = lua_type(L, -1) == LUA_TTABLE ? lua_rawlen(L, -1) : 0;
+		right = columns > 0 && film->cell_count + (int)columns <= RB_FILM_CELLS_MAX &&
+		        columns <= RB_FILM_CELLS_MAX;
+		if (!right)
+			rb_call_mistake(call,
+			                "'rows' must be lists of names of cameras, %d in all at "
+			                "most (got %s at %d)",
+			                RB_FILM_CELLS_MAX, rb_describe(L, -1, found), r + 1);
+		film->columns[film->row_count++] = (int)columns;
+		for (size_t c = 0; c < columns && right; c++) {
+			lua_rawgeti(L, -1, (lua_Integer)c + 1);
+			const int camera = camera_named(call);
+			right = camera >= 0;
+			film->cells[film->cell_count++] = camera;
+			lua_pop(L, 1);
+		}
+		lua_pop(L, 1);
+	}
+	if (rows >= 0)
+		lua_pop(L, 1);
+	return right;
+}
+
+static int l_film(lua_State *L)
+{
+	struct rb_call call = rb_call_begin(L, "film", &rb_rows_film, 1);
+	struct rb_film_def film = {.camera = rb_camera_def_default()};
+	struct rb_camera_def *const def = &film.camera;
+	struct rb_error err;
+
+	if (call.index == 0)
+		return 0;
+	def->line = call.line;
+	def->file = call.script->source;
+	rb_call_read(&call, def);
+	check_outputs(&call, def);
+	if (!rb_call_tried(&call, "png") && !rb_call_tried(&call, "video"))
+		rb_call_mistake(&call, "needs 'video' or 'png'");
+	rb_name_take(&call, "camera", def->name);
+	if (!read_rows(&call, &film))
+		return 0;
+	const struct rb_camera_def *const first = &call.script->scene->cameras[film.cells[0]];
+	if (!rb_call_given(&call, "fps"))
+		def->fps = first->fps;
+	if (!rb_call_given(&call, "speed"))
+		def->speed = first->speed;
+	if (!rb_call_given(&call, "from"))
+		def->from_s = first->from_s;
+	if (!rb_call_given(&call, "to"))
+		def->to_s = first->to_s;
+	if (def->from_s > def->to_s)
+		rb_call_mistake(&call, "'from' must not be after 'to' (got %.12g and %.12g)",
+		                def->from_s, def->to_s);
+	rb_sandbox_charge_bytes(L, sizeof film);
+	rb_script_need(L, rb_scene_add_film(call.script->scene, &film, &err), &err);
+	return 0;
+}
+
 void rb_camera_names(lua_State *L)
 {
 	const struct rb_scene *scene = rb_script_of(L)->scene;
@@ -599,4 +695,5 @@ void rb_camera_names(lua_State *L)
 void rb_camera_open(lua_State *L)
 {
 	lua_register(L, "camera", l_camera);
+	lua_register(L, "film", l_film);
 }

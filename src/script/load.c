@@ -73,6 +73,7 @@ static const struct {
 	{"plane", "plane { ... }"},
 	{"material", "material { ... }"},
 	{"camera", "camera { ... }"},
+	{"film", "film { ... }"},
 	{"joint", "joint { ... }"},
 	{"light", "light { ... }"},
 	{"param", "param(name, default, help)"},
@@ -527,7 +528,7 @@ static size_t most_for_bodies(void)
 	return share < most ? share : most;
 }
 
-/* Groups that are to be collided with and have no body: a word misspelt lets bodies fall through. */
+/* Of groups to collide with that have no body: misspelt ones let bodies fall through. */
 static void warn_of_empty_groups(const struct rb_script *script)
 {
 	const struct rb_scene *const scene = script->scene;
@@ -664,7 +665,8 @@ enum rb_status rb_script_add_cameras(struct rb_script *script, const char *path,
 {
 	const struct rb_script_options options = {.path = path, .trust = script->sandbox.trust};
 	struct rb_scene *const scene = script->scene;
-	const int camera_count = scene->camera_count, file_count = scene->file_count;
+	const int camera_count = scene->camera_count, film_count = scene->film_count,
+		  file_count = scene->file_count;
 
 	RB_ASSERT(script->phase == RB_PHASE_REST);
 	script->mistakes = mistakes;
@@ -676,7 +678,7 @@ enum rb_status rb_script_add_cameras(struct rb_script *script, const char *path,
 	script->source_file = 0;
 	scene->file_count = file_count; /* what cameras are made of is no part of the scene */
 	if (status != RB_OK)
-		scene->camera_count = camera_count;
+		scene->camera_count = camera_count, scene->film_count = film_count;
 	return status;
 }
 

@@ -272,6 +272,29 @@ static const struct rb_row camera_rows[] = {
          "a film: .mp4, .webm or .gif, made by ffmpeg"},
 };
 
+static const struct rb_row film_rows[] = {
+	{"name", RB_ROW_TEXT, 0, 0, AT(rb_camera_def, name), NULL, "none", "",
+         "unique among films and cameras; what --camera and messages call it"},
+	{"rows", RB_ROW_LIST, 0, 0, HAND, NULL, "required", "",
+         "names of cameras, row by row from above: {{\"front\", \"top\"}, {\"ride\"}}; at most 16"},
+	{"size", RB_ROW_INTEGERS, RB_RANGE_PIXELS, 2, AT(rb_camera_def, size_px), NULL,
+         "{1280, 720}", "pixels",
+         "{w, h} of the whole picture; rows share its height, cameras of a "
+         "row its width"},
+	{"fps", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, fps), NULL,
+         "that of the first camera", "1/s", "pictures per second of film"},
+	{"speed", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, speed), NULL,
+         "that of the first camera", "", "simulated seconds in a second of film"},
+	{"from", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_camera_def, from_s), NULL,
+         "that of the first camera", "s", "simulated time of the first picture"},
+	{"to", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_camera_def, to_s), NULL,
+         "that of the first camera", "s", "simulated time after which there is no picture"},
+	{"png", RB_ROW_FILE, 0, 0, AT(rb_camera_def, png), NULL, "none", "",
+         "pictures, with one %d for their number: frames/%05d.png"},
+	{"video", RB_ROW_FILE, 0, 0, AT(rb_camera_def, video), NULL, "none", "",
+         "a film: .mp4, .webm or .gif"},
+};
+
 static const struct rb_row units_rows[] = {
 	{"length", RB_ROW_TEXT, 0, 0, HAND, NULL, "by size", "",
          "nm, um, mm, cm, m, km, R_moon, R_earth, R_jupiter, R_sun, AU, ly or pc; or {NAME, SIZE}, "
@@ -424,6 +447,7 @@ static const struct rb_row_table rows_part = {"shapes", ROWS(part_rows), NULL};
 const struct rb_row_table rb_rows_force = {"forces", ROWS(force_rows), NULL};
 const struct rb_row_table rb_rows_particle = {"particles", ROWS(particle_rows), NULL};
 const struct rb_row_table rb_rows_camera = {"camera", ROWS(camera_rows), NULL};
+const struct rb_row_table rb_rows_film = {"film", ROWS(film_rows), NULL};
 const struct rb_row_table rb_rows_units = {"units", ROWS(units_rows), NULL};
 const struct rb_row_table rb_rows_light = {"lights", ROWS(light_rows), NULL};
 const struct rb_row_table rb_rows_record = {"record", ROWS(record_rows), NULL};
@@ -652,9 +676,9 @@ void rb_fields_print(FILE *file)
 	static const struct rb_row_table *const before[] = {
 		&rb_rows_world, &rb_rows_gravitation, &rb_rows_material, &rb_rows_contact_pair};
 	static const struct rb_row_table *const after[] = {
-		&rb_rows_body,  &rb_rows_force,  &rb_rows_particle, &rb_rows_camera,
-		&rb_rows_units, &rb_rows_light,  &rb_rows_record,   &rb_rows_param,
-		&rb_rows_field, &rb_rows_measure};
+		&rb_rows_body,  &rb_rows_force, &rb_rows_particle, &rb_rows_camera,
+		&rb_rows_film,  &rb_rows_units, &rb_rows_light,    &rb_rows_record,
+		&rb_rows_param, &rb_rows_field, &rb_rows_measure};
 
 	for (size_t t = 0; t < sizeof before / sizeof *before; t++)
 		print_table(file, before[t]);

@@ -17,8 +17,8 @@ enum { RB_ROWS_MAX = 64 }; /* of a table and what it shares */
 
 extern const struct rb_row_table rb_rows_world, rb_rows_gravitation, rb_rows_material,
 	rb_rows_contact_pair, rb_rows_body, rb_rows_plane, rb_rows_force, rb_rows_particle,
-	rb_rows_camera, rb_rows_units, rb_rows_light, rb_rows_record, rb_rows_param, rb_rows_field,
-	rb_rows_measure, rb_rows_joint, rb_rows_motor;
+	rb_rows_camera, rb_rows_film, rb_rows_units, rb_rows_light, rb_rows_record, rb_rows_param,
+	rb_rows_field, rb_rows_measure, rb_rows_joint, rb_rows_motor;
 
 /* What the rows of a body are read into. */
 struct rb_body_given {

@@ -59,6 +59,7 @@ void rb_script_while_loading(lua_State *L, const char *call)
 		return;
 	if (phase != RB_PHASE_ADD)
 		luaL_error(L, "%s: only while the scene is loaded, not in a callback", call);
-	if (strcmp(call, "camera") != 0 && strcmp(call, "require") != 0)
+	if (strcmp(call, "camera") != 0 && strcmp(call, "film") != 0 &&
+	    strcmp(call, "require") != 0)
 		luaL_error(L, "%s: not here: this file can only add cameras", call);
 }

@@ -175,14 +175,27 @@ RB_CHECKED enum rb_status rb_module_hdf5(const struct rb_hdf5_module **module,
 struct rb_pixmap; /* film/pixmap.h */
 struct rb_png_text;
 
+/* A part of a picture that several cameras share: `size_px` is that of the part. */
+struct rb_film_cell {
+	struct rb_camera_def camera;
+	int at_px[2]; /* of its upper left corner */
+};
+
 struct rb_film_options {
 	const struct rb_model *model; /* borrowed, with its scene, until the film is destroyed */
 	const struct rb_camera_def
 		*camera; /* borrowed; `png` and `video` are the outputs, from the current folder */
-	bool still;      /* one picture, to `png` as it is, without a number */
-	int number;      /* of the camera among those filmed: that of its shots */
-	double end_s;    /* when the run ends */
-	unsigned how;    /* of base/place: whose word its files' names are */
+	/* borrowed: the cameras of a picture that is divided; 0: `camera` has it all */
+	const struct rb_film_cell *cells;
+	int cell_count;
+	bool still; /* one picture, to `png` as it is, without a number */
+	/*
+	 * Of the camera among those filmed: that of its shots. Cell c of picture k has the shot k *
+	 * cell_count + c.
+	 */
+	int number;
+	double end_s;        /* when the run ends */
+	unsigned how;        /* of base/place: whose word its files' names are */
 	double patience_s;   /* with an encoder that hangs; 0: as usual */
 	int encoder_threads; /* that make PNG files besides the one that draws; 0: one */
 	const char *command; /* for the text chunks of pictures; may be NULL */
