@@ -443,12 +443,10 @@ static void put_elements(struct rb_h5 *h5, const struct rb_elements *elements)
 	static const struct {
 		enum cell_kind kind;
 		int width;
-	} of[RB_ROW_TYPE_COUNT] = {[RB_ROW_NUMBER] = {CELL_NUMBER, 1},
-	                           [RB_ROW_INTEGER] = {CELL_INT, 1},
-	                           [RB_ROW_BODY] = {CELL_INT, 1},
-	                           [RB_ROW_BOOLEAN] = {CELL_BOOL, 1},
-	                           [RB_ROW_COLOR] = {CELL_NUMBER, 3},
-	                           [RB_ROW_VECTOR] = {CELL_NUMBER, 3}};
+	} of[RB_ROW_TYPE_COUNT] = {
+		[RB_ROW_NUMBER] = {CELL_NUMBER, 1}, [RB_ROW_INTEGER] = {CELL_INT, 1},
+		[RB_ROW_BODY] = {CELL_INT, 1},      [RB_ROW_BOOLEAN] = {CELL_BOOL, 1},
+		[RB_ROW_COLOR] = {CELL_NUMBER, 3},  [RB_ROW_VECTOR] = {CELL_NUMBER, 3}};
 	const struct rb_element_kind *kind = elements->kind;
 	char group[80];
 
