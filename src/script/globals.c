@@ -89,6 +89,28 @@ void rb_globals_watch(lua_State *L)
 	lua_pop(L, 1);
 }
 
+/* Whether the line reads the global as a field of _G, which is on purpose: _G.name, _G["name"]. */
+static bool names_table(const struct rb_script *script, int line, const char *name)
+{
+	const struct rb_scene *const scene = script->scene;
+	const char *at = script->source_file < scene->file_count
+	                         ? scene->files[script->source_file].text
+	                         : "";
+
+	for (int k = 1; k < line && *at; k++) {
+		at += strcspn(at, "\n");
+		at += *at == '\n';
+	}
+	const char *const end = at + strcspn(at, "\n");
+	while ((at = strstr(at, "_G")) != NULL && at < end) {
+		at += 2;
+		const char *const field = at + strspn(at, " \t.[\"'");
+		if (field > at && strncmp(field, name, strlen(name)) == 0)
+			return true;
+	}
+	return false;
+}
+
 void rb_globals_warn(lua_State *L)
 {
 	const struct rb_script *const script = rb_script_of(L);
@@ -99,7 +121,9 @@ void rb_globals_warn(lua_State *L)
 		char place[256];
 
 		lua_pushstring(L, undefined->name);
-		if (lua_rawget(L, -2) == LUA_TNIL) /* not `n = n or 1` */
+		if (lua_rawget(L, -2) == LUA_TNIL && /* not `n = n or 1` */
+		    (undefined->helper[0] ||
+		     !names_table(script, undefined->line, undefined->name)))
 			rb_log(RB_LOG_WARNING, "%snothing assigns the global '%s'%s; it is nil%s",
 			       rb_error_place(script->source, undefined->line, place, sizeof place),
 			       undefined->name, undefined->helper, undefined->hint);

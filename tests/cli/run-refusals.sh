@@ -238,3 +238,14 @@ says err "groups.lua:3: 'ball' collides with group 'wals', which has no body \(d
 [ "$(grep -c warning err)" = 1 ] || fail "one warning for each group"
 exits 66 ctl groups.lua play
 says err "cannot reach a run at 'groups.lua': it is not a socket"
+
+# a global that is read as a field of _G is missed by nobody
+cat >fields.lua <<'END'
+world { duration = 0.1 }
+sphere { radius = 1 }
+if _G.mine or _G["yours"] then error("?") end
+local x = _G.mine or theirs
+END
+exits 0 fields.lua --no-record
+says err "fields.lua:4: nothing assigns the global 'theirs'"
+[ "$(grep -c "nothing assigns" err)" = 1 ] || fail "a field of _G is warned of"
