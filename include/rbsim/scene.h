@@ -355,6 +355,16 @@ struct rb_caption_def {
 	double size; /* of the letters, as a share of the picture's height; NAN: the usual */
 };
 
+/* A diagram of a quantity against time. */
+enum { RB_PLOT_ENERGY = -3, RB_PLOT_KINETIC_ENERGY, RB_PLOT_POTENTIAL_ENERGY };
+enum { RB_CAMERA_PLOTS_MAX = 4 };
+struct rb_plot_def {
+	const char *name;
+	int quantity; /* a probe's place in the scene, or RB_PLOT_* */
+	/* shares of the picture's width and height; the same shares of the diagram lie at `at` */
+	double at[2], size[2];
+};
+
 /* What a camera's texts tell a quantity in. */
 struct rb_unit_def {
 	const char *name; /* NULL: chosen by the largest value */
@@ -392,7 +402,8 @@ struct rb_camera_def {
 	struct rb_arrows_def arrows[RB_VECTORS_COUNT];
 	struct rb_label_def labels[RB_CAMERA_LABELS_MAX];
 	struct rb_caption_def texts[RB_CAMERA_TEXTS_MAX];
-	int label_count, text_count;
+	struct rb_plot_def plots[RB_CAMERA_PLOTS_MAX];
+	int label_count, text_count, plot_count;
 	bool wireframe;
 	const char *png, *video; /* output patterns, NULL: none */
 };

@@ -263,7 +263,8 @@ static bool has_memory(struct film *film)
 
 	for (int c = 0; c < rb_film_camera_count(film); c++) {
 		const struct rb_camera_def *const camera = rb_film_camera(film, c);
-		has |= camera->trail_count > 0 || camera->overlay & RB_OVERLAY_ENERGY;
+		has |= camera->trail_count > 0 || camera->plot_count > 0 ||
+		       camera->overlay & RB_OVERLAY_ENERGY;
 	}
 	return has;
 }

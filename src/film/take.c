@@ -12,6 +12,7 @@
 
 #include "base/memory.h"
 #include "film/captions.h"
+#include "film/curves.h"
 #include "film/overlay.h"
 #include "flow/schedule.h"
 
@@ -30,6 +31,7 @@ struct rb_take {
 	struct rb_painter *painter;
 	struct rb_overlay *overlay;   /* NULL: nothing is to be written */
 	struct rb_captions *captions; /* NULL: the camera has none */
+	struct rb_curves *curves;     /* NULL: the camera has none */
 	struct rb_trails trails;
 
 	/* how times are written: chosen once, so that they look the same in all pictures */
@@ -85,7 +87,7 @@ static void choose_speed_text(struct rb_take *take)
 
 bool rb_take_writes(const struct rb_camera_def *camera)
 {
-	return camera->overlay || rb_captions_wanted(camera);
+	return camera->overlay || camera->plot_count > 0 || rb_captions_wanted(camera);
 }
 
 enum rb_status rb_take_create(struct rb_take **take, const struct rb_model *model,
@@ -107,6 +109,8 @@ enum rb_status rb_take_create(struct rb_take **take, const struct rb_model *mode
 		status = rb_captions_create(&t->captions, model, camera, t->overlay, err);
 	if (!status)
 		status = rb_painter_create(&t->painter, model, camera, err);
+	if (!status && camera->plot_count > 0)
+		status = rb_curves_create(&t->curves, model, camera, err);
 	if (status) {
 		rb_take_destroy(t);
 		*take = NULL;
@@ -119,6 +123,7 @@ void rb_take_destroy(struct rb_take *take)
 	if (!take)
 		return;
 	rb_painter_destroy(take->painter);
+	rb_curves_destroy(take->curves);
 	rb_captions_destroy(take->captions);
 	rb_overlay_destroy(take->overlay);
 	rb_trails_release(&take->trails);
@@ -138,6 +143,8 @@ void rb_take_see(struct rb_take *take, const struct rb_frame *frame)
 {
 	see_energy(take, frame);
 	rb_trails_add(&take->trails, frame);
+	if (take->curves)
+		rb_curves_add(take->curves, frame);
 }
 
 /* ---- what is written ---- */
@@ -300,6 +307,8 @@ enum rb_status rb_take_draw(struct rb_take *take, const struct rb_frame *frame,
 		take->painter, frame, shot, take->trails.path_count > 0 ? &take->trails : NULL,
 		picture, err);
 
+	if (!status && take->curves)
+		rb_curves_draw(take->curves, picture);
 	if (!status && take->overlay)
 		write_texts(take, frame, picture);
 	if (!status && take->captions)

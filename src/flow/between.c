@@ -86,6 +86,8 @@ enum rb_status rb_frame_copy(struct rb_frame *to, const struct rb_frame *from, s
 	held &= copy_column(&to->joint_force, from->joint_force, had_joints, joints, 3);
 	held &= copy_column(&to->joint_torque, from->joint_torque, had_joints, joints, 3);
 	to->joint_count = joints;
+	held &= copy_column(&to->probes, from->probes, to->probe_count, from->probe_count, 1);
+	to->probe_count = from->probe_count;
 	held &= copy_list(&to->events, &to->event_capacity, from->events, from->event_count,
 	                  sizeof *to->events);
 	held &= copy_list(&to->contacts, &to->contact_capacity, from->contacts, from->contact_count,

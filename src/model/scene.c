@@ -431,6 +431,8 @@ static bool own_texts(struct rb_scene *scene, struct rb_camera_def *camera)
 		owned &= own(scene, &camera->labels[i].text);
 	for (int i = 0; i < camera->text_count; i++)
 		owned &= own(scene, &camera->texts[i].text);
+	for (int i = 0; i < camera->plot_count; i++)
+		owned &= own(scene, &camera->plots[i].name);
 	return owned;
 }
 

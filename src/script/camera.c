@@ -349,6 +349,85 @@ static void read_vectors(struct rb_call *call, struct rb_camera_def *def)
 		lua_pop(L, 1);
 }
 
+/* `at` and `size` of the table at the top of the stack; false: they are wrong, or others. */
+static bool read_frame(lua_State *L, struct rb_plot_def *plot)
+{
+	bool right = true;
+
+	for (lua_pushnil(L); right && lua_next(L, -2); lua_pop(L, 1)) {
+		const char *const key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
+		const bool at = strcmp(key, "at") == 0;
+		double *const pair = at ? plot->at : plot->size;
+
+		if (at || strcmp(key, "size") == 0)
+			right = rb_vector_numbers(L, -1, 2, pair, NULL) &&
+			        (at ? pair[0] >= 0 && pair[1] >= 0 : pair[0] > 0 && pair[1] > 0) &&
+			        pair[0] <= 1 && pair[1] <= 1;
+		else
+			right = lua_isinteger(L, -2) && lua_tointeger(L, -2) == 1;
+		if (!right)
+			lua_pop(L, 1);
+	}
+	return right;
+}
+
+/* Finds what a plot shows; false: a mistake was noted. */
+static bool find_quantity(struct rb_call *call, struct rb_plot_def *plot)
+{
+	static const char *const own[] = {"energy", "kinetic_energy", "potential_energy"};
+	const struct rb_scene *const scene = call->script->scene;
+	struct rb_nearest nearest = rb_nearest_to(plot->name);
+	char hint[96];
+
+	for (int k = 0; k < scene->probe_count; k++) {
+		plot->quantity = k;
+		if (strcmp(scene->probes[k].name, plot->name) == 0)
+			return true;
+		rb_nearest_offer(&nearest, scene->probes[k].name, strlen(scene->probes[k].name));
+	}
+	for (int k = 0; k < 3; k++) {
+		plot->quantity = RB_PLOT_ENERGY + k;
+		if (strcmp(own[k], plot->name) == 0)
+			return true;
+		rb_nearest_offer(&nearest, own[k], strlen(own[k]));
+	}
+	rb_call_mistake(call, "'plots': no probe is named '%.60s' so far%s", plot->name,
+	                rb_nearest_hint(&nearest, hint));
+	return false;
+}
+
+/* Reads `plots`: names, or {name, at =, size =}. */
+static void read_plots(struct rb_call *call, struct rb_camera_def *def)
+{
+	lua_State *const L = call->L;
+	const int count = push_list(call, "plots", "names", RB_CAMERA_PLOTS_MAX);
+	char found[80];
+
+	for (int i = 0; i < count; i++) {
+		struct rb_plot_def *const plot = &def->plots[def->plot_count];
+		lua_rawgeti(L, -1, i + 1);
+		const bool table = lua_type(L, -1) == LUA_TTABLE;
+		*plot = (struct rb_plot_def){.at = {0.98, 0.03 + 0.35 * i}, .size = {0.3, 0.25}};
+		const bool placed = !table || read_frame(L, plot);
+		if (table)
+			lua_rawgeti(L, -1, 1);
+		if (lua_type(L, -1) == LUA_TSTRING)
+			plot->name = lua_tostring(L, -1);
+		if (table)
+			lua_pop(L, 1);
+		if (!placed || !plot->name)
+			rb_call_mistake(call,
+			                "'plots' must be names of probes, or {NAME, at = {x, y}, "
+			                "size = {w, h}} with shares in [0, 1] (got %s at %d)",
+			                rb_describe(L, -1, found), i + 1);
+		else
+			def->plot_count += find_quantity(call, plot);
+		lua_pop(L, 1);
+	}
+	if (count >= 0)
+		lua_pop(L, 1);
+}
+
 struct named_size {
 	const char *key, *name; /* what a scene writes, and what a picture shows */
 	double size;            /* m or s */
@@ -574,6 +653,7 @@ static int l_camera(lua_State *L)
 	read_labels(&call, &def);
 	read_texts(&call, &def);
 	read_vectors(&call, &def);
+	read_plots(&call, &def);
 	read_units(&call, &def);
 	check_camera(&call, &def);
 	rb_name_take(&call, "camera", def.name);
