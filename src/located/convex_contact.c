@@ -279,7 +279,7 @@ static void near_part(const struct rb_located *l, const struct rb_touch_pair *pa
 	struct rb_feature_side a;
 
 	*reach = 0;
-	*near = (struct rb_near_parts){.count = parts->count};
+	rb_near_parts_all(near, parts);
 	if (!parts->terrain)
 		return;
 	rb_touch_side(l, pair->a, part_a, &pair->pose_a, NULL, &a);

@@ -66,6 +66,14 @@ struct rb_near_parts {
 	struct rb_terrain_walk walk; /* not set otherwise */
 };
 
+/* All parts, wherever they are; of no terrain. */
+static inline void rb_near_parts_all(struct rb_near_parts *near, const struct rb_body_parts *parts)
+{
+	near->count = parts->count;
+	near->next = 0;
+	near->far = false;
+}
+
 /* A body of which these are the parts stands there; `centre` in the same axes. */
 static inline void rb_near_parts_begin(struct rb_near_parts *near,
                                        const struct rb_body_parts *parts, rb_vec3 position,

@@ -144,7 +144,7 @@ static inline void rb_candidates_near(struct rb_near_parts *near, const struct r
 
 	/* others are all looked at, wherever they are */
 	if (!parts->terrain)
-		*near = (struct rb_near_parts){.count = parts->count};
+		rb_near_parts_all(near, parts);
 	else
 		rb_near_parts_begin(near, parts, model->position[b], model->orientation[b],
 		                    part->at, within + part->core->reach + part->core->radius);

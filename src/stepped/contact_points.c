@@ -14,6 +14,7 @@
 #include "stepped/pivot.h"
 #include "stepped/rolling.h"
 #include "stepped/clearance.h"
+#include "stepped/step_closing.h"
 #include "stepped/pairwise.h"
 
 RB_FIELDS_DEFINE(rb_named_impulse_fields, struct rb_named_impulse, RB_NAMED_IMPULSE_FIELDS);
@@ -69,16 +70,6 @@ struct inspection {
 	bool failed;
 };
 
-/* Way of the object's origin within the step at the present velocity, m. */
-static rb_vec3 way_of(const struct inspection *inspection, int i)
-{
-	const struct rb_world *world = inspection->world;
-
-	if (i >= world->model->body_count)
-		return (rb_vec3){0, 0, 0};
-	return rb_vec3_scale(inspection->h, rb_world_row3(world->state.velocity, i));
-}
-
 /* Points of a block for which room is taken first: of fast bodies few pairs touch. */
 enum { BLOCK_POINTS = 16 };
 
@@ -102,14 +93,30 @@ static bool add_piece(struct inspection *inspection)
 	return true;
 }
 
-static struct rb_step_point *add_point(struct inspection *inspection)
+/*
+ * Of a pair, with neither name nor arms yet; NULL: no memory. Number by number: compilers clear
+ * what is given as a whole with an instruction that takes longer than all else about a point.
+ */
+static struct rb_step_point *add_point(struct inspection *inspection, struct rb_pair pair,
+                                       rb_vec3 normal, double gap)
 {
 	if (inspection->count == inspection->capacity && !add_piece(inspection)) {
 		inspection->failed = true;
 		return NULL;
 	}
 	inspection->all++;
-	return &inspection->out[inspection->count++];
+	struct rb_step_point *const point = &inspection->out[inspection->count++];
+
+	point->a = pair.a;
+	point->b = pair.b;
+	point->parts = 0;
+	point->central = point->rolls = point->rolls_to = point->after_impact = false;
+	point->key = 0;
+	point->normal = normal;
+	point->arm_a = point->arm_b = point->lever = (rb_vec3){0, 0, 0};
+	point->gap = gap;
+	point->bend = 0;
+	return point;
 }
 
 /* Copies the points of a block to where they are to be, in their order. */
@@ -150,7 +157,7 @@ static size_t find_last(const struct rb_step_points *points, const struct rb_ste
 }
 
 /* Material, approach and the impulse of the step before, for a point whose place is known. */
-static void fill_point(const struct inspection *inspection, const struct rb_pairwise *common,
+static void fill_point(const struct inspection *inspection, struct rb_pairwise *common,
                        struct rb_step_point *point)
 {
 	const struct rb_step_points *points = inspection->points;
@@ -173,10 +180,8 @@ static void fill_point(const struct inspection *inspection, const struct rb_pair
 	point->normal_impulse = inspection->h * last->force;
 	if (point->friction == 0)
 		return;
-	const rb_vec3 impulse = rb_vec3_scale(inspection->h, last->friction_impulse);
-	point->friction_impulse = common->pivots
-	                                  ? rb_pivot_turn(impulse, point->normal, common->pivot)
-	                                  : impulse;
+	point->friction_impulse = rb_pairwise_turned(
+		common, rb_vec3_scale(inspection->h, last->friction_impulse), point->normal);
 }
 
 /* A way longer than this share of a radius is looked along for the normal of the touch. */
@@ -192,7 +197,7 @@ static struct rb_gap approaching(const struct inspection *inspection, struct rb_
 	const struct rb_world *world = inspection->world;
 	const struct rb_state *state = &world->state;
 	struct rb_gap g = rb_gap_of(world, state, pair.a, pair.b);
-	const rb_vec3 d = rb_vec3_sub(way_of(inspection, pair.b), way_of(inspection, pair.a));
+	const rb_vec3 d = rb_step_closing_ways(world, pair, inspection->h);
 	const double size = world->model->shape[pair.a].radius;
 	double t = 0;
 
@@ -275,7 +280,8 @@ static void turn_back(const struct inspection *inspection, struct rb_step_point 
 {
 	const struct rb_world *world = inspection->world;
 	const struct rb_gap now = rb_gap_of(world, &world->state, point->a, point->b);
-	const rb_vec3 d = rb_vec3_sub(way_of(inspection, point->b), way_of(inspection, point->a));
+	const rb_vec3 d = rb_step_closing_ways(world, (struct rb_pair){point->a, point->b},
+	                                       inspection->h);
 
 	if (!(rb_vec3_dot(now.normal, point->normal) > 0) || now.gap < 0)
 		return;
@@ -302,16 +308,10 @@ static void inspect_plain(struct inspection *inspection, struct rb_pair pair, do
 	const struct rb_gap g = approaching(inspection, pair);
 	if (!(g.gap <= slack) || is_beside_border(inspection, pair))
 		return;
-	struct rb_step_point *point = add_point(inspection);
+	struct rb_step_point *point = add_point(inspection, pair, g.normal, g.gap);
 	if (!point)
 		return;
-	*point = (struct rb_step_point){
-		.a = pair.a,
-		.b = pair.b,
-		.central = rb_levers_is_ball(world, pair.a) && rb_levers_is_ball(world, pair.b),
-		.normal = g.normal,
-		.gap = g.gap,
-	};
+	point->central = rb_levers_is_ball(world, pair.a) && rb_levers_is_ball(world, pair.b);
 	const double radius_b = model->shape[pair.b].kind == RB_SHAPE_SPHERE
 	                                ? model->shape[pair.b].radius
 	                                : 0;
@@ -335,8 +335,8 @@ static void inspect_plain(struct inspection *inspection, struct rb_pair pair, do
 					: rb_vec3_add_scaled(on_a, g.gap, g.normal),
 				rb_pairwise_center(world, pair.b));
 	}
-	const struct rb_pairwise common = rb_pairwise_of(inspection->world, inspection->h, pair.a,
-	                                                 pair.b, point->normal, point->central);
+	struct rb_pairwise common = rb_pairwise_of(inspection->world, inspection->h, pair.a, pair.b,
+	                                           point->normal, point->central);
 
 	fill_point(inspection, &common, point);
 }
@@ -394,8 +394,8 @@ static void add_manifold(struct inspection *inspection, struct rb_pair pair,
 	const bool terrain = rb_candidates_is_terrain(model, pair.b);
 	const rb_vec3 at_a = rb_pairwise_center(inspection->world, pair.a),
 		      at_b = rb_pairwise_center(inspection->world, pair.b);
-	const struct rb_pairwise common = rb_pairwise_of(inspection->world, inspection->h, pair.a,
-	                                                 pair.b, manifold->normal, false);
+	struct rb_pairwise common = rb_pairwise_of(inspection->world, inspection->h, pair.a, pair.b,
+	                                           manifold->normal, false);
 
 	for (int k = 0; k < manifold->count; k++) {
 		const rb_manifold_point *at = &manifold->point[k];
@@ -404,22 +404,17 @@ static void add_manifold(struct inspection *inspection, struct rb_pair pair,
 		    (terrain && !is_real(model, pair.b, (int)(parts & 0xffff), at, manifold->normal,
 		                         placed[0])))
 			continue;
-		struct rb_step_point *point = add_point(inspection);
+		struct rb_step_point *point = add_point(inspection, pair, manifold->normal,
+		                                        at->gap);
 		if (!point)
 			return;
 		const struct rb_contact_name name = name_of(pair, parts, at->key);
-		*point = (struct rb_step_point){
-			.a = pair.a,
-			.b = pair.b,
-			.parts = name.parts,
-			.key = name.key,
-			.normal = manifold->normal,
-			.arm_a = rb_vec3_sub(at->on_a, at_a),
-			/* opposite: else the impulse would turn both */
-			.arm_b = rb_vec3_sub(
-				rb_vec3_add_scaled(at->on_a, at->gap, manifold->normal), at_b),
-			.gap = at->gap,
-		};
+		point->parts = name.parts;
+		point->key = name.key;
+		point->arm_a = rb_vec3_sub(at->on_a, at_a);
+		/* opposite: else the impulse would turn both */
+		point->arm_b = rb_vec3_sub(rb_vec3_add_scaled(at->on_a, at->gap, manifold->normal),
+		                           at_b);
 		const struct rb_rolling rolling = {
 			placed,        {pair.a, pair.b}, {point->arm_a, point->arm_b},
 			point->normal, at->key,          inspection->h};
@@ -564,68 +559,11 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 	return least_clearance;
 }
 
-/*
- * A driven plane may turn: the farther away, the more of a way. About its own normal that closes
- * nothing.
- */
-static double plane_turn(const struct inspection *inspection, struct rb_pair pair)
-{
-	const struct rb_world *world = inspection->world;
-	const enum rb_shape_kind kind = world->model->shape[pair.b].kind;
-	const size_t at = (size_t)pair.b;
-
-	if (pair.b >= world->model->body_count || !world->state.spin ||
-	    (kind != RB_SHAPE_PLANE && kind != RB_SHAPE_RECTANGLE))
-		return 0;
-	const rb_vec3 normal = rb_plane_normal(rb_quat_from(world->state.orientation + 4 * at));
-	const rb_vec3 now = rb_world_row3(world->state.spin, pair.b);
-	const rb_vec3 before = rb_world_row3(world->mark.spin, pair.b);
-	const double tilt = fmax(rb_vec3_length(rb_vec3_cross(now, normal)),
-	                         rb_vec3_length(rb_vec3_cross(before, normal)));
-	const rb_vec3 between = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.a),
-	                                    rb_world_origin_at(world, &world->state, pair.b));
-
-	return fmin(2, inspection->candidates->h_s * tilt) * rb_vec3_length(between);
-}
-
-/* m: what two bodies can close in the step, by how far either gets. */
-static inline double slack_of(const struct inspection *inspection, struct rb_pair pair)
-{
-	const struct rb_model *model = inspection->world->model;
-	const double *reach = inspection->candidates->reach;
-	const double slack = reach[pair.a] + (pair.b < model->body_count ? reach[pair.b] : 0) +
-	                     model->stepped_tolerance_m;
-
-	return model->driven ? slack + plane_turn(inspection, pair) : slack;
-}
-
-/*
- * The same of bodies that turn. One may be stopped on its way, while the other goes on, but bodies
- * that move together do not close both of their ways.
- */
-static double closing_of(const struct inspection *inspection, struct rb_pair pair)
-{
-	const struct rb_candidates *candidates = inspection->candidates;
-	const struct rb_model *model = inspection->world->model;
-	const rb_vec3 d = rb_vec3_sub(way_of(inspection, pair.b), way_of(inspection, pair.a));
-	const double a = candidates->reach[pair.a];
-	double b = 0, turning = candidates->ahead[pair.a] - a;
-
-	if (pair.b < model->body_count) {
-		b = candidates->reach[pair.b];
-		turning += candidates->ahead[pair.b] - b;
-	}
-	const double way = fmin(fmax(fmax(a, b), rb_vec3_length(d)), a + b);
-	const double closing = way + turning + model->stepped_tolerance_m;
-	return model->driven ? closing + plane_turn(inspection, pair) : closing;
-}
-
-/* m: the same at a glance: no less, but of what is driven. */
+/* m: how far that is at most, at a glance: no less, but of what is driven. */
 static double glance_of(const struct inspection *inspection, struct rb_pair pair)
 {
-	const double *const ahead = inspection->candidates->ahead;
-	const double closing = ahead[pair.a] + ahead[pair.b] +
-	                       inspection->world->model->stepped_tolerance_m;
+	const double closing = rb_step_closing_glance(inspection->world, inspection->candidates,
+	                                              pair);
 
 	return closing < inspection->max ? closing : inspection->max;
 }
@@ -713,17 +651,21 @@ static void inspect_block(void *user, int block, int worker)
 			continue;
 		inspection.pair = k;
 		if (rb_pair_is_plain(inspection.world->model, pair.a, pair.b)) {
-			inspect_plain(&inspection, pair, fmin(slack_of(&inspection, pair), max));
+			inspect_plain(
+				&inspection, pair,
+				fmin(rb_step_closing_of_balls(inspection.world, candidates, pair),
+			             max));
 			continue;
 		}
 		const double path = rb_clearance_path(candidates, pair);
 		if (!may_close(&inspection, pair, path))
 			continue;
-		candidates->clearance[k] = path +
-		                           inspect_parts(
-						   &inspection, pair,
-						   fmin(closing_of(&inspection, pair), max),
-						   &candidates->clue[candidates->first_clue[k]]);
+		candidates->clearance[k] =
+			path + inspect_parts(&inspection, pair,
+		                             fmin(rb_step_closing_of(inspection.world, candidates,
+		                                                     pair, inspection.h),
+		                                  max),
+		                             &candidates->clue[candidates->first_clue[k]]);
 		more = !is_interrupted(inspections, pair.a);
 	}
 	inspections->block[block] = inspection;

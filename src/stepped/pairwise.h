@@ -48,8 +48,9 @@ struct rb_pairwise {
 	const struct rb_pair_material *material;
 	double approach;        /* m/s: of the centres of mass, at the beginning of the step */
 	rb_vec3 spin_a, spin_b; /* rad/s */
-	bool pivots;
-	rb_pivot pivot; /* friction goes round with what turns together */
+	double angle;           /* rad: by which friction goes round with what turns together */
+	bool pivots;            /* `pivot` is known: rb_pairwise_turned */
+	rb_pivot pivot;         /* of the angle */
 };
 
 static inline rb_vec3 rb_pairwise_spin(const struct rb_world *world, int i)
@@ -64,14 +65,25 @@ static inline struct rb_pairwise rb_pairwise_of(const struct rb_world *world, do
 	const rb_vec3 none = {0, 0, 0};
 	const rb_vec3 v_a = rb_pairwise_velocity(world, &world->mark, a, none);
 	const rb_vec3 v_b = rb_pairwise_velocity(world, &world->mark, b, none);
-	const double angle = central ? 0 : rb_pivot_angle(world, a, b, normal, h_s);
 
 	return (struct rb_pairwise){.material = rb_contact_material(world->model, a, b),
 	                            .approach = rb_vec3_dot(rb_vec3_sub(v_a, v_b), normal),
 	                            .spin_a = central ? none : rb_pairwise_spin(world, a),
 	                            .spin_b = central ? none : rb_pairwise_spin(world, b),
-	                            .pivots = angle != 0,
-	                            .pivot = angle == 0 ? (rb_pivot){1, 0} : rb_pivot_of(angle)};
+	                            .angle = central ? 0
+	                                             : rb_pivot_angle(world, a, b, normal, h_s)};
+}
+
+/* An impulse of the step before on what has turned since. */
+static inline rb_vec3 rb_pairwise_turned(struct rb_pairwise *common, rb_vec3 impulse,
+                                         rb_vec3 normal)
+{
+	if (common->angle == 0)
+		return impulse;
+	if (!common->pivots)
+		common->pivot = rb_pivot_of(common->angle);
+	common->pivots = true;
+	return rb_pivot_turn(impulse, normal, common->pivot);
 }
 
 #endif
