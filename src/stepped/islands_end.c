@@ -32,19 +32,31 @@ void rb_islands_store_body(const struct rb_solver *solver, struct rb_world *worl
 		rb_vec3_to(world->state.spin + 3 * (size_t)i, solver->dense.bodies.body[i].angular);
 }
 
+static void push(struct rb_solver *solver, int i)
+{
+	if (!__atomic_load_n(&solver->pushed[i], __ATOMIC_RELAXED))
+		__atomic_store_n(&solver->pushed[i], 1, __ATOMIC_RELAXED);
+}
+
+/* Of a step, marks bodies with an impulse of a contact on them. */
 static void store_rows(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
+	struct rb_solver *solver = pass->solver;
 
 	for (size_t k = first; k < end; k++) {
-		const struct rb_constraint *row = &pass->solver->dense.row[k];
+		const struct rb_constraint *row = &solver->dense.row[k];
 
 		if (row->set != RB_CONSTRAINT_CONE)
 			continue;
-		struct rb_step_point *point = &pass->points->row[pass->solver->point[k]];
+		struct rb_step_point *point = &pass->points->row[solver->point[k]];
 
 		point->normal_impulse = row->impulse.n;
 		point->friction_impulse = row->impulse.t;
+		if (solver->before && row->impulse.n > 0) {
+			push(solver, row->a);
+			push(solver, row->b);
+		}
 	}
 }
 
@@ -111,13 +123,16 @@ static void note_left(void *user, size_t first, size_t end)
 	}
 }
 
-static void push(struct rb_solver *solver, int i)
+static bool all_have_rows(const struct rb_solver *solver)
 {
-	if (!__atomic_load_n(&solver->pushed[i], __ATOMIC_RELAXED))
-		__atomic_store_n(&solver->pushed[i], 1, __ATOMIC_RELAXED);
+	bool all = true;
+
+	for (size_t g = 0; g < solver->island_count; g++)
+		all = all && !rb_islands_has_no_rows(&solver->island[g]);
+	return all;
 }
 
-/* Marks bodies with an impulse of a contact on them. */
+/* The same where some groups have no rows. */
 static void find_pushed(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
@@ -175,13 +190,15 @@ void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_
 	struct pass pass = {.solver = solver, .world = world, .points = points};
 
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&solver->dense, solver->body_count + 1));
+	if (solver->before)
+		share_out(&pass, (size_t)solver->active_count, note_left);
 	share_out(&pass, (size_t)solver->dense.row_count, store_rows);
 	if (solver->before && solver->joined_count > 0) /* else positions are moved */
 		share_out(&pass, (size_t)solver->joined_count, store_joints);
 	if (solver->before) {
 		store_springs(solver);
-		share_out(&pass, (size_t)solver->active_count, note_left);
-		share_out(&pass, points->count, find_pushed);
+		if (!all_have_rows(solver))
+			share_out(&pass, points->count, find_pushed);
 		find_pulled(solver, world->model->joints);
 	}
 	share_out(&pass, (size_t)solver->active_count, store_bodies);

@@ -14,6 +14,7 @@
 #include <emmintrin.h>
 #endif
 
+#include "base/error.h"
 #include "stepped/packs.h"
 #include "stepped/wide.h"
 
@@ -545,14 +546,14 @@ static void fill_tensor(const struct rb_wide *wide, const struct rb_packs *packs
 }
 
 /* Velocity at the point by turning that a unit impulse along the normal makes. */
-static rb_vec3 skew_of(const struct rb_row_system *dense, int body, rb_vec3 arm, rb_vec3 normal)
+ALWAYS rb_vec3 skew_of(const struct rb_row_system *dense, int body, rb_vec3 arm, rb_vec3 normal)
 {
 	if (dense->bodies.body[body].inverse_inertia == 0)
 		return (rb_vec3){0, 0, 0};
 	return rb_vec3_cross(rb_solver_turn(&dense->bodies, body, rb_vec3_cross(arm, normal)), arm);
 }
 
-static void put(struct lanes3 *to, int i, double unit, rb_vec3 v)
+ALWAYS void put(struct lanes3 *to, int i, double unit, rb_vec3 v)
 {
 	to->x[i] = (real)(unit * v.x);
 	to->y[i] = (real)(unit * v.y);
@@ -630,8 +631,9 @@ static void carry(const struct rb_wide *wide, const struct rb_packs *packs, enum
 	struct tensors *const tensors = packs->tensors ? &((struct tensors *)packs->tensors)[k]
 	                                               : NULL;
 
-	const bool clears = task == RB_PACK_FILL && count < WIDTH;
+	const bool fills = !packs->filled, clears = fills && count < WIDTH;
 
+	RB_ASSERT_COSTLY(!fills || task != RB_PACK_STORE);
 	if (clears && turn)
 		*turn = (struct turn){.arm_a = {.x = {0}}};
 	if (clears && tensors)
@@ -644,18 +646,19 @@ static void carry(const struct rb_wide *wide, const struct rb_packs *packs, enum
 	for (int i = 0; i < count; i++) {
 		struct rb_constraint *row = &wide->dense->row[wide->order[at + i]];
 
-		if (task == RB_PACK_FILL)
+		if (task == RB_PACK_STORE) {
+			store_lane(wide, packs, pack, i, row);
+			continue;
+		}
+		if (fills)
 			fill_lane(wide, packs, pack, i, row);
-		if (task == RB_PACK_FILL && tensors) {
+		if (fills && tensors) {
 			fill_tensor(wide, packs, row->a, tensors->of_a, i);
 			fill_tensor(wide, packs, row->b, tensors->of_b, i);
 		}
-		if (task == RB_PACK_FILL && turn)
+		if (fills && turn)
 			fill_turn(wide, packs, turn, i, row);
-		else if (task == RB_PACK_STORE)
-			store_lane(wide, packs, pack, i, row);
-		else if (task != RB_PACK_FILL)
-			load_lane(packs, pack, i, row, task == RB_PACK_LOAD_HELD);
+		load_lane(packs, pack, i, row, task == RB_PACK_LOAD_HELD);
 	}
 }
 

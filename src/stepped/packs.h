@@ -17,8 +17,8 @@
 
 struct rb_wide;
 
-/* What is done to every pack. */
-enum rb_pack_task { RB_PACK_SWEEP, RB_PACK_FILL, RB_PACK_LOAD, RB_PACK_LOAD_HELD, RB_PACK_STORE };
+/* What is done to every pack: what is loaded first is filled, too. */
+enum rb_pack_task { RB_PACK_SWEEP, RB_PACK_LOAD, RB_PACK_LOAD_HELD, RB_PACK_STORE };
 
 /* Packs of one kind of numbers, by colour; scratch. */
 struct rb_packs {
@@ -35,7 +35,7 @@ struct rb_packs {
 	double *partial; /* [blocks] */
 	/* what numbers are multiplied by: powers of two; 1 in 64 bits */
 	double per_mass, per_length, per_speed; /* of kg, m, m/s */
-	bool filled;
+	bool filled; /* all that no sweep changes is there */
 };
 
 struct rb_pack_kernel {

@@ -14,6 +14,7 @@ enum { COLOURS_MAX = 64, BEARS = 128 };
  */
 struct colours {
 	int *first; /* [count + 1]: where each begins in `order` */
+	int *other; /* [count]: the same of those that bear nothing to begin with */
 	int *order; /* [rows] */
 	int count;
 	bool tail;
@@ -75,11 +76,14 @@ static void choose(const struct preparation *preparation)
 		const uint64_t left = ~((ends.a < 0 ? 0 : taken[ends.a]) |
 		                        (ends.b < 0 ? 0 : taken[ends.b]));
 		const int c = left ? __builtin_ctzll(left) : COLOURS_MAX - 1;
+		/* a tail's order counts */
+		const bool bears = preparation->colour[k] || c == COLOURS_MAX - 1;
 
-		preparation->colour[k] = (unsigned char)(preparation->colour[k] | c);
+		preparation->colour[k] = (unsigned char)(bears ? BEARS | c : c);
 		colours->tail = colours->tail || c == COLOURS_MAX - 1;
 		colours->count = c + 1 > colours->count ? c + 1 : colours->count;
 		colours->first[c + 1]++;
+		colours->other[c] += bears;
 		if (ends.a >= 0)
 			taken[ends.a] |= (uint64_t)1 << c;
 		if (ends.b >= 0)
@@ -95,23 +99,22 @@ static void choose(const struct preparation *preparation)
 static void colour_rows(const struct preparation *preparation)
 {
 	const struct colours *const colours = preparation->colours;
-	int *const first = colours->first;
+	int *const first = colours->first, *const other = colours->other;
+	int *const next[2] = {other, first};
 
 	choose(preparation);
-	for (int c = 0; c < colours->count; c++)
+	for (int c = 0; c < colours->count; c++) {
+		other[c] += first[c];
 		first[c + 1] += first[c];
-	for (int pass = 0; pass < 2; pass++)
-		for (int k = 0; k < preparation->sweeper->dense->row_count; k++) {
-			const int c = preparation->colour[k] & ~BEARS;
-			/* a tail's order counts */
-			const bool bears = (preparation->colour[k] & BEARS) ||
-			                   (colours->tail && c == COLOURS_MAX - 1);
+	}
+	for (int k = 0; k < preparation->sweeper->dense->row_count; k++) {
+		const int colour = preparation->colour[k];
 
-			if (bears == (pass == 0))
-				colours->order[first[c]++] = k;
-		}
+		colours->order[next[colour >= BEARS][colour % BEARS]++] = k;
+	}
+	/* all others have come to where the next colour begins */
 	for (int c = colours->count; c > 0; c--)
-		first[c] = first[c - 1];
+		first[c] = other[c - 1];
 	first[0] = 0;
 }
 
@@ -139,14 +142,16 @@ static bool prepare_packs(struct preparation *preparation, struct rb_arena *aren
 	preparation->taken = rb_arena_take(arena, members, sizeof *preparation->taken);
 	preparation->colour = rb_arena_take(arena, count, 1);
 	colours->first = rb_arena_take(arena, COLOURS_MAX + 2, sizeof *colours->first);
+	colours->other = rb_arena_take(arena, COLOURS_MAX, sizeof *colours->other);
 	colours->order = rb_arena_take(arena, count, sizeof *colours->order);
 	if (!preparation->ends || !preparation->taken || !preparation->colour || !colours->first ||
-	    !colours->order)
+	    !colours->other || !colours->order)
 		return false;
 	for (int k = 0; k < sweeper->member_count; k++)
 		sweeper->local[sweeper->member[k]] = k;
 	memset(preparation->taken, 0, members * sizeof *preparation->taken);
 	memset(colours->first, 0, (COLOURS_MAX + 2) * sizeof *colours->first);
+	memset(colours->other, 0, COLOURS_MAX * sizeof *colours->other);
 	share_out(preparation, find_ends);
 	if (sweeper->team && sweeper->warms)
 		rb_team_run(sweeper->team, 2, colour_or_warm, preparation);

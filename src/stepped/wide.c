@@ -5,6 +5,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "base/error.h"
+
 /* Packs that are one piece of work at most: several times what threads take to part and meet. */
 enum { BLOCK_CENTRAL_PACKS = 32, BLOCK_PACKS = 12 };
 
@@ -74,6 +76,12 @@ static void carry_packs(const struct work *work, int colour, int first, int end)
 static double larger(double a, double b)
 {
 	return a > b ? a : b;
+}
+
+/* With the largest coordinate, of either sign: without branches, which follow no pattern here. */
+static double larger_of(double a, rb_vec3 v)
+{
+	return larger(larger(a, fabs(v.x)), larger(fabs(v.y), fabs(v.z)));
 }
 
 /* Packs of a colour. */
@@ -270,37 +278,33 @@ static double unit_of(double x)
 	return x > 0 && isfinite(x) ? ldexp(1, -ilogb(x)) : 1;
 }
 
-/* Units of 32 bits: as large as what there is of it. */
-static void find_units(const struct rb_wide *wide, struct rb_packs *packs, double tolerance)
+/*
+ * Whether they tell more than the tolerance of the largest speeds and impulses. Units are as large
+ * as what there is of it: found with the first packs.
+ */
+static bool may_be_single(const struct rb_wide *wide, struct rb_packs *packs, double tolerance)
 {
-	double arm = 0, inverse_mass = 0;
-
-	for (int k = 0; k < wide->dense->row_count; k++) {
-		const struct rb_constraint *const row = &wide->dense->row[k];
-
-		arm = larger(arm, larger(rb_vec3_max_abs(row->arm_a), rb_vec3_max_abs(row->arm_b)));
-		inverse_mass = larger(inverse_mass, row->inverse_mass_n);
-	}
-	packs->per_mass = 1 / unit_of(inverse_mass);
-	packs->per_length = unit_of(arm);
-	packs->per_speed = unit_of(tolerance);
-}
-
-/* Whether they tell more than the tolerance of the largest speeds and impulses. */
-static bool may_be_single(const struct rb_wide *wide, const struct rb_packs *packs,
-                          double tolerance)
-{
-	double linear = 0, angular = 0, impulse = 0;
+	double arm = 0, inverse_mass = 0, linear = 0, angular = 0, impulse = 0;
 
 	for (int k = 0; k < wide->member_count; k++) {
 		const struct rb_solver_body *const body =
 			&wide->dense->bodies.body[wide->member[k]];
 
-		linear = larger(linear, rb_vec3_max_abs(body->linear));
-		angular = larger(angular, rb_vec3_max_abs(body->angular));
+		linear = larger_of(linear, body->linear);
+		angular = larger_of(angular, body->angular);
 	}
-	for (int k = 0; k < wide->dense->row_count; k++)
-		impulse = larger(impulse, wide->dense->row[k].impulse.n);
+	for (int k = 0; k < wide->dense->row_count; k++) {
+		const struct rb_constraint *const row = &wide->dense->row[k];
+
+		arm = larger_of(larger_of(arm, row->arm_a), row->arm_b);
+		inverse_mass = larger(inverse_mass, row->inverse_mass_n);
+		impulse = larger(impulse, row->impulse.n);
+	}
+	if (!packs->filled) {
+		packs->per_mass = 1 / unit_of(inverse_mass);
+		packs->per_length = unit_of(arm);
+		packs->per_speed = unit_of(tolerance);
+	}
 	/* arms are up to twice their unit, inverse masses too */
 	const double size = larger(
 		linear, larger(2 * angular / packs->per_length, 2 * impulse * packs->per_mass));
@@ -328,9 +332,11 @@ static void put_bodies(const struct rb_wide *wide, const struct rb_packs *packs)
 {
 	const struct rb_solver_body *const body = wide->dense->bodies.body;
 
-	put_body(wide, packs, wide->fixed);
 	for (int k = 0; k < wide->member_count; k++)
 		put_body(wide, packs, wide->member[k]);
+	if (packs->filled)
+		return;
+	put_body(wide, packs, wide->fixed);
 	/* nobody's members are driven ones, and those that give no way while others are moved */
 	for (int k = 0; k < wide->dense->row_count; k++) {
 		const int a = wide->dense->row[k].a, b = wide->dense->row[k].b;
@@ -354,19 +360,16 @@ static const struct rb_packs *begin(struct rb_wide *wide, double tolerance,
 {
 	struct rb_packs *const single = &wide->packs[1];
 
-	if (single->body && !single->filled)
-		find_units(wide, single, tolerance);
 	if (!is_gathered(start))
 		wide->single = start != RB_WIDE_HOLDS && single->body &&
 		               may_be_single(wide, single, tolerance);
 	struct rb_packs *const packs = &wide->packs[wide->single];
-	if (!packs->filled)
-		run_all(wide, packs, RB_PACK_FILL, 0);
-	packs->filled = true;
+	RB_ASSERT(packs->filled || !is_gathered(start));
 	if (wide->single)
 		put_bodies(wide, packs);
 	if (!is_gathered(start))
 		run_all(wide, packs, start == RB_WIDE_HOLDS ? RB_PACK_LOAD_HELD : RB_PACK_LOAD, 0);
+	packs->filled = true;
 	return packs;
 }
 
