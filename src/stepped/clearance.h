@@ -23,6 +23,17 @@ static inline int rb_pairs_blocks(size_t count)
 	return (int)((count + RB_PAIRS_PER_BLOCK - 1) / RB_PAIRS_PER_BLOCK);
 }
 
+/* Of two numbers, the second where it is not NaN: fmin and fmax are calls. */
+static inline double rb_clearance_min(double a, double b)
+{
+	return b < a ? b : a;
+}
+
+static inline double rb_clearance_max(double a, double b)
+{
+	return b > a ? b : a;
+}
+
 /* A sphere on a sphere or plane: a closed form. */
 static inline bool rb_pair_is_plain(const struct rb_model *model, int a, int b)
 {
@@ -37,6 +48,18 @@ struct rb_part_pair {
 	rb_placed a, b;
 	double radii; /* m, of both together */
 };
+
+/*
+ * Clues of a pair, which is about to be looked at: they come from afar, and what is asked first
+ * takes as long.
+ */
+static inline struct rb_clue *rb_clearance_clues(const struct rb_candidates *candidates, size_t k)
+{
+	struct rb_clue *const clues = &candidates->clue[candidates->first_clue[k]];
+
+	__builtin_prefetch(clues, 1);
+	return clues;
+}
 
 /* m: how far both have got. */
 static inline double rb_clearance_path(const struct rb_candidates *candidates, struct rb_pair pair)

@@ -523,7 +523,7 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 		/* twice as far, so that it holds for more than this step */
 		rb_candidates_near(&near, inspection->world->model, pair.b, pa, 2 * slack);
 		if (near.far)
-			least_clearance = fmin(least_clearance, 2 * slack);
+			least_clearance = rb_clearance_min(least_clearance, 2 * slack);
 		while ((j = rb_near_parts_next(&near)) >= 0) {
 			const rb_placed *const pb = &candidates->placed[b + j];
 			struct rb_clue none = {0};
@@ -537,12 +537,13 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 			    !(clue->is_close && rb_box_is(pa) && rb_box_is(pb)))
 				clearance = rb_clearance_of_parts(&parts, slack, clue);
 			if (clearance > slack) {
-				least_clearance = fmin(least_clearance, clearance);
+				least_clearance = rb_clearance_min(least_clearance, clearance);
 				clue->is_close = false;
 				continue;
 			}
 			const rb_separation s = rb_clearance_separation(&parts, placings, clue);
-			least_clearance = fmin(least_clearance, s.gap - s.noise - parts.radii);
+			least_clearance = rb_clearance_min(least_clearance,
+			                                   s.gap - s.noise - parts.radii);
 			/* as if it had been seen at once: what is known decides cost only */
 			clue->is_close = s.gap - parts.radii <= slack;
 			if (!clue->is_close)
@@ -653,19 +654,17 @@ static void inspect_block(void *user, int block, int worker)
 		if (rb_pair_is_plain(inspection.world->model, pair.a, pair.b)) {
 			inspect_plain(
 				&inspection, pair,
-				fmin(rb_step_closing_of_balls(inspection.world, candidates, pair),
-			             max));
+				rb_clearance_min(max, rb_step_closing_of_balls(inspection.world,
+			                                                       candidates, pair)));
 			continue;
 		}
 		const double path = rb_clearance_path(candidates, pair);
+		struct rb_clue *const clues = rb_clearance_clues(candidates, k);
 		if (!may_close(&inspection, pair, path))
 			continue;
-		candidates->clearance[k] =
-			path + inspect_parts(&inspection, pair,
-		                             fmin(rb_step_closing_of(inspection.world, candidates,
-		                                                     pair, inspection.h),
-		                                  max),
-		                             &candidates->clue[candidates->first_clue[k]]);
+		const double slack = rb_clearance_min(
+			max, rb_step_closing_of(inspection.world, candidates, pair, inspection.h));
+		candidates->clearance[k] = path + inspect_parts(&inspection, pair, slack, clues);
 		more = !is_interrupted(inspections, pair.a);
 	}
 	inspections->block[block] = inspection;

@@ -43,10 +43,9 @@ enum { PAIR_WORK = 1 << 10 };
  * move less than that.
  */
 static double depth_of_parts(const struct rb_model *model, const struct rb_candidates *candidates,
-                             size_t k, double path, double least)
+                             size_t k, struct rb_clue *clues, double path, double least)
 {
 	const struct rb_pair pair = candidates->pair[k];
-	struct rb_clue *clues = &candidates->clue[candidates->first_clue[k]];
 	const int a = candidates->first_part[pair.a], b = candidates->first_part[pair.b];
 	const int count_a = rb_candidates_part_count(candidates, pair.a);
 	const int count_b = rb_candidates_part_count(candidates, pair.b);
@@ -64,7 +63,7 @@ static double depth_of_parts(const struct rb_model *model, const struct rb_candi
 		rb_candidates_near(&near, model, pair.b, pa, 0);
 		/* what was not seen is at least so far away */
 		if (near.far)
-			least_clearance = fmin(least_clearance, 0);
+			least_clearance = rb_clearance_min(least_clearance, 0);
 		while ((j = rb_near_parts_next(&near)) >= 0) {
 			const rb_placed *const pb = &candidates->placed[b + j];
 			struct rb_clue none = {0};
@@ -74,16 +73,17 @@ static double depth_of_parts(const struct rb_model *model, const struct rb_candi
 			const struct rb_part_pair parts = rb_part_pair_of(pa, pb);
 
 			if (!(clearance > 0) && !rb_clue_knows(clue, placings))
-				clearance = rb_clearance_of_parts(&parts, -fmax(depth, least),
-				                                  clue);
-			if (clearance > -fmax(depth, least)) {
-				least_clearance = fmin(least_clearance, clearance);
+				clearance = rb_clearance_of_parts(
+					&parts, -rb_clearance_max(depth, least), clue);
+			if (clearance > -rb_clearance_max(depth, least)) {
+				least_clearance = rb_clearance_min(least_clearance, clearance);
 				bounded = bounded || (clearance < 0 && least > depth);
 				continue;
 			}
 			const rb_separation s = rb_clearance_separation(&parts, placings, clue);
-			depth = fmax(depth, parts.radii - s.gap);
-			least_clearance = fmin(least_clearance, s.gap - s.noise - parts.radii);
+			depth = rb_clearance_max(depth, parts.radii - s.gap);
+			least_clearance = rb_clearance_min(least_clearance,
+			                                   s.gap - s.noise - parts.radii);
 		}
 	}
 	candidates->clearance[k] = path + least_clearance;
@@ -99,13 +99,14 @@ static double depth_of(const struct rb_world *world, const struct rb_candidates 
 
 	if (!rb_pair_is_plain(model, pair.a, pair.b)) {
 		const double path = rb_clearance_path(candidates, pair);
+		struct rb_clue *const clues = rb_clearance_clues(candidates, k);
 
 		if (rb_clearance_is_more(candidates, k, path, 0))
 			return 0;
 		/* it was known not to be deep, and has hardly moved */
 		if (least > 0 && rb_clearance_is_more(candidates, k, path, -least))
 			return -least;
-		return depth_of_parts(model, candidates, k, path, least);
+		return depth_of_parts(model, candidates, k, clues, path, least);
 	}
 	if (model->shape[pair.b].kind == RB_SHAPE_SPHERE) {
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
@@ -209,7 +210,7 @@ static void depth_block(void *user, int block, int worker)
 		else if (depth > depths.max)
 			depths.max = depth;
 		if (!is_live)
-			depths.resting = fmax(depths.resting, depth);
+			depths.resting = rb_clearance_max(depths.resting, depth);
 	}
 	work->block[block] = depths;
 }

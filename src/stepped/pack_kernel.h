@@ -623,6 +623,17 @@ static void store_lane(const struct rb_wide *wide, const struct rb_packs *packs,
 }
 #endif
 
+/* Of the next pack: colours do not go through rows in their order. */
+ALWAYS void expect(const struct rb_constraint *row)
+{
+	const char *const bytes = (const char *)row;
+
+	__builtin_prefetch(bytes);
+	__builtin_prefetch(bytes + 64);
+	__builtin_prefetch(bytes + 128);
+	__builtin_prefetch(bytes + sizeof *row - 1);
+}
+
 static void carry(const struct rb_wide *wide, const struct rb_packs *packs, enum rb_pack_task task,
                   int k, int at, int count)
 {
@@ -646,6 +657,8 @@ static void carry(const struct rb_wide *wide, const struct rb_packs *packs, enum
 	for (int i = 0; i < count; i++) {
 		struct rb_constraint *row = &wide->dense->row[wide->order[at + i]];
 
+		if (at + i + WIDTH < wide->dense->row_count)
+			expect(&wide->dense->row[wide->order[at + i + WIDTH]]);
 		if (task == RB_PACK_STORE) {
 			store_lane(wide, packs, pack, i, row);
 			continue;

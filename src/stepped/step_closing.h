@@ -73,8 +73,8 @@ static inline double rb_step_closing_of(const struct rb_world *world,
 		turning += candidates->ahead[pair.b] - b;
 	}
 	const double apart = rb_vec3_length(rb_step_closing_ways(world, pair, h_s));
-	const double way = fmin(fmax(fmax(a, b), apart), a + b);
-	const double closing = way + turning + model->stepped_tolerance_m;
+	const double least = a > b ? a : b, way = apart > least ? apart : least;
+	const double closing = (way < a + b ? way : a + b) + turning + model->stepped_tolerance_m;
 	return model->driven ? closing + rb_step_closing_by_plane(world, candidates, pair)
 	                     : closing;
 }
