@@ -319,6 +319,23 @@ static enum rb_status order_pairs(struct rb_candidates *candidates, const struct
 
 /* ---- all ---- */
 
+static size_t clues_of(const struct rb_candidates *candidates, struct rb_pair pair)
+{
+	return (size_t)rb_candidates_part_count(candidates, pair.a) *
+	       (size_t)rb_candidates_part_count(candidates, pair.b);
+}
+
+void rb_candidates_add_clues(struct rb_candidates *candidates, size_t k)
+{
+	const size_t count = clues_of(candidates, candidates->pair[k]);
+	const uint32_t at = __atomic_fetch_add(&candidates->clue_count, (uint32_t)count,
+	                                       __ATOMIC_RELAXED);
+
+	RB_ASSERT_COSTLY(at + count <= candidates->clue_capacity);
+	memset(candidates->clue + at, 0, count * sizeof *candidates->clue);
+	candidates->first_clue[k] = at;
+}
+
 enum rb_status rb_candidates_forget(struct rb_candidates *candidates, const struct rb_model *model,
                                     struct rb_error *err)
 {
@@ -348,17 +365,17 @@ enum rb_status rb_candidates_forget(struct rb_candidates *candidates, const stru
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu candidate pairs",
 		               candidates->pair_count);
 	for (size_t k = 0; k < candidates->pair_count; k++) {
-		candidates->own_first_clue[k] = (uint32_t)count;
-		if (!rb_candidates_is_terrain(model, candidates->pair[k].b))
-			count += (size_t)rb_candidates_part_count(candidates,
-			                                          candidates->pair[k].a) *
-			         (size_t)rb_candidates_part_count(candidates,
-			                                          candidates->pair[k].b);
+		const bool terrain = rb_candidates_is_terrain(model, candidates->pair[k].b);
+
+		candidates->own_first_clue[k] = terrain ? 0 : RB_NO_CLUES;
+		if (!terrain)
+			count += clues_of(candidates, candidates->pair[k]);
 	}
-	if (count > UINT32_MAX || !rb_memory_reserve(&candidates->clue, &candidates->clue_capacity,
-	                                             count + 1, sizeof *candidates->clue))
+	if (count >= RB_NO_CLUES ||
+	    !rb_memory_reserve(&candidates->clue, &candidates->clue_capacity, count + 1,
+	                       sizeof *candidates->clue))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu candidate parts", count);
-	memset(candidates->clue, 0, count * sizeof *candidates->clue);
+	candidates->clue_count = 0;
 	candidates->first_clue = candidates->own_first_clue;
 	return RB_OK;
 }

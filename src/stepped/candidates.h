@@ -14,6 +14,8 @@
 #include "step/broadphase.h"
 #include "world/world.h"
 
+#define RB_NO_CLUES UINT32_MAX
+
 /* Numbers of poses go on from 0 after it. */
 #define RB_PLACING_MAX 0x7fffffffu
 
@@ -62,8 +64,9 @@ struct rb_candidates {
 	 * Of scenes with parts: what geometry is asked about. Whoever looks at a pair may write its
 	 * clues.
 	 */
-	struct rb_clue *clue; /* of each two parts of each pair */
-	uint32_t *first_clue; /* [pair_count], as `pair` */
+	struct rb_clue *clue; /* of each two parts of the pairs that came close, as they did */
+	uint32_t clue_count;  /* of these; counted by all */
+	uint32_t *first_clue; /* [pair_count], as `pair`; RB_NO_CLUES: it has none yet */
 	uint32_t *own_first_clue;
 	size_t clue_capacity, first_clue_capacity;
 	int *first_part;   /* [bodies and statics + 1] into `placed` */
@@ -124,6 +127,16 @@ bool rb_candidates_holds(const struct rb_candidates *candidates, const struct rb
 /* Nothing is known of the pairs as they stand, in this order. */
 RB_CHECKED enum rb_status rb_candidates_forget(struct rb_candidates *candidates,
                                                const struct rb_model *model, struct rb_error *err);
+
+/* Room for those of a pair, about which nothing is known. */
+void rb_candidates_add_clues(struct rb_candidates *candidates, size_t k);
+
+static inline struct rb_clue *rb_candidates_clues(struct rb_candidates *candidates, size_t k)
+{
+	if (candidates->first_clue[k] == RB_NO_CLUES)
+		rb_candidates_add_clues(candidates, k);
+	return &candidates->clue[candidates->first_clue[k]];
+}
 
 static inline int rb_candidates_part_count(const struct rb_candidates *candidates, int i)
 {

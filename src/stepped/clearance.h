@@ -49,16 +49,11 @@ struct rb_part_pair {
 	double radii; /* m, of both together */
 };
 
-/*
- * Clues of a pair, which is about to be looked at: they come from afar, and what is asked first
- * takes as long.
- */
-static inline struct rb_clue *rb_clearance_clues(const struct rb_candidates *candidates, size_t k)
+/* Clues of a pair may be asked for: they come from afar, and what is asked first takes as long. */
+static inline void rb_clearance_expect(const struct rb_candidates *candidates, size_t k)
 {
-	struct rb_clue *const clues = &candidates->clue[candidates->first_clue[k]];
-
-	__builtin_prefetch(clues, 1);
-	return clues;
+	if (candidates->first_clue[k] != RB_NO_CLUES)
+		__builtin_prefetch(&candidates->clue[candidates->first_clue[k]], 1);
 }
 
 /* m: how far both have got. */

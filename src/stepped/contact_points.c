@@ -56,9 +56,9 @@ struct piece {
 struct inspection {
 	struct rb_world *world;
 	const struct rb_step_points *points;
-	const struct rb_candidates *candidates;
-	double h, max; /* most: m, of what can be closed */
-	size_t pair;   /* the one that is looked at */
+	struct rb_candidates *candidates; /* clues of the pairs of a block are the block's */
+	double h, max;                    /* most: m, of what can be closed */
+	size_t pair;                      /* the one that is looked at */
 	/* of the block */
 	struct rb_step_point *out;
 	size_t count, capacity;
@@ -627,7 +627,7 @@ static void inspect_block(void *user, int block, int worker)
 {
 	const struct inspections *inspections = user;
 	struct inspection inspection = inspections->inspection;
-	const struct rb_candidates *candidates = inspection.candidates;
+	struct rb_candidates *const candidates = inspection.candidates;
 	const size_t first = (size_t)(inspections->first + block) * RB_PAIRS_PER_BLOCK,
 		     end = rb_pairs_end(rb_candidates_live_count(candidates), first);
 
@@ -659,12 +659,13 @@ static void inspect_block(void *user, int block, int worker)
 			continue;
 		}
 		const double path = rb_clearance_path(candidates, pair);
-		struct rb_clue *const clues = rb_clearance_clues(candidates, k);
+		rb_clearance_expect(candidates, k);
 		if (!may_close(&inspection, pair, path))
 			continue;
 		const double slack = rb_clearance_min(
 			max, rb_step_closing_of(inspection.world, candidates, pair, inspection.h));
-		candidates->clearance[k] = path + inspect_parts(&inspection, pair, slack, clues);
+		candidates->clearance[k] = path + inspect_parts(&inspection, pair, slack,
+		                                                rb_candidates_clues(candidates, k));
 		more = !is_interrupted(inspections, pair.a);
 	}
 	inspections->block[block] = inspection;

@@ -42,10 +42,11 @@ enum { PAIR_WORK = 1 << 10 };
  * -least. Updates the clues and the clearance of the pair, which spares the test while both bodies
  * move less than that.
  */
-static double depth_of_parts(const struct rb_model *model, const struct rb_candidates *candidates,
-                             size_t k, struct rb_clue *clues, double path, double least)
+static double depth_of_parts(const struct rb_model *model, struct rb_candidates *candidates,
+                             size_t k, double path, double least)
 {
 	const struct rb_pair pair = candidates->pair[k];
+	struct rb_clue *const clues = rb_candidates_clues(candidates, k);
 	const int a = candidates->first_part[pair.a], b = candidates->first_part[pair.b];
 	const int count_a = rb_candidates_part_count(candidates, pair.a);
 	const int count_b = rb_candidates_part_count(candidates, pair.b);
@@ -91,22 +92,22 @@ static double depth_of_parts(const struct rb_model *model, const struct rb_candi
 }
 
 /* Depth of any pair in m; a negative value is a bound, as above. */
-static double depth_of(const struct rb_world *world, const struct rb_candidates *candidates,
-                       size_t k, double least)
+static double depth_of(const struct rb_world *world, struct rb_candidates *candidates, size_t k,
+                       double least)
 {
 	const struct rb_model *model = world->model;
 	const struct rb_pair pair = candidates->pair[k];
 
 	if (!rb_pair_is_plain(model, pair.a, pair.b)) {
 		const double path = rb_clearance_path(candidates, pair);
-		struct rb_clue *const clues = rb_clearance_clues(candidates, k);
 
+		rb_clearance_expect(candidates, k);
 		if (rb_clearance_is_more(candidates, k, path, 0))
 			return 0;
 		/* it was known not to be deep, and has hardly moved */
 		if (least > 0 && rb_clearance_is_more(candidates, k, path, -least))
 			return -least;
-		return depth_of_parts(model, candidates, k, clues, path, least);
+		return depth_of_parts(model, candidates, k, path, least);
 	}
 	if (model->shape[pair.b].kind == RB_SHAPE_SPHERE) {
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),

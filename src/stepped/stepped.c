@@ -254,11 +254,12 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads)
 	const size_t factors = central ? 0 : 4 * sizeof(rb_mat3);
 	const size_t scratch = rb_wide_row_bytes(central, tensors) + sizeof(struct rb_kept_row) +
 	                       factors;
+	/* pairs that come close have clues, no more than points */
+	const size_t clue = central ? 0 : sizeof(struct rb_clue);
 	const size_t point = sizeof(struct rb_step_point) + sizeof(struct rb_constraint) +
-	                     2 * sizeof(int) + contact + again + scratch;
+	                     2 * sizeof(int) + contact + again + scratch + clue;
 	const size_t pair = sizeof(struct rb_pair) + sizeof(double) + sizeof(uint32_t) +
-	                    (central ? 0
-	                             : sizeof(double) + sizeof(uint32_t) + sizeof(struct rb_clue));
+	                    (central ? 0 : sizeof(double) + sizeof(uint32_t));
 	const double pairs = central ? HEAP_PAIRS * (double)model->body_count : heap_pairs(model);
 	const bool rough = (model->features & RB_FEATURE_FRICTION) != 0;
 	const int points = !central ? BODY_POINTS : rough ? ROUGH_SPHERE_POINTS : SPHERE_POINTS;
