@@ -385,7 +385,7 @@ static void find_impacts(const struct rb_world *world, const struct rb_cohort *c
 			const double approach = point->approach;
 			const double more = -leaving(solver, point) - approach;
 
-			if (!(point->normal_impulse > 0) || !(point->friction > 0) ||
+			if (!(point->normal_impulse > 0) || !(point->material->friction > 0) ||
 			    (point->from > 0 && points->last[point->from - 1].force > 0) ||
 			    !(approach > least) ||
 			    !(point->gap > whole_share * solver->whole_s * approach) ||

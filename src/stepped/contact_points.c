@@ -162,8 +162,7 @@ static void fill_point(const struct inspection *inspection, struct rb_pairwise *
 {
 	const struct rb_step_points *points = inspection->points;
 
-	point->friction = common->material->friction;
-	point->restitution = common->material->restitution;
+	point->material = common->material;
 	point->approach = common->approach;
 	if (!point->central)
 		point->approach += rb_vec3_dot(
@@ -178,7 +177,7 @@ static void fill_point(const struct inspection *inspection, struct rb_pairwise *
 		return;
 	const struct rb_named_impulse *last = &points->last[point->from - 1];
 	point->normal_impulse = inspection->h * last->force;
-	if (point->friction == 0)
+	if (point->material->friction == 0)
 		return;
 	point->friction_impulse = rb_pairwise_turned(
 		common, rb_vec3_scale(inspection->h, last->friction_impulse), point->normal);

@@ -30,7 +30,7 @@ struct rb_step_point {
 	double gap;    /* m, at the beginning of the step */
 	/* m: more of a gap by the end than straight ways make it; 0 unless it was looked for */
 	double bend;
-	double friction, restitution;
+	const struct rb_pair_material *material; /* of friction and restitution */
 	/* m/s: towards each other at the beginning of the step, before its forces */
 	double approach;
 	double normal_impulse;    /* N s */
@@ -39,7 +39,7 @@ struct rb_step_point {
 	rb_vec3 lever;
 };
 
-_Static_assert(sizeof(struct rb_step_point) == 200, "there may be ten for each body");
+_Static_assert(sizeof(struct rb_step_point) == 192, "there may be ten for each body");
 
 /* What of a point the next step starts from; its name as of struct rb_step_point. */
 #define RB_NAMED_IMPULSE_FIELDS(X)                                             \

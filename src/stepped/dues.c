@@ -138,7 +138,7 @@ static void pass_on(const struct rb_world *world, const struct tree *tree, struc
 		const rb_vec3 on_b = is_a ? rb_vec3_neg(owed[i]) : owed[i];
 		/* an impact's normal is that of its moment */
 		const bool strict = whole || point->approach > world->stepped->solver.tolerance;
-		const double friction = strict ? point->friction : (double)INFINITY;
+		const double friction = strict ? point->material->friction : (double)INFINITY;
 		const rb_vec3 due = rb_vec3_sub(
 			within_cone(friction, point->normal, rb_vec3_add(now, on_b)),
 			within_cone(friction, point->normal, now));

@@ -336,7 +336,7 @@ bool rb_flight_splits(const struct rb_flight *flight, const struct rb_step_point
 {
 	const double h = flight->h_s, approach = point->approach;
 
-	return point->restitution == 0 && point->from == 0 &&
+	return point->material->restitution == 0 && point->from == 0 &&
 	       approach > left_share * left_of(flight, point) &&
 	       point->gap > whole_share * h * approach &&
 	       approach > SOME_STEPS * closing_by_forces(flight, point, point->normal);
@@ -348,8 +348,8 @@ static double rebound(const struct rb_flight *flight, const struct rb_step_point
 {
 	if (point->rolls_to)
 		return 0;
-	if (point->restitution > 0)
-		return point->restitution * approach;
+	if (point->material->restitution > 0)
+		return point->material->restitution * approach;
 	return flight->mixed || rb_flight_splits(flight, point) ? approach : 0;
 }
 

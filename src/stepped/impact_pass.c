@@ -187,7 +187,7 @@ static bool take_body(struct impacts *all, int i)
 /* Whether an impact may be left to the step's solution: it gives nothing back. */
 static bool may_be_left(const struct impacts *all, size_t due)
 {
-	return !(all->points->row[due].restitution > 0) && !all->flight.mixed;
+	return !(all->points->row[due].material->restitution > 0) && !all->flight.mixed;
 }
 
 /*
@@ -314,8 +314,8 @@ static void fill_contact(const struct impacts *all, struct rb_simultaneous *join
 		.normal = point->normal,
 		.arm_a = arm[0],
 		.arm_b = arm[1],
-		.friction = all->world->state.spin ? point->friction : 0,
-		.restitution = point->restitution,
+		.friction = all->world->state.spin ? point->material->friction : 0,
+		.restitution = point->material->restitution,
 	};
 	/* what lasts has an approach within what was left of it: no impact */
 	c->noise = point->from > 0 ? fmax(least, all->noise) : all->noise;
@@ -352,7 +352,7 @@ static bool is_plastic(const struct impacts *all)
 	for (int k = 0; k < all->contact_count; k++) {
 		const struct rb_step_point *point = &all->points->row[all->contact[k]];
 
-		if (point->restitution > 0 &&
+		if (point->material->restitution > 0 &&
 		    rb_flight_approach(&all->flight, point, point->normal) > 0)
 			return false;
 	}

@@ -647,12 +647,13 @@ static void fill_row(const struct pass *pass, struct rb_face *face, struct rb_co
 	const struct rb_step_points *const points = pass->points;
 	const struct rb_step_point *const point = &points->row[number];
 
-	RB_ASSERT_COSTLY(point->normal_impulse >= 0 && point->friction >= 0 && solver->h_s > 0);
+	RB_ASSERT_COSTLY(point->normal_impulse >= 0 && point->material->friction >= 0 &&
+	                 solver->h_s > 0);
 	row->a = point->a;
 	row->b = point->b < solver->body_count ? point->b : solver->body_count;
 	row->set = RB_CONSTRAINT_CONE;
 	row->couple = false;
-	row->friction = point->friction;
+	row->friction = point->material->friction;
 	row->low = row->high = row->softness = 0;
 	row->target = (rb_along_across){-(point->gap + point->bend) / solver->h_s, {0, 0, 0}};
 	rb_constraint_clear(row);
@@ -660,7 +661,7 @@ static void fill_row(const struct pass *pass, struct rb_face *face, struct rb_co
 	if (point->normal_impulse > 0) /* an impact or a later look may have turned the normal */
 		row->impulse.t = rb_constraint_within(
 			rb_vec3_reject(point->friction_impulse, point->normal),
-			point->friction * point->normal_impulse);
+			row->friction * point->normal_impulse);
 	set_arms(pass, face, row, number);
 	if (solver->joins_arms && is_dynamic(solver, row->b))
 		rb_levers_join_row(

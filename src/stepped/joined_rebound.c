@@ -275,15 +275,16 @@ static bool apply_law(const struct group *g, struct rb_simultaneous *law)
 		const struct rb_constraint *row = &g->row[k];
 		const struct rb_step_point *point = point_of(g, g->contact[k]);
 
-		law->contact[k] = (struct rb_solver_contact){.a = row->a,
-		                                             .b = row->b,
-		                                             .normal = row->normal,
-		                                             .arm_a = row->arm_a,
-		                                             .arm_b = row->arm_b,
-		                                             .friction = row->friction,
-		                                             .restitution = point->restitution,
-		                                             /* slower rebounds are none */
-		                                             .noise = g->solver->tolerance};
+		law->contact[k] = (struct rb_solver_contact){
+			.a = row->a,
+			.b = row->b,
+			.normal = row->normal,
+			.arm_a = row->arm_a,
+			.arm_b = row->arm_b,
+			.friction = row->friction,
+			.restitution = point->material->restitution,
+			/* slower rebounds are none */
+			.noise = g->solver->tolerance};
 		approach = fmax(approach, point->approach);
 	}
 	for (int k = 0; k < g->held_count; k++) {

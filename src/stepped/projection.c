@@ -595,6 +595,9 @@ static void join_lift(struct search *search, int a, int b)
 		rb_lift_join(&search->lift, search->world, a, search->world->model->body_count);
 }
 
+/* Positions are moved without friction. */
+static const struct rb_pair_material smooth = {0};
+
 /* Groups are solved on their own: nobody else is asked about. */
 static enum rb_status close_once(struct search *search, const struct rb_depths *found,
                                  struct rb_error *err)
@@ -608,7 +611,7 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 	if (status == RB_OK)
 		keep_points(search, found);
 	for (size_t k = 0; status == RB_OK && k < s->closing.count; k++) {
-		s->closing.row[k].friction = 0;
+		s->closing.row[k].material = &smooth;
 		join_lift(search, s->closing.row[k].a, s->closing.row[k].b);
 	}
 	for (int k = 0; status == RB_OK && k < search->active_count; k++)

@@ -355,7 +355,8 @@ enum rb_status rb_solver_end(struct rb_solver *solver, struct rb_world *world, s
 static bool rebounds(const struct rb_solver *solver, const struct rb_step_point *point)
 {
 	return point->normal_impulse > 0 &&
-	       (solver->hands_over || point->restitution * point->approach > solver->tolerance);
+	       (solver->hands_over ||
+	        point->material->restitution * point->approach > solver->tolerance);
 }
 
 static void add_rebound(struct rb_solver *solver, struct rb_world *world)
@@ -503,7 +504,7 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 		 */
 		row->target.n = point->normal_impulse > 0 ? fmin(now, 0) : -(double)INFINITY;
 		if (rebounds(solver, point))
-			row->target.n = fmax(0, point->restitution * point->approach);
+			row->target.n = fmax(0, point->material->restitution * point->approach);
 		rb_constraint_clear(row);
 	}
 	const enum rb_status status = solve_all(&work, err);
