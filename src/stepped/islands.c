@@ -506,6 +506,7 @@ static void count_rows(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
 	struct rb_solver *solver = pass->solver;
+	const bool driven = pass->world->model->driven != NULL;
 	bool moved = false;
 	int count = 0;
 
@@ -514,8 +515,9 @@ static void count_rows(void *user, size_t first, size_t end)
 		const int g = solver->island_of[pass->place[k]];
 
 		pass->place[k] = g;
-		if (!moved && !(count > 0 &&
-		                rb_face_is_pair(&pass->points->row[k], &pass->points->row[k - 1])))
+		if (driven && !moved &&
+		    !(count > 0 &&
+		      rb_face_is_pair(&pass->points->row[k], &pass->points->row[k - 1])))
 			moved = is_moved(solver, &pass->points->row[k]);
 		count++;
 		if (k + 1 < end && solver->island_of[pass->place[k + 1]] == g)
