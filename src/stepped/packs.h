@@ -23,7 +23,7 @@ enum rb_pack_task { RB_PACK_SWEEP, RB_PACK_LOAD, RB_PACK_LOAD_HELD, RB_PACK_STOR
 /* Packs of one kind of numbers, by colour; scratch. */
 struct rb_packs {
 	const struct rb_pack_kernel *kernel;
-	void *pack, *turn; /* [packs]; no `turn`: all rows are central */
+	void *pack, *turn; /* [packs], shared by both kinds; no `turn`: all rows are central */
 	/* [packs]; NULL: all rows are central, or all inertias multiples of one */
 	void *tensors;
 	float (*body)[8]; /* bodies in 32 bits, and what they are turned and moved by; or NULL */
@@ -35,7 +35,7 @@ struct rb_packs {
 	double *partial; /* [blocks] */
 	/* what numbers are multiplied by: powers of two; 1 in 64 bits */
 	double per_mass, per_length, per_speed; /* of kg, m, m/s */
-	bool filled; /* all that no sweep changes is there */
+	bool filled;                            /* all that no sweep changes is there */
 };
 
 struct rb_pack_kernel {

@@ -169,16 +169,11 @@ static double sweep_all(const struct rb_wide *wide, const struct rb_packs *packs
 
 size_t rb_wide_row_bytes(bool central, bool tensors)
 {
-	size_t sum = 0;
+	const struct rb_pack_kernel *const kernel = &rb_pack_double; /* the larger ones */
+	const size_t bytes = kernel->pack_bytes + (central ? 0 : kernel->turn_bytes) +
+	                     (!central && tensors ? kernel->tensors_bytes : 0);
 
-	for (int k = 0; k < (central ? 1 : 2); k++) {
-		const struct rb_pack_kernel *const kernel = k ? &rb_pack_single : &rb_pack_double;
-		const size_t bytes = kernel->pack_bytes + (central ? 0 : kernel->turn_bytes) +
-		                     (!central && tensors ? kernel->tensors_bytes : 0);
-
-		sum += bytes / (size_t)kernel->width;
-	}
-	return sum;
+	return bytes / (size_t)kernel->width;
 }
 
 /* Whether some body of a row has an inertia that is no multiple of one. */
@@ -212,7 +207,8 @@ static void part_phases(const struct rb_wide *wide, struct rb_packs *packs)
 	memcpy(packs->blocks + count, packs->blocks, (size_t)count * sizeof *packs->blocks);
 }
 
-static bool take_packs(const struct rb_wide *wide, const struct rb_pack_kernel *kernel,
+/* Packs by colour, without room for them. */
+static bool plan_packs(const struct rb_wide *wide, const struct rb_pack_kernel *kernel,
                        struct rb_packs *packs, struct rb_arena *arena)
 {
 	const size_t colours = (size_t)wide->colour_count;
@@ -242,30 +238,47 @@ static bool take_packs(const struct rb_wide *wide, const struct rb_pack_kernel *
 	packs->first[colours] = count;
 	packs->first_block[colours] = blocks;
 	part_phases(wide, packs);
-	packs->pack = rb_arena_take(arena, (size_t)count, kernel->pack_bytes);
 	packs->partial = rb_arena_take(arena, (size_t)blocks, sizeof *packs->partial);
-	const bool tensors = !wide->central && has_tensors(wide->dense);
-	if (!wide->central)
-		packs->turn = rb_arena_take(arena, (size_t)count, kernel->turn_bytes);
-	if (tensors)
-		packs->tensors = rb_arena_take(arena, (size_t)count, kernel->tensors_bytes);
-	return packs->pack && packs->partial && (wide->central || packs->turn) &&
-	       (!tensors || packs->tensors);
+	return packs->partial != NULL;
+}
+
+/* Of what takes so many bytes a pack of 64 bits, and of 32: one at a time is there. */
+static void *take_either(const struct rb_wide *wide, size_t double_bytes, size_t single_bytes,
+                         struct rb_arena *arena)
+{
+	const struct rb_packs *const packs = wide->packs;
+	const int colours = wide->colour_count;
+	const size_t first = (size_t)packs[0].first[colours] * double_bytes;
+	const size_t second = packs[1].first ? (size_t)packs[1].first[colours] * single_bytes : 0;
+
+	return rb_arena_take(arena, first > second ? first : second, 1);
 }
 
 bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
 {
-	struct rb_packs *const single = &wide->packs[1];
+	const struct rb_pack_kernel *const one = &rb_pack_double, *const other = &rb_pack_single;
+	struct rb_packs *const packs = wide->packs, *const single = &packs[1];
+	/* packs of spheres are small */
+	const bool both = !wide->central && wide->dense->row_count >= SINGLE_ROWS;
 
 	wide->single = false;
 	*single = (struct rb_packs){0};
-	if (!take_packs(wide, &rb_pack_double, &wide->packs[0], arena))
+	if (!plan_packs(wide, one, &packs[0], arena) ||
+	    (both && !plan_packs(wide, other, single, arena)))
 		return false;
-	/* packs of spheres are small */
-	if (wide->central || wide->dense->row_count < SINGLE_ROWS)
+	const bool tensors = !wide->central && has_tensors(wide->dense);
+	packs->pack = take_either(wide, one->pack_bytes, other->pack_bytes, arena);
+	if (!wide->central)
+		packs->turn = take_either(wide, one->turn_bytes, other->turn_bytes, arena);
+	if (tensors)
+		packs->tensors = take_either(wide, one->tensors_bytes, other->tensors_bytes, arena);
+	if (!packs->pack || (!wide->central && !packs->turn) || (tensors && !packs->tensors))
+		return false;
+	if (!both)
 		return true;
-	if (!take_packs(wide, &rb_pack_single, single, arena))
-		return false;
+	single->pack = packs->pack;
+	single->turn = packs->turn;
+	single->tensors = packs->tensors;
 	single->body = rb_arena_take(arena, (size_t)wide->fixed + 1, sizeof *single->body);
 	return single->body != NULL;
 }
@@ -364,6 +377,7 @@ static const struct rb_packs *begin(struct rb_wide *wide, double tolerance,
 		wide->single = start != RB_WIDE_HOLDS && single->body &&
 		               may_be_single(wide, single, tolerance);
 	struct rb_packs *const packs = &wide->packs[wide->single];
+	wide->packs[!wide->single].filled = false; /* they stand in the same place */
 	RB_ASSERT(packs->filled || !is_gathered(start));
 	if (wide->single)
 		put_bodies(wide, packs);

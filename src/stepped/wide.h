@@ -28,7 +28,7 @@ struct rb_wide {
 	int colour_count;
 	bool tail; /* rows of the last colour share bodies after all: one after the other */
 	/* scratch, rb_wide_take */
-	struct rb_packs packs[2]; /* in 64 bits, in 32 bits */
+	struct rb_packs packs[2]; /* in 64 bits, in 32 bits: one of them is filled */
 	bool single;              /* the latter are under way */
 	/*
 	 * More than 0: sweeps that would not reach the tolerance soon are left once they are
