@@ -32,11 +32,12 @@ struct rb_sweep_trace {
 	rb_vec3 change, impulse; /* of the last sweep */
 	double max;              /* N s: the largest impulse that it was led to */
 	rb_vec3 more_change[RB_SWEEP_MEMORY], more_impulse[RB_SWEEP_MEMORY];
+	bool acts; /* it has had an impulse: until then nothing but `max` is set, or counts */
 };
 
 /* A contact: normal first, then friction within the cone that the new normal impulse allows. */
 static inline double solve_cone(const struct rb_row_system *dense, struct rb_constraint *row,
-                                rb_vec3 *step)
+                                struct rb_sweep_trace *trace)
 {
 	const rb_vec3 n = row->normal;
 	const rb_vec3 u = rb_constraint_velocity(&dense->bodies, row);
@@ -50,9 +51,12 @@ static inline double solve_cone(const struct rb_row_system *dense, struct rb_con
 
 	/* what a mixture has left across the normal goes as well */
 	if (normal_impulse == 0 && row->impulse.n == 0 && rb_vec3_max_abs(row->impulse.t) == 0) {
-		*step = (rb_vec3){0, 0, 0};
+		if (trace->acts)
+			trace->step = (rb_vec3){0, 0, 0};
 		return 0;
 	}
+	if (!trace->acts)
+		*trace = (struct rb_sweep_trace){.acts = true};
 	const double more = normal_impulse - row->impulse.n;
 	rb_vec3 change = rb_vec3_scale(more, n);
 	double moved = fabs(more) * row->inverse_mass_n;
@@ -74,7 +78,7 @@ static inline double solve_cone(const struct rb_row_system *dense, struct rb_con
 		               moved);
 	}
 	RB_ASSERT_COSTLY(row->impulse.n >= 0);
-	*step = change;
+	trace->step = change;
 	rb_constraint_apply(&dense->bodies, row, change);
 	return moved;
 }
@@ -117,14 +121,14 @@ static __attribute__((noinline)) double solve_other(const struct rb_sweep *sweep
 }
 
 /* One row on its own; returns what it changed its velocity by, m/s. */
-static inline double solve_row(const struct rb_sweep *sweep, int k, rb_vec3 *step)
+static inline double solve_row(const struct rb_sweep *sweep, int k)
 {
 	struct rb_constraint *const row = &sweep->dense->row[k];
 
 	RB_ASSERT_COSTLY(row->inverse_mass_n > 0 && row->inverse_mass_t > 0);
 	if (row->set == RB_CONSTRAINT_CONE)
-		return solve_cone(sweep->dense, row, step);
-	return solve_other(sweep, k, step);
+		return solve_cone(sweep->dense, row, &sweep->trace[k]);
+	return solve_other(sweep, k, &sweep->trace[k].step);
 }
 
 /* Flat: what each row calls costs a tenth of the sweeps. */
@@ -134,11 +138,12 @@ static __attribute__((flatten)) struct share solve_rows(const struct rb_sweep *s
 	struct share share = {0, 0};
 
 	for (int k = 0; k < dense->row_count; k++) {
-		struct rb_constraint *row = &dense->row[k];
-		rb_vec3 *const step = &sweep->trace[k].step;
+		const struct rb_sweep_trace *const trace = &sweep->trace[k];
 
-		share.change = larger(solve_row(sweep, k, step), share.change);
-		share.size += row->inverse_mass_n * rb_vec3_dot(*step, *step);
+		share.change = larger(solve_row(sweep, k), share.change);
+		if (trace->acts)
+			share.size += dense->row[k].inverse_mass_n *
+			              rb_vec3_dot(trace->step, trace->step);
 	}
 	return share;
 }
@@ -158,6 +163,9 @@ static struct sums remember_rows(const struct rb_sweep *sweep, int at, int fille
 	for (int k = 0; k < sweep->dense->row_count; k++) {
 		const struct rb_constraint *row = &sweep->dense->row[k];
 		struct rb_sweep_trace *trace = &sweep->trace[k];
+
+		if (!trace->acts)
+			continue;
 		const rb_vec3 impulse = rb_constraint_impulse(row);
 		const double weight = row->inverse_mass_n;
 
@@ -183,9 +191,11 @@ static void follow_rows(const struct rb_sweep *sweep, const double *mix, int fil
 {
 	for (int k = 0; k < sweep->dense->row_count; k++) {
 		struct rb_constraint *row = &sweep->dense->row[k];
-		const struct rb_sweep_trace *trace = &sweep->trace[k];
+		struct rb_sweep_trace *trace = &sweep->trace[k];
 		rb_vec3 extra = {0, 0, 0};
 
+		if (!trace->acts)
+			continue;
 		for (int j = 0; j < filled; j++)
 			extra = rb_vec3_add_scaled(extra, -mix[j], trace->more_impulse[j]);
 		if (extra.x == 0 && extra.y == 0 && extra.z == 0)
@@ -201,7 +211,7 @@ static void follow_rows(const struct rb_sweep *sweep, const double *mix, int fil
 				row->impulse.t, rb_vec3_add_scaled(extra, -normal, row->normal));
 		rb_constraint_apply(&sweep->dense->bodies, row, extra);
 		const rb_vec3 led = rb_constraint_impulse(row);
-		sweep->trace[k].max = larger(rb_vec3_max_abs(led), sweep->trace[k].max);
+		trace->max = larger(rb_vec3_max_abs(led), trace->max);
 	}
 }
 
@@ -348,8 +358,13 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 	double before = 0, first = 0;
 
 	RB_ASSERT(sweep->trace && sweep->max > 0 && sweep->tolerance >= 0);
-	for (int k = 0; k < sweep->dense->row_count; k++)
+	for (int k = 0; k < sweep->dense->row_count; k++) {
+		const struct rb_constraint *const row = &sweep->dense->row[k];
+
 		sweep->trace[k].max = 0;
+		sweep->trace[k].acts = row->set != RB_CONSTRAINT_CONE || row->impulse.n != 0 ||
+		                       rb_vec3_max_abs(row->impulse.t) != 0;
+	}
 	while (result.sweeps < sweep->max) {
 		const struct share now = solve_rows(sweep);
 
