@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* How far two bodies may close in a step: points that are farther apart are none of it. */
+/* How far two bodies may close in a step: points that are farther away are none of it. */
 #ifndef RB_STEPPED_STEP_CLOSING_H
 #define RB_STEPPED_STEP_CLOSING_H
 
+#include "geom/distance.h"
 #include "stepped/candidates.h"
 
 /* m: way of b's origin from a's within h_s at the present velocities. */
@@ -72,8 +73,8 @@ static inline double rb_step_closing_of(const struct rb_world *world,
 		b = candidates->reach[pair.b];
 		turning += candidates->ahead[pair.b] - b;
 	}
-	const double apart = rb_vec3_length(rb_step_closing_ways(world, pair, h_s));
-	const double least = a > b ? a : b, way = apart > least ? apart : least;
+	const double between = rb_vec3_length(rb_step_closing_ways(world, pair, h_s));
+	const double least = a > b ? a : b, way = between > least ? between : least;
 	const double closing = (way < a + b ? way : a + b) + turning + model->stepped_tolerance_m;
 	return model->driven ? closing + rb_step_closing_by_plane(world, candidates, pair)
 	                     : closing;
