@@ -84,6 +84,33 @@ static void a_ball_slows_down_as_its_law_says(void **state)
 	lab_close(&lab);
 }
 
+/*
+ * A grain that drag brings to its final speed, c1 v + c2 v^2 = m g, within 1e-7 s. By pieces as long
+ * as that it would take millions.
+ */
+static void a_grain_sinks_in_pieces_of_its_smooth_motion(void **state)
+{
+	struct rb_drag_def drag = {.linear = 0.2, .quadratic = 0.5};
+	const double mass = 5e-10, weight = mass * 9.81;
+	struct lab lab;
+
+	(void)state;
+	lab_open_located(&lab, 0.2, 10);
+	lab.scene.world.gravity = (rb_vec3){0, 0, -9.81};
+	lab_sphere(&lab, 5e-5, mass, (rb_vec3){0, 0, 0}, (rb_vec3){0.4, 0, 0});
+	assert_int_equal(rb_scene_add_drag(&lab.scene, &drag, &lab.error), RB_OK);
+	lab_seal(&lab, 1);
+	for (int frame = 0; frame < 2 && rb_world_work(lab.world).body_steps < 20000; frame++)
+		lab_step(&lab);
+	assert_true(rb_world_work(lab.world).body_steps < 20000);
+	const double speed = 2 * weight /
+	                     (drag.linear +
+	                      sqrt(drag.linear * drag.linear + 4 * drag.quadratic * weight));
+	assert_near(rb_world_velocity(lab.world, 0).z, -speed, 1e-14 * speed);
+	assert_near(rb_world_velocity(lab.world, 0).x, 0, 1e-14 * speed);
+	lab_close(&lab);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -92,6 +119,7 @@ int main(void)
 		cmocka_unit_test(drag_that_does_nothing_does_not_matter),
 		cmocka_unit_test(coefficients_must_be_finite_and_not_negative),
 		cmocka_unit_test(a_ball_slows_down_as_its_law_says),
+		cmocka_unit_test(a_grain_sinks_in_pieces_of_its_smooth_motion),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

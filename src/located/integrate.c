@@ -21,6 +21,7 @@
 #include "located/sizes.h"
 #include "located/work.h"
 #include "located/mechanics.h"
+#include "math/gauss_newton.h"
 
 /* Of the sizes of position and velocity, per step; rounding is below it. */
 static const double tolerance = 3e-14;
@@ -522,6 +523,15 @@ static double follow(struct rb_modes *w, const struct columns *columns,
 	return length;
 }
 
+/* Do forces act that may be stiff, on so few that a matrix of them all is little? */
+static bool may_be_stiff(const struct rb_modes *w)
+{
+	return (w->l->model->features & RB_FEATURES_VARIED &
+	        ~(rb_features)RB_FEATURE_GRAVITATION) &&
+	       w->c->held_count == 0 && w->joints.joint_count == 0 &&
+	       w->c->piece.n <= RB_GAUSS_NEWTON_LIMIT;
+}
+
 static void run(struct rb_modes *w, const struct columns *columns)
 {
 	struct rb_located *l = w->l;
@@ -548,6 +558,11 @@ static void run(struct rb_modes *w, const struct columns *columns)
 		.jumps = (l->model->features & RB_FEATURES_VARIED &
 	                  ~(rb_features)(RB_FEATURE_DRAG | RB_FEATURE_GRAVITATION)) != 0,
 		.scratch = columns->scratch,
+		.newton = may_be_stiff(w)
+	                          ? rb_arena_take(l->arena, rb_gauss_newton_size(c->piece.n),
+	                                          sizeof(double))
+	                          : NULL,
+		.products = &l->products,
 		.calls = &calls};
 
 	for (int k = 0; k < c->member_count; k++)

@@ -12,6 +12,8 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "math/gauss_error.h"
+#include "math/gauss_newton.h"
 #include "math/gauss_tables.h"
 #include "math/lanes.h"
 
@@ -25,8 +27,6 @@ enum { NODES = RB_GAUSS_NODES, SWEEPS_MAX = 40, SWEEPS_MANY = 14, MISSED_TAILS =
 static const double guess_reach = 3, guess_misses = 0x1p-10;
 /* What a smooth guess misses there, in tolerances. */
 static const double guess_smooth = 2048;
-/* Of the coefficients of a row, together. */
-static const double rounding = DBL_EPSILON / 8;
 /* The second visit after a guess that was as near as this may be the last. */
 static const double guess_near = 0x1p-20;
 
@@ -55,6 +55,7 @@ struct attempt {
 	uint64_t *calls;
 	bool shows;   /* problem->visited is called */
 	bool guesses; /* values at nodes to come are guessed from those before */
+	struct rb_gauss_newton newton;
 	struct rb_error *err;
 };
 
@@ -428,7 +429,8 @@ static enum rb_status converge(struct attempt *a, double *rate, int *sweeps, dou
 	}
 	least = before = (double)INFINITY;
 	a->shows = false;
-	for (int count = 1; count <= SWEEPS_MAX; count++) {
+	const int limit = a->newton.is_out ? SWEEPS_MAX : SWEEPS_MANY;
+	for (int count = 1; count <= limit; count++) {
 		status = sweep(a, false, rate, &change);
 		if (status != RB_OK || !isfinite(change))
 			return status;
@@ -453,63 +455,76 @@ static enum rb_status converge(struct attempt *a, double *rate, int *sweeps, dou
 	return RB_OK;
 }
 
-/* fmax and fmin, which are calls. */
-static inline double max_of(double a, double b)
+static void any_value_at(const void *attempt, int at)
 {
-	return a > b || isnan(b) ? a : b;
-}
-
-static inline double min_of(double a, double b)
-{
-	return a < b || isnan(b) ? a : b;
+	value_at(attempt, at, true);
 }
 
 /*
- * The largest part of the rates that the polynomial does not hold, integrated, relative to scale.
- * The missing coefficients are estimated from those that are there, in pairs (of functions that are
- * even or odd about the middle every other one is zero): the last pair falls on as the earlier ones
- * did, whichever fell less.
+ * The same; where visits come to no end, or only to what rounding of stiff rates leaves, by
+ * Newton's method, and where that comes to none either, for what is left of the step by visits.
  */
-static double tail(const struct rb_gauss_problem *problem, const double *coefficient)
+static enum rb_status converge_stiff(struct attempt *a, double *rate, int *sweeps, double *left)
 {
-	const size_t n = (size_t)problem->n;
+	enum rb_status status = converge(a, rate, sweeps, left);
+
+	a->newton.is_used = false;
+	if (status != RB_OK || a->newton.is_out || (*sweeps > 0 && *left <= a->problem->tolerance))
+		return status;
+	const struct rb_gauss_nodes nodes = {.attempt = a,
+	                                     .value_at = any_value_at,
+	                                     .time_s = a->time_s,
+	                                     .h_s = a->h_s,
+	                                     .value = a->value,
+	                                     .rate = rate,
+	                                     .size = a->size,
+	                                     .g = a->g,
+	                                     .err = a->err};
+
+	status = rb_gauss_newton_prepare(&a->newton, &nodes, a->start, a->first);
+	if (status == RB_OK && !a->newton.is_out)
+		status = rb_gauss_newton_converge(&a->newton, &nodes, sweeps, left);
+	a->shows = false;
+	if (status != RB_OK || *sweeps > 0 || !a->newton.is_out)
+		return status;
+	return converge(a, rate, sweeps, left);
+}
+
+/*
+ * The largest of what rates are off by, times the length, relative to scale; a stiff one comes from
+ * values that are off by far less.
+ */
+static double off_by(const struct attempt *a, double *off)
+{
+	const struct rb_gauss_problem *p = a->problem;
 	double worst = 0;
 
-	for (size_t i = 0; i < n; i++) {
-		double pair[3];
+	if (a->newton.is_used)
+		rb_gauss_newton_soften(&a->newton, off);
+	for (size_t i = 0; i < (size_t)p->n; i++)
+		if (rate_row(p, i) < 0)
+			worst = fmax(worst, fabs(off[i]) / p->scale[i]);
+	return worst;
+}
 
-		for (size_t k = 0; k < 3; k++)
-			pair[k] = max_of(fabs(coefficient[(2 * k + 2) * n + i]),
-			                 fabs(coefficient[(2 * k + 3) * n + i]));
-		if (!(pair[2] > 0))
+/* What the rates at the beginning are off by the polynomial; leaves its rates at the end. */
+static double off_at_start(struct attempt *a, const double *coefficient, double *off)
+{
+	const struct rb_gauss_problem *p = a->problem;
+	const size_t n = (size_t)p->n;
+
+	for (size_t i = 0; i < n; i++) {
+		double odd = 0, even = 0;
+
+		off[i] = 0;
+		if (rate_row(p, i) >= 0)
 			continue;
-		const double fall = min_of(max_of(pair[2] / pair[1], pair[1] / pair[0]), 1);
-		/* the integral of P_8 is (P_9 - P_7)/34 on [0, 1] */
-		const double missing = pair[2] * fall / (1 - min_of(fall, 0.75)) / 34;
-		worst = max_of(worst, missing / problem->scale[i]);
+		for (size_t k = NODES; k-- > 0;)
+			*(k % 2 ? &odd : &even) += coefficient[k * n + i];
+		a->g[0][i] = even + odd;
+		off[i] = even - odd - a->h_s * a->first[i];
 	}
-	return worst;
-}
-
-/*
- * What the rounding of coefficients makes, relative to scale or value: in a step so long that
- * nearly all of its motion comes from the acceleration little is left of that at its beginning,
- * where an event may cut it. The next one is not to be longer.
- */
-static double rounded(const struct rb_gauss_problem *problem, const struct rb_gauss_piece *piece)
-{
-	const size_t n = (size_t)problem->n;
-	double worst = 0;
-
-	for (size_t i = 0; i < n; i++) {
-		double sum = 0;
-
-		for (size_t k = 0; k < NODES; k++)
-			sum += fabs(piece->coefficient[k * n + i]);
-		worst = max_of(worst,
-		               rounding * sum / max_of(problem->scale[i], fabs(piece->start[i])));
-	}
-	return worst;
+	return off_by(a, off);
 }
 
 /*
@@ -521,26 +536,30 @@ static double missed_at_ends(struct attempt *a, const double *coefficient, doubl
 {
 	const struct rb_gauss_problem *p = a->problem;
 	const size_t n = (size_t)p->n;
-	double worst = 0;
+	const double at_start = off_at_start(a, coefficient, rate);
 
-	for (size_t i = 0; i < n; i++) {
+	for (size_t i = 0; i < n; i++)
 		a->value[i] = a->start[i] + (a->rest[i] + coefficient[i]);
-		if (rate_row(p, i) >= 0)
-			continue;
-		double odd = 0, even = 0;
-
-		for (size_t k = NODES; k-- > 0;)
-			*(k % 2 ? &odd : &even) += coefficient[k * n + i];
-		/* at the end, for later */
-		a->g[0][i] = even + odd;
-		worst = fmax(worst, fabs(even - odd - a->h_s * a->first[i]) / p->scale[i]);
-	}
 	(*a->calls)++;
 	*status = p->rates(p->user, a->time_s + a->h_s, a->value, rate, a->err);
-	for (size_t i = 0; i < n && *status == RB_OK; i++)
-		if (rate_row(p, i) < 0)
-			worst = fmax(worst, fabs(a->g[0][i] - a->h_s * rate[i]) / p->scale[i]);
-	return node[0] * worst;
+	if (*status != RB_OK)
+		return 0;
+	for (size_t i = 0; i < n; i++)
+		rate[i] = a->g[0][i] - a->h_s * rate[i];
+	return node[0] * fmax(at_start, off_by(a, rate));
+}
+
+/*
+ * The tail, but for that of what stiff rates bring to an end before the first node: where its size
+ * is rounding's, which such a step neither damps nor lets grow, the polynomial is as good with it.
+ */
+static double stiff_tail(struct attempt *a, const double *coefficient, double asked,
+                         double *scratch)
+{
+	const double all = rb_gauss_tail(a->problem, coefficient);
+	const double brief = a->newton.is_used ? off_at_start(a, coefficient, scratch) : 0;
+
+	return brief <= asked / 8 ? fmax(all - 4 * brief, 0) : all;
 }
 
 /*
@@ -636,40 +655,6 @@ static void coefficients(const struct attempt *a, double *coefficient)
 		coefficients_any(a, coefficient);
 }
 
-void rb_gauss_integrate(struct rb_gauss_piece *piece, double length_s, const double *rate)
-{
-	const size_t n = (size_t)piece->n;
-
-	piece->length_s = length_s;
-	memset(piece->start, 0, n * sizeof(double));
-	for (size_t k = 0; k < NODES; k++)
-		for (size_t i = 0; i < n; i++) {
-			double sum = 0;
-
-			for (size_t j = 0; j < NODES; j++)
-				sum += legendre[k][j < NODES / 2 ? j : NODES - 1 - j] *
-				       (k % 2 && j >= NODES / 2 ? -rate[j * n + i]
-				                                : rate[j * n + i]);
-			piece->coefficient[k * n + i] = length_s * sum;
-		}
-}
-
-/*
- * What to try next; the eighth root by square roots, which round the same everywhere. Rounded down
- * to 8 binary digits, so that the lengths of steps add up without error.
- */
-static double next_length(double h_s, double tolerance, double error, int sweeps, bool halved)
-{
-	const double max = halved || sweeps > SWEEPS_MANY ? 1 : 4;
-	double factor = max;
-	int exponent;
-
-	if (error > 0)
-		factor = fmax(fmin(0.8 * sqrt(sqrt(sqrt(tolerance / error))), max), 0.25);
-	const double digits = frexp(h_s * factor, &exponent);
-	return ldexp(floor(digits * 0x1p8), exponent - 8);
-}
-
 enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time_s, double *try_s,
                              double least_s, struct rb_gauss_piece *piece, struct rb_error *err)
 {
@@ -692,6 +677,9 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 	int sweeps;
 
 	a.guesses = true;
+	a.newton.is_out = true;
+	if (problem->newton)
+		rb_gauss_newton_begin(&a.newton, problem);
 	for (size_t j = 0; j <= NODES; j++)
 		a.g[j] = rate + (5 + j) * n;
 	if (!(*try_s > 0) || !isfinite(*try_s))
@@ -718,16 +706,16 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 		for (size_t i = 0; i < n; i++)
 			a.g[0][i] = a.h_s * a.first[i];
 		find_sizes(&a);
-		status = converge(&a, rate, &sweeps, &left);
+		status = converge_stiff(&a, rate, &sweeps, &left);
 		if (status != RB_OK)
 			return status;
 		if (sweeps > 0) {
 			coefficients(&a, piece->coefficient);
-			const double error = tail(problem, piece->coefficient);
 			const double asked = fmax(
 				problem->tolerance,
 				problem->noise ? problem->noise(problem->user, piece->coefficient)
 					       : 0);
+			const double error = stiff_tail(&a, piece->coefficient, asked, rate);
 			const bool fits = error <= asked && left <= asked;
 			const double missed = fits && problem->jumps
 			                              ? missed_at_ends(&a, piece->coefficient, rate,
@@ -738,9 +726,9 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 			if (fits && missed <= MISSED_TAILS * asked) {
 				status = show(&a, rate);
 				piece->length_s = a.h_s;
-				*try_s = next_length(a.h_s, asked,
-				                     fmax(error, rounded(problem, piece)), sweeps,
-				                     a.h_s < *try_s);
+				*try_s = rb_gauss_next_length(
+					a.h_s, asked, fmax(error, rb_gauss_rounded(problem, piece)),
+					sweeps <= SWEEPS_MANY && !(a.h_s < *try_s));
 				return status;
 			}
 		}

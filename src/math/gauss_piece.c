@@ -3,7 +3,9 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
+#include "math/gauss_tables.h"
 #include "math/lanes.h"
 
 enum { NODES = RB_GAUSS_NODES };
@@ -186,4 +188,22 @@ double rb_gauss_rate_bound(const struct rb_gauss_piece *piece, int i)
 		sum += fabs(piece->coefficient[k * (size_t)piece->n + (size_t)i]);
 	return sum * (1 + 16 * DBL_EPSILON) /
 	       piece->length_s; /* the sum may have been rounded down */
+}
+
+void rb_gauss_integrate(struct rb_gauss_piece *piece, double length_s, const double *rate)
+{
+	const size_t n = (size_t)piece->n;
+
+	piece->length_s = length_s;
+	memset(piece->start, 0, n * sizeof(double));
+	for (size_t k = 0; k < NODES; k++)
+		for (size_t i = 0; i < n; i++) {
+			double sum = 0;
+
+			for (size_t j = 0; j < NODES; j++)
+				sum += legendre[k][j < NODES / 2 ? j : NODES - 1 - j] *
+				       (k % 2 && j >= NODES / 2 ? -rate[j * n + i]
+				                                : rate[j * n + i]);
+			piece->coefficient[k * n + i] = length_s * sum;
+		}
 }

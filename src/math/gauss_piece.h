@@ -48,4 +48,11 @@ double rb_gauss_rate_bound(const struct rb_gauss_piece *piece, int i);
 /* P_0 .. P_(count - 1) on [0, 1], count >= 2. */
 void rb_gauss_polynomials(int count, double x, double *weight);
 
+/*
+ * A piece of what else was seen at the nodes of an accepted step: its values are integrals from the
+ * step's beginning on. `rate`: [RB_GAUSS_NODES][piece->n]; start and coefficients of the piece are
+ * filled.
+ */
+void rb_gauss_integrate(struct rb_gauss_piece *piece, double length_s, const double *rate);
+
 #endif
