@@ -647,6 +647,41 @@ static void what_stands_allows_as_little_as_its_steps_cost(void **state)
 	lab_close(&stands);
 }
 
+/* ---- what is located is so by either ---- */
+
+/* A box that lands on an edge and grips, which takes many products of one small impact. */
+static void land(struct lab *lab, enum rb_method_kind method)
+{
+	open_auto(lab, 1000, (rb_vec3){0, 0, -earth});
+	lab->scene.world.method = method;
+	lab_surface(lab, 1000, 0.3);
+	lab_plane(lab, none, (rb_vec3){0, 0, 1});
+	for (int k = 0; k < 3; k++)
+		lab_box(lab, (rb_vec3){0.5, 0.5, 0.5}, 250, (rb_vec3){2 * k, 0, 0.25},
+		        rb_quat_identity);
+	lab->scene.bodies[1].velocity = (rb_vec3){-0.4, -1.5, 0};
+	lab->scene.bodies[1].angular_velocity = (rb_vec3){-4.25, 0, 0};
+	lab_seal(lab, 1);
+	assert_int_equal(rb_world_step_frame(lab->world, &lab->error), RB_OK);
+	assert_true(rb_engine_locates(lab->world->located));
+}
+
+/* How much is left to count leads to steps, and to no other answer. */
+static void what_is_located_does_not_depend_on_what_may_be_counted(void **state)
+{
+	struct lab by_auto, located;
+
+	(void)state;
+	land(&by_auto, RB_METHOD_AUTO);
+	land(&located, RB_METHOD_LOCATED);
+	assert_memory_equal(by_auto.world->state.velocity, located.world->state.velocity,
+	                    9 * sizeof(double));
+	assert_memory_equal(by_auto.world->state.spin, located.world->state.spin,
+	                    9 * sizeof(double));
+	lab_close(&by_auto);
+	lab_close(&located);
+}
+
 /* ---- frames that are taken back ---- */
 
 /* Nobody pushes where there are no callbacks, nor after a frame has been taken back. */
@@ -716,6 +751,7 @@ int main(void)
 		cmocka_unit_test(speed_allows_no_more_than_steps_have_cost),
 		cmocka_unit_test(a_chain_that_flies_allows_as_much_as_one_that_falls),
 		cmocka_unit_test(what_stands_allows_as_little_as_its_steps_cost),
+		cmocka_unit_test(what_is_located_does_not_depend_on_what_may_be_counted),
 		cmocka_unit_test(locating_begins_again_after_a_frame_was_taken_back),
 		cmocka_unit_test(what_has_rested_is_looked_at_again_once_it_moves),
 	};

@@ -11,8 +11,7 @@ enum {
 	FIRST_STEPS = 2, /* of all rows at once, before the first Newton step */
 	STEPS_LIMIT = 64,
 	ROUNDS_LIMIT = 400,
-	RAISE_ROUNDS = 32, /* of Newton, at a friction */
-	RAISE_SHARE = 16   /* of the products that are left */
+	RAISE_ROUNDS = 32 /* of Newton, at a friction */
 };
 
 /* Violation, as a share of the speeds, above which a solution is not taken for one. */
@@ -545,12 +544,7 @@ double rb_cone_resolve(struct rb_cone *cone, double scale)
 	if (convex || cone->probes || left <= failed_share * scale)
 		return left;
 	double raised;
-	const long max = cone->max;
-	if (max > 0) /* where that leads nowhere, what follows needs some, too */
-		cone->max = cone->iterations + (max - cone->iterations) / RAISE_SHARE;
-	const bool found = raise_friction(cone, tolerance, scale, &raised);
-	cone->max = max;
-	if (found)
+	if (raise_friction(cone, tolerance, scale, &raised))
 		return raised;
 	if (rb_cone_is_over(cone))
 		return left;
