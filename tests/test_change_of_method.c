@@ -647,6 +647,34 @@ static void what_stands_allows_as_little_as_its_steps_cost(void **state)
 	lab_close(&stands);
 }
 
+/* Steps cost what their solutions take, of what moves alone: who stands may be known to. */
+static void steps_count_the_solutions_of_what_moves(void **state)
+{
+	(void)state;
+	for (int moves = 0; moves < 2; moves++) {
+		const uint64_t step = RB_LOCATED_PRODUCTS / RB_LOCATED_BODY_STEPS;
+		struct lab lab;
+
+		open_floor(&lab);
+		for (int k = 0; k < 3; k++)
+			lab_box(&lab, (rb_vec3){0.4, 0.4, 0.2}, 1, (rb_vec3){k, 0, 0.1},
+			        rb_quat_identity);
+		for (int k = 1; k <= 3; k++)
+			lab.scene.bodies[k].velocity.y = 5 * moves;
+		lab_seal(&lab, 1);
+		assert_int_equal(rb_world_step_frame(lab.world, &lab.error), RB_OK);
+		change_to_steps(&lab, 1 << 20);
+		lab.world->dense_work = 0;
+		assert_int_equal(rb_world_step_frame(lab.world, &lab.error), RB_OK);
+		const uint64_t all = lab.world->dense_body_steps;
+		if (moves)
+			assert_true(lab.world->dense_work > all * (step + 100));
+		else
+			assert_int_equal(lab.world->dense_work, all * (step / 32));
+		lab_close(&lab);
+	}
+}
+
 /* ---- what is located is so by either ---- */
 
 /* A box that lands on an edge and grips, which takes many products of one small impact. */
@@ -751,6 +779,7 @@ int main(void)
 		cmocka_unit_test(speed_allows_no_more_than_steps_have_cost),
 		cmocka_unit_test(a_chain_that_flies_allows_as_much_as_one_that_falls),
 		cmocka_unit_test(what_stands_allows_as_little_as_its_steps_cost),
+		cmocka_unit_test(steps_count_the_solutions_of_what_moves),
 		cmocka_unit_test(what_is_located_does_not_depend_on_what_may_be_counted),
 		cmocka_unit_test(locating_begins_again_after_a_frame_was_taken_back),
 		cmocka_unit_test(what_has_rested_is_looked_at_again_once_it_moves),

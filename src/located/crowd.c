@@ -96,7 +96,8 @@ void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *bef
 	l->world->dense_body_steps += moved;
 	l->world->dense_s += dt_s;
 	moved -= idle < moved ? idle : moved;
-	l->world->dense_work += STEP_WORK * moved + IDLE_WORK * idle;
+	l->world->dense_work += STEP_WORK * moved + IDLE_WORK * idle + now->solving -
+	                        before->solving;
 }
 
 double rb_crowd_stepped_pace(const struct rb_located *l)

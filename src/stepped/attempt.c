@@ -41,6 +41,8 @@ enum { INSPECTIONS_MAX = 6 };
  */
 static const double whole_share = 1e-3;
 enum { IMPACT_STEPS = 4 };
+/* Products that a row's sweep, and its part of a factorization, take about as long as. */
+enum { SWEEP = 100, FACTOR = 250 };
 
 struct flow {
 	struct rb_world *world;
@@ -281,6 +283,22 @@ static void move(struct rb_world *world, const struct rb_cohort *cohort, double 
 	            move_block, &flow);
 }
 
+/*
+ * Has one of its bodies moved as the step began? What has not may be known to stand, which nothing
+ * may depend on (method/method).
+ */
+static bool has_moved(const struct rb_world *world, const struct rb_island *island)
+{
+	const int *const member = world->stepped->solver.member + island->first_member;
+	const struct rb_state *const mark = &world->mark;
+	bool moved = false;
+
+	for (int k = 0; k < island->member_count && !moved; k++)
+		moved = rb_vec3_max_abs(rb_world_row3(mark->velocity, member[k])) > 0 ||
+		        (mark->spin && rb_vec3_max_abs(rb_world_row3(mark->spin, member[k])) > 0);
+	return moved;
+}
+
 /* Adds up the sweeps of the islands; the projection reuses the solver afterwards. */
 static void count_work(struct rb_world *world)
 {
@@ -295,6 +313,10 @@ static void count_work(struct rb_world *world)
 		counts->row_sweeps += (uint64_t)island->sweeps * (uint64_t)island->row_count;
 		counts->rows += (uint64_t)island->row_count;
 		counts->factors += (uint64_t)island->factors;
+		if (has_moved(world, island))
+			counts->solving += (uint64_t)island->row_count *
+			                   (SWEEP * (uint64_t)island->sweeps +
+			                    FACTOR * (uint64_t)island->factors);
 	}
 }
 

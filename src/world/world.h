@@ -36,22 +36,23 @@ struct rb_late;
  * Counts since some moment: sums and extremes, so the order of adding does not matter, to rounding
  * of the seconds and joules.
  */
-#define RB_COUNTS_SUMS(X)                                                                   \
-	X(uint64_t, collisions, , "", "impacts", RB_ANY_BITS)                               \
-	X(uint64_t, rollbacks, , "", "tries taken back", RB_ANY_BITS)                       \
-	X(uint64_t, substeps, , "", "kept", RB_ANY_BITS)                                    \
-	X(uint64_t, body_steps, , "", "of all substeps", RB_ANY_BITS)                       \
-	X(uint64_t, discarded_body_steps, , "", "of tries taken back", RB_ANY_BITS)         \
-	X(uint64_t, plastic_ends, , "",                                                     \
-	  "clusters of impacts that had not settled after all rounds: ended with e = 0",    \
-	  RB_ANY_BITS)                                                                      \
-	X(uint64_t, crowded_impacts, , "",                                                  \
-	  "stepped: impacts of groups too large for the law of lone ones", RB_ANY_BITS)     \
-	X(uint64_t, rows, , "", "stepped: contact points of steps", RB_ANY_BITS)            \
-	X(uint64_t, row_sweeps, , "", "stepped: times that one was swept", RB_ANY_BITS)     \
-	X(uint64_t, factors, , "", "stepped: factorizations", RB_ANY_BITS)                  \
-	X(uint64_t, closings, , "", "stepped: moves of positions only", RB_ANY_BITS)        \
-	X(double, crowded_energy_j, , "J", "of the approach of crowded impacts", RB_FINITE) \
+#define RB_COUNTS_SUMS(X)                                                                       \
+	X(uint64_t, collisions, , "", "impacts", RB_ANY_BITS)                                   \
+	X(uint64_t, rollbacks, , "", "tries taken back", RB_ANY_BITS)                           \
+	X(uint64_t, substeps, , "", "kept", RB_ANY_BITS)                                        \
+	X(uint64_t, body_steps, , "", "of all substeps", RB_ANY_BITS)                           \
+	X(uint64_t, discarded_body_steps, , "", "of tries taken back", RB_ANY_BITS)             \
+	X(uint64_t, plastic_ends, , "",                                                         \
+	  "clusters of impacts that had not settled after all rounds: ended with e = 0",        \
+	  RB_ANY_BITS)                                                                          \
+	X(uint64_t, crowded_impacts, , "",                                                      \
+	  "stepped: impacts of groups too large for the law of lone ones", RB_ANY_BITS)         \
+	X(uint64_t, rows, , "", "stepped: contact points of steps", RB_ANY_BITS)                \
+	X(uint64_t, row_sweeps, , "", "stepped: times that one was swept", RB_ANY_BITS)         \
+	X(uint64_t, factors, , "", "stepped: factorizations", RB_ANY_BITS)                      \
+	X(uint64_t, closings, , "", "stepped: moves of positions only", RB_ANY_BITS)            \
+	X(uint64_t, solving, , "", "stepped: products of solutions of what moves", RB_ANY_BITS) \
+	X(double, crowded_energy_j, , "J", "of the approach of crowded impacts", RB_FINITE)     \
 	X(double, stepped_s, , "s", "simulated by steps: classic or stepped", RB_FINITE)
 #define RB_COUNTS_SMALLEST(X) X(double, smallest_step_s, , "s", "HUGE_VAL: no step yet", RB_TIME)
 #define RB_COUNTS_LARGEST(X)                                                                     \
