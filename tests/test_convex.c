@@ -75,6 +75,32 @@ static void a_gap_is_proved_by_its_normal_and_had_by_its_points(void **slot)
 			}
 }
 
+/*
+ * Moved along their normal until they nearly touch they have the gap that they are moved to, and
+ * overlap by no more: a direction that is only nearly the best gives less.
+ */
+static void what_is_moved_to_a_touch_has_that_gap(void **slot)
+{
+	static const double gaps[] = {1e-5, 1e-8, -1e-8};
+
+	(void)slot;
+	for (int i = 0; i < KINDS - 1; i++)
+		for (int j = 0; j < KINDS - 1; j++)
+			for (uint64_t k = 0; k < 300; k++) {
+				const double gap = gaps[k % 3];
+				const rb_placed a = place(&kinds[i], 170, k, 1.5);
+				rb_placed b = place(&kinds[j], 180, k, 1.5);
+				const rb_convex_touch t = rb_convex_gap(&a, &b);
+
+				if (!(t.gap > 0.01))
+					continue;
+				b.at = rb_vec3_add_scaled(b.at, gap - t.gap, t.normal);
+				const double now = rb_convex_gap(&a, &b).gap;
+				assert_near(gap > 0 ? now : fmin(now, gap), gap,
+				            64 * DBL_EPSILON * size_of(&a, &b));
+			}
+}
+
 static void polytopes_have_the_gap_that_every_direction_tried_gives(void **slot)
 {
 	static const int which[] = {0, 1, 2, 4, 5};
@@ -488,6 +514,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_gap_is_proved_by_its_normal_and_had_by_its_points),
+		cmocka_unit_test(what_is_moved_to_a_touch_has_that_gap),
 		cmocka_unit_test(polytopes_have_the_gap_that_every_direction_tried_gives),
 		cmocka_unit_test(the_gap_does_not_depend_on_the_order_nor_on_the_frame),
 		cmocka_unit_test(boxes_along_the_axes_have_their_closed_form),

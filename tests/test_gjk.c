@@ -24,7 +24,7 @@ static void the_distance_of_boxes_lies_between_both_bounds(void **state)
 		const rb_placed a = {&p.core, {0, 0, 0}, shapes_upright};
 		const rb_placed b = {&q.core, d, shapes_upright};
 		const double wanted = boxes_apart(d, (rb_vec3){1.3, 1.5, 2.2});
-		const rb_gjk found = rb_gjk_run(&a, &b, 8);
+		const rb_gjk found = rb_gjk_run(&a, &b, 8, 0);
 
 		if (found.is_separate) {
 			assert_true(found.least <= wanted + 1e-13 && wanted <= found.upper + 1e-13);
@@ -58,13 +58,38 @@ static void a_cylinder_over_a_box_is_as_far_as_it_is_high(void **state)
 		const rb_placed a = {&q.core, {0, 0, 0}, turn};
 		const rb_placed b = {&drum, rb_mat3_apply(&turn, (rb_vec3){0.2, -0.4, 1 + gap}),
 		                     turn};
-		const rb_gjk found = rb_gjk_run(&a, &b, 6);
+		const rb_gjk found = rb_gjk_run(&a, &b, 6, 0);
 
 		assert_true(found.is_separate);
 		assert_true(found.least <= gap + 1e-13 && gap <= found.upper + 1e-13);
 		assert_near(found.least, gap, 1e-10);
 		assert_near(rb_vec3_dot(found.normal, rb_placed_axis(&a)), 1, 1e-9);
 	}
+	rb_polytope_destroy(q.polytope);
+}
+
+/* Two digits of a distance take a round core a third of the rounds of all of them, and bound it, too. */
+static void a_coarse_distance_takes_few_rounds(void **state)
+{
+	const rb_core drum = rb_core_of_cylinder(0.5, 0.7);
+	shape q = shapes_box(1, 0.5, 0.3);
+	int coarse = 0, fine = 0;
+
+	(void)state;
+	for (uint64_t k = 0; k < 400; k++) {
+		const rb_placed a = {&q.core, {0, 0, 0}, shapes_turn(6, k)};
+		const rb_placed b = {&drum, shapes_vector(7, k, 3), shapes_turn(8, k)};
+		const rb_gjk all = rb_gjk_run(&a, &b, 6, 0), some = rb_gjk_run(&a, &b, 6, 1e-3);
+
+		if (!all.is_separate || all.upper < 1e-2)
+			continue;
+		assert_true(some.is_separate);
+		assert_true(some.least <= all.upper + 1e-13 && all.least <= some.upper + 1e-13);
+		assert_true(some.upper - some.least <= some.upper / 64);
+		coarse += some.rounds;
+		fine += all.rounds;
+	}
+	assert_true(fine > 1000 && 3 * coarse < fine);
 	rb_polytope_destroy(q.polytope);
 }
 
@@ -100,6 +125,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_distance_of_boxes_lies_between_both_bounds),
 		cmocka_unit_test(a_cylinder_over_a_box_is_as_far_as_it_is_high),
+		cmocka_unit_test(a_coarse_distance_takes_few_rounds),
 		cmocka_unit_test(beyond_a_limit_is_what_a_direction_proves_or_nothing),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

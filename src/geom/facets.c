@@ -35,6 +35,13 @@ typedef struct {
 	rb_vec3 along, inner[2], point;
 } arc;
 
+/* A point of the body. */
+static rb_vec3 middle_of(const rb_placed *p)
+{
+	return p->core->kind == RB_CORE_POLYTOPE ? rb_placed_point(p, p->core->polytope->middle)
+	                                         : p->at;
+}
+
 /* Tries the outward normals of p's faces; `sense` is -1 for b, whose normals point towards a. */
 static void faces_of(rb_axis *axis, const rb_placed *p, double sense, const rb_vec3 *guide)
 {
@@ -51,8 +58,16 @@ static void faces_of(rb_axis *axis, const rb_placed *p, double sense, const rb_v
 		return;
 	}
 	const struct rb_polytope *polytope = p->core->polytope;
+	const rb_placed *const other = sense > 0 ? axis->b : axis->a;
+	const rb_vec3 within = rb_mat3_apply_transposed(&p->turn,
+	                                                rb_vec3_sub(middle_of(other), p->at));
 	for (int f = 0; f < polytope->face_count; f++) {
 		const rb_vec3 n = polytope->faces[f].normal;
+		const rb_vec3 on = polytope->vertices[polytope->loop[polytope->faces[f].first]];
+
+		/* it proves no more than where a point of the other is */
+		if (rb_vec3_dot(n, rb_vec3_sub(within, on)) < axis->gap - 8 * axis->noise)
+			continue;
 		if (!guide || rb_vec3_dot(n, local) >= nearly_along)
 			rb_axis_try(axis, rb_vec3_scale(sense, rb_mat3_apply(&p->turn, n)));
 	}
@@ -271,9 +286,15 @@ static shortest corners_of(const rb_placed *p, const rb_placed *q, rb_vec3 norma
 
 void rb_facets_corners(rb_axis *axis, const rb_slab *slab)
 {
-	const shortest from_a = corners_of(axis->a, axis->b, slab->normal, slab->depth);
-	const shortest from_b = corners_of(axis->b, axis->a, rb_vec3_neg(slab->normal),
-	                                   slab->depth);
+	const bool point_a = axis->a->core->polytope->edge_count == 0;
+	const bool point_b = !point_a && axis->b->core->polytope->edge_count == 0;
+	const shortest none = {.way = {0, 0, 0}};
+	/* what leads from a point leads to it */
+	const shortest from_a = point_b ? none
+	                                : corners_of(axis->a, axis->b, slab->normal, slab->depth);
+	const shortest from_b = point_a ? none
+	                                : corners_of(axis->b, axis->a, rb_vec3_neg(slab->normal),
+	                                             slab->depth);
 	const rb_vec3 forth = from_a.way, back = rb_vec3_neg(from_b.way);
 
 	/*

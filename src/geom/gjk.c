@@ -15,6 +15,8 @@
 
 #include "base/error.h"
 
+/* Of a distance, what may be left of it where only its direction is asked for. */
+static const double coarse_share = 0x1p-6;
 enum {
 	ROUNDS_MAX = 200, /* polytopes take some ten, round cores some tens */
 	UNCHANGED_MAX = 3 /* rounds in which neither bound moves by `noise`: stalled by rounding */
@@ -162,7 +164,16 @@ double rb_gjk_beyond(const rb_placed *a, const rb_placed *b, double limit, int r
 	return -(double)INFINITY;
 }
 
-rb_gjk rb_gjk_run(const rb_placed *a, const rb_placed *b, double scale)
+/* Whether a distance is known to be small, or to a share of itself. */
+static bool is_enough(const rb_gjk *out, double small)
+{
+	const double doubt = out->upper - out->least;
+
+	return isfinite(out->upper) &&
+	       doubt <= (out->upper <= small ? small : coarse_share * out->upper);
+}
+
+rb_gjk rb_gjk_run(const rb_placed *a, const rb_placed *b, double scale, double small)
 {
 	const double noise = 4 * DBL_EPSILON * scale;
 	rb_vec3 d = rb_vec3_sub(b->at, a->at);
@@ -184,7 +195,7 @@ rb_gjk rb_gjk_run(const rb_placed *a, const rb_placed *b, double scale)
 			out.normal = n;
 		}
 		if (out.upper - out.least <= noise || has(&now.part, w) ||
-		    unchanged > UNCHANGED_MAX)
+		    unchanged > UNCHANGED_MAX || (small > 0 && is_enough(&out, small)))
 			break;
 		RB_ASSERT_COSTLY(now.part.count < 4);
 		now.part.w[now.part.count++] = w;

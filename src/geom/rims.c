@@ -47,9 +47,11 @@ static drum drum_of(const rb_placed *p, double sense)
 	return (drum){p, rb_placed_axis(p), sense, p->core->round, p->core->half_height};
 }
 
-static void try_away(rb_axis *axis, const drum *d, rb_vec3 away)
+/* `max`: m, it proves no more, as points of both are no farther apart along it. */
+static void try_away(rb_axis *axis, const drum *d, rb_vec3 away, double max)
 {
-	rb_axis_try(axis, rb_vec3_scale(d->sense, away));
+	if (!(max <= axis->gap))
+		rb_axis_try(axis, rb_vec3_scale(d->sense, away));
 }
 
 /*
@@ -182,8 +184,10 @@ static void line(rb_axis *axis, const drum *d, rb_vec3 point, rb_vec3 e, rb_vec3
 
 	if (rb_vec3_dot(side, side) > 256 * DBL_EPSILON * DBL_EPSILON) {
 		const rb_vec3 n = rb_vec3_unit(side, side);
-		try_away(axis, d, n);
-		try_away(axis, d, rb_vec3_neg(n));
+		const double between = rb_vec3_dot(n, way);
+
+		try_away(axis, d, n, between - d->round);
+		try_away(axis, d, rb_vec3_neg(n), -between - d->round);
 	}
 	for (int end = -1; end <= 1; end += 2) {
 		const rb_vec3 w = rb_vec3_add_scaled(way, -end * d->half, d->axis);
@@ -203,7 +207,9 @@ static void line(rb_axis *axis, const drum *d, rb_vec3 point, rb_vec3 e, rb_vec3
 		 */
 		const rb_vec3 n = direction(&f, top);
 		if (end * rb_vec3_dot(n, d->axis) >= 0)
-			try_away(axis, d, n);
+			try_away(axis, d, n,
+			         rb_vec3_dot(n, w) -
+			                 d->round * rb_vec3_length(rb_vec3_cross(n, d->axis)));
 	}
 	/*
 	 * a line parallel to the axis: straight out; not defined where it passes through the centre
@@ -211,7 +217,7 @@ static void line(rb_axis *axis, const drum *d, rb_vec3 point, rb_vec3 e, rb_vec3
 	const rb_vec3 straight = rb_vec3_reject(way, e);
 	const double least = 0x1p-20 * rb_vec3_dot(way, way);
 	if (rb_vec3_dot(straight, straight) > least)
-		try_away(axis, d, rb_vec3_unit(straight, straight));
+		try_away(axis, d, rb_vec3_unit(straight, straight), rb_vec3_length(straight));
 }
 
 /*
@@ -232,9 +238,9 @@ static void vertex(rb_axis *axis, const drum *d, rb_vec3 point)
 
 	if (aside > 0 || beyond != 0) {
 		const rb_vec3 way = rb_vec3_add_scaled(rb_vec3_scale(aside, out), beyond, d->axis);
-		try_away(axis, d, rb_vec3_unit(way, out));
+		try_away(axis, d, rb_vec3_unit(way, out), rb_vec3_length(way));
 	}
-	try_away(axis, d, out);
+	try_away(axis, d, out, distance - d->round);
 }
 
 /* Tries edge i of the polytope. */

@@ -37,6 +37,11 @@ enum { NOISE_ULP = 16, TIES_MAX = 6 };
  * only.
  */
 enum { FEW_FACES = 32 };
+/*
+ * Pairs of edges, and of corners with edges, that cost no more to try than a distance costs to find;
+ * affects the cost only.
+ */
+enum { FEW_PAIRS = 96 };
 
 /* Closed form: the height of the body's lowest point above the plane. */
 static rb_separation of_half_space(const rb_placed *a, const rb_placed *b, double noise)
@@ -124,6 +129,57 @@ static double shared_margin(const rb_axis *axis, const rb_patch *a, const rb_pat
 	return fmax(margin, 0);
 }
 
+/* m: from a point to a patch that is a point or a segment. */
+static double way_to(rb_vec3 point, const rb_patch *patch)
+{
+	const rb_vec3 first = patch->point[0], way = rb_vec3_sub(point, first);
+
+	if (patch->kind == RB_PATCH_POINT)
+		return rb_vec3_length(way);
+	const rb_vec3 along = rb_vec3_sub(patch->point[1], first);
+	const double whole = rb_vec3_dot(along, along), t = rb_vec3_dot(way, along);
+	const double share = whole > 0 ? fmin(fmax(t / whole, 0), 1) : 0;
+
+	return rb_vec3_length(rb_vec3_add_scaled(way, -share, along));
+}
+
+/* Whether two segments lie over each other across both: then they are as far apart as their lines. */
+static bool crosses(const rb_patch *a, const rb_patch *b)
+{
+	const rb_vec3 d = rb_vec3_sub(a->point[1], a->point[0]);
+	const rb_vec3 e = rb_vec3_sub(b->point[1], b->point[0]);
+	const rb_vec3 r = rb_vec3_sub(b->point[0], a->point[0]), n = rb_vec3_cross(d, e);
+	const double whole = rb_vec3_dot(n, n);
+	const double s = rb_vec3_dot(rb_vec3_cross(r, e), n);
+	const double t = rb_vec3_dot(rb_vec3_cross(r, d), n);
+
+	return whole > 0 && s >= 0 && s <= whole && t >= 0 && t <= whole;
+}
+
+/*
+ * Whether a point of what is outermost of one body is no farther from that of the other than the
+ * gap: no direction proves more. False where that is not seen.
+ */
+static bool is_proved(const rb_axis *axis)
+{
+	const double depth = 4 * axis->noise, max = axis->gap + 12 * axis->noise;
+	rb_patch a, b;
+
+	rb_patch_of(&a, axis->a, axis->normal, depth, 0);
+	rb_patch_of(&b, axis->b, rb_vec3_neg(axis->normal), depth, 0);
+	if (a.kind > RB_PATCH_SEGMENT || b.kind > RB_PATCH_SEGMENT)
+		return false;
+	if (a.kind == RB_PATCH_SEGMENT && b.kind == RB_PATCH_SEGMENT && crosses(&a, &b))
+		return true;
+	for (int i = 0; i < a.count; i++)
+		if (way_to(a.point[i], &b) <= max)
+			return true;
+	for (int i = 0; i < b.count; i++)
+		if (way_to(b.point[i], &a) <= max)
+			return true;
+	return false;
+}
+
 typedef enum { NOTHING_SHARED, SHARED, BEST } proof;
 
 /*
@@ -189,6 +245,34 @@ static bool best_face_decides(rb_axis *axis)
 	return false;
 }
 
+static bool both_round(const rb_placed *a, const rb_placed *b)
+{
+	return a->core->kind == RB_CORE_CYLINDER && b->core->kind == RB_CORE_CYLINDER;
+}
+
+/*
+ * The same where one is a cylinder. Of an overlap GJK's direction may be none: the best so far is
+ * another, and of two cylinders both are tried, as there are maxima of their own at ends and mantles.
+ */
+static void search_rims(rb_axis *axis, const rb_gjk *gjk, const rb_slab *slab, double scale)
+{
+	if (both_round(axis->a, axis->b)) {
+		rb_rims(axis, slab, gjk->normal);
+		if (!gjk->is_separate)
+			rb_rims(axis, slab, axis->normal);
+	} else {
+		const bool face = axis->found && axis->gap > gjk->least;
+
+		rb_rims(axis, slab, face ? axis->normal : gjk->normal);
+		if (axis->gap < -far_share * scale) {
+			rb_rims(axis, slab, gjk->normal);
+			rb_rims(axis, slab, axis->normal);
+		}
+	}
+	if (axis->gap < -far_share * scale)
+		search_deep(axis, slab);
+}
+
 /*
  * Close or overlapping: GJK's direction has lost digits, so features are limited by the slab of the
  * best face (see the head of this file).
@@ -210,11 +294,7 @@ static void search_near(rb_axis *axis, const rb_gjk *gjk, bool round, double sca
 		rb_slab_tighten(&slab, axis);
 	}
 	if (round) {
-		rb_rims(axis, &slab, gjk->normal);
-		if (!gjk->is_separate)
-			rb_rims(axis, &slab, axis->normal);
-		if (axis->gap < -far_share * scale)
-			search_deep(axis, &slab);
+		search_rims(axis, gjk, &slab, scale);
 		return;
 	}
 	rb_facets_edges(axis, &slab);
@@ -233,8 +313,8 @@ static void search_far(rb_axis *axis, const rb_gjk *gjk, bool round)
 	 * the upper bound of thin simplices on round cores has lost digits and may lie below the
 	 * lower one
 	 */
-	const rb_slab slab = {gjk->normal, fabs(gjk->upper - gjk->least) + 8 * axis->noise,
-	                      (double)INFINITY};
+	const double doubt = fabs(gjk->upper - gjk->least) + 8 * axis->noise;
+	const rb_slab slab = {gjk->normal, doubt, round ? gjk->upper + doubt : (double)INFINITY};
 
 	if (round) {
 		rb_rims(axis, &slab, gjk->normal);
@@ -244,11 +324,54 @@ static void search_far(rb_axis *axis, const rb_gjk *gjk, bool round)
 	rb_facets_corners(axis, &slab);
 }
 
+static bool is_point(const rb_placed *p)
+{
+	return p->core->kind == RB_CORE_POLYTOPE && p->core->polytope->vertex_count == 1;
+}
+
 /* Two spheres: their distance needs no search. */
 static bool both_points(const rb_placed *a, const rb_placed *b)
 {
-	return a->core->kind == RB_CORE_POLYTOPE && b->core->kind == RB_CORE_POLYTOPE &&
-	       a->core->polytope->vertex_count == 1 && b->core->polytope->vertex_count == 1;
+	return is_point(a) && is_point(b);
+}
+
+/* Whether it costs less to try all pairs of their features than to find out which matter. */
+static bool has_few_pairs(const rb_placed *a, const rb_placed *b)
+{
+	const struct rb_polytope *const p = a->core->polytope, *const q = b->core->polytope;
+
+	if (a->core->kind == RB_CORE_CYLINDER || b->core->kind == RB_CORE_CYLINDER)
+		return is_point(a) || is_point(b);
+	return p->arc_count * q->arc_count + p->vertex_count * (q->edge_count + 1) +
+	               q->vertex_count * (p->edge_count + 1) <=
+	       FEW_PAIRS;
+}
+
+/*
+ * Of cores with few features all of these are tried, after the faces: that needs no distance to
+ * tell which can matter. False where that does not decide.
+ */
+static bool all_decide(rb_axis *axis)
+{
+	const rb_vec3 up = {0, 0, 1};
+	const rb_slab all = {up, (double)INFINITY, (double)INFINITY};
+	const bool point = is_point(axis->a) || is_point(axis->b);
+	const bool faces = axis->found;
+	const double rounding = 4 * axis->noise;
+
+	if (axis->a->core->kind == RB_CORE_CYLINDER || axis->b->core->kind == RB_CORE_CYLINDER) {
+		rb_rims(axis, &all, up);
+		return true;
+	}
+	/* a point within a solid is nearest to one of its faces */
+	if (point && faces && axis->gap < -rounding)
+		return true;
+	if (!point)
+		rb_facets_edges(axis, &all);
+	/* flat ones that lie in one plane are apart within it */
+	if (!axis->found || axis->gap > -rounding)
+		rb_facets_corners(axis, &all);
+	return axis->found && (faces || axis->gap > rounding);
 }
 
 /* m: of both. */
@@ -265,6 +388,26 @@ double rb_separation_noise(const rb_placed *a, const rb_placed *b)
 static rb_separation found(const rb_axis *axis)
 {
 	return (rb_separation){axis->normal, axis->gap, 4 * axis->noise, (double)INFINITY};
+}
+
+static bool is_far(const rb_gjk *gjk, double scale)
+{
+	return gjk->is_separate && gjk->upper > far_share * scale;
+}
+
+/* Faces, too, where these have not been tried. */
+static void search(rb_axis *axis, const rb_gjk *gjk, bool faces, double scale)
+{
+	const bool round = axis->a->core->kind == RB_CORE_CYLINDER ||
+	                   axis->b->core->kind == RB_CORE_CYLINDER;
+
+	if (!is_far(gjk, scale)) {
+		search_near(axis, gjk, round, scale);
+		return;
+	}
+	if (!faces)
+		rb_facets_faces(axis, &gjk->normal);
+	search_far(axis, gjk, round);
 }
 
 rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
@@ -295,16 +438,22 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 	const bool few = face_count(a) + face_count(b) <= FEW_FACES;
 	if (few && best_face_decides(&axis))
 		return found(&axis);
-	const rb_gjk gjk = rb_gjk_run(a, b, scale);
-	const bool far = gjk.is_separate && gjk.upper > far_share * scale;
-	if (!few && far)
-		rb_facets_faces(&axis, &gjk.normal);
-	else if (!few && best_face_decides(&axis))
+	if (few && has_few_pairs(a, b) && all_decide(&axis))
 		return found(&axis);
-	if (far)
-		search_far(&axis, &gjk, round);
-	else
-		search_near(&axis, &gjk, round, scale);
+	/* round cores: a direction that is not far off mostly leads there, and more takes long */
+	const bool coarse = round && few && !both_round(a, b);
+	if (coarse) {
+		const rb_gjk gjk = rb_gjk_run(a, b, scale, far_share * scale);
+
+		search(&axis, &gjk, few, scale);
+		/* of an overlap nothing else is known either */
+		if (axis.found && (axis.gap <= 0 || is_proved(&axis)))
+			return found(&axis);
+	}
+	const rb_gjk gjk = rb_gjk_run(a, b, scale, 0);
+	if (!few && !is_far(&gjk, scale) && best_face_decides(&axis))
+		return found(&axis);
+	search(&axis, &gjk, few, scale);
 	if (gjk.least > -(double)INFINITY)
 		rb_axis_try(&axis, gjk.normal);
 	RB_ASSERT_COSTLY(axis.found || isnan(scale));
