@@ -32,6 +32,9 @@ enum {
  */
 static const double small_step = 0x1p-36;
 
+/* Share of a cylinder's size by which its rim may be in a line and count as apart from it. */
+static const double nearly_apart = 1e-4;
+
 /* A cylinder; `sense` (1 of a, -1 of b) times a direction from a to b points away from it. */
 typedef struct {
 	const rb_placed *placed;
@@ -189,7 +192,10 @@ static void line(rb_axis *axis, const drum *d, rb_vec3 point, rb_vec3 e, rb_vec3
 		try_away(axis, d, n, between - d->round);
 		try_away(axis, d, rb_vec3_neg(n), -between - d->round);
 	}
-	for (int end = -1; end <= 1; end += 2) {
+	/* the rim on the side of the guide first */
+	const int first = rb_vec3_dot(x, d->axis) < 0 ? -1 : 1;
+	for (int k = 0; k < 2; k++) {
+		const int end = k == 0 ? first : -first;
 		const rb_vec3 w = rb_vec3_add_scaled(way, -end * d->half, d->axis);
 		const family f = {x,
 		                  y,
@@ -206,10 +212,14 @@ static void line(rb_axis *axis, const drum *d, rb_vec3 point, rb_vec3 e, rb_vec3
 		 * proven already
 		 */
 		const rb_vec3 n = direction(&f, top);
-		if (end * rb_vec3_dot(n, d->axis) >= 0)
-			try_away(axis, d, n,
-			         rb_vec3_dot(n, w) -
-			                 d->round * rb_vec3_length(rb_vec3_cross(n, d->axis)));
+		if (!(end * rb_vec3_dot(n, d->axis) >= 0))
+			continue;
+		const double max = rb_vec3_dot(n, w) -
+		                   d->round * rb_vec3_length(rb_vec3_cross(n, d->axis));
+		try_away(axis, d, n, max);
+		/* what both rims prove is concave where it is above zero: there is no other maximum */
+		if (max > -nearly_apart * (d->round + d->half))
+			break;
 	}
 	/*
 	 * a line parallel to the axis: straight out; not defined where it passes through the centre
