@@ -48,6 +48,33 @@ static inline rb_vec3 rb_placed_axis(const rb_placed *p)
 	return (rb_vec3){p->turn.m[0][2], p->turn.m[1][2], p->turn.m[2][2]};
 }
 
+/* A point of the core. */
+static inline rb_vec3 rb_placed_middle(const rb_placed *p)
+{
+	return p->core->kind == RB_CORE_POLYTOPE ? rb_placed_point(p, p->core->polytope->middle)
+	                                         : p->at;
+}
+
+/* In the axes of the body: a point of the world. */
+static inline rb_vec3 rb_placed_local(const rb_placed *p, rb_vec3 point)
+{
+	return rb_mat3_apply_transposed(&p->turn, rb_vec3_sub(point, p->at));
+}
+
+/*
+ * m: how far a point, in the axes of the body, is over the plane of a face or end: whatever has that
+ * point is no farther from there.
+ */
+static inline double rb_core_over_face(const rb_core *core, int face, rb_vec3 local)
+{
+	if (core->kind == RB_CORE_CYLINDER)
+		return (face ? -local.z : local.z) - core->half_height;
+	const rb_polytope_face *const f = &core->polytope->faces[face];
+	return rb_vec3_dot(
+		f->normal,
+		rb_vec3_sub(local, core->polytope->vertices[core->polytope->loop[f->first]]));
+}
+
 /*
  * How far the core, without its radius, reaches from its own origin along a unit vector of the
  * world, m; INFINITY for a half space unless it is its normal.

@@ -35,13 +35,6 @@ typedef struct {
 	rb_vec3 along, inner[2], point;
 } arc;
 
-/* A point of the body. */
-static rb_vec3 middle_of(const rb_placed *p)
-{
-	return p->core->kind == RB_CORE_POLYTOPE ? rb_placed_point(p, p->core->polytope->middle)
-	                                         : p->at;
-}
-
 /* Tries the outward normals of p's faces; `sense` is -1 for b, whose normals point towards a. */
 static void faces_of(rb_axis *axis, const rb_placed *p, double sense, const rb_vec3 *guide)
 {
@@ -58,15 +51,11 @@ static void faces_of(rb_axis *axis, const rb_placed *p, double sense, const rb_v
 		return;
 	}
 	const struct rb_polytope *polytope = p->core->polytope;
-	const rb_placed *const other = sense > 0 ? axis->b : axis->a;
-	const rb_vec3 within = rb_mat3_apply_transposed(&p->turn,
-	                                                rb_vec3_sub(middle_of(other), p->at));
+	const rb_vec3 other = rb_placed_local(p, rb_placed_middle(sense > 0 ? axis->b : axis->a));
 	for (int f = 0; f < polytope->face_count; f++) {
 		const rb_vec3 n = polytope->faces[f].normal;
-		const rb_vec3 on = polytope->vertices[polytope->loop[polytope->faces[f].first]];
 
-		/* it proves no more than where a point of the other is */
-		if (rb_vec3_dot(n, rb_vec3_sub(within, on)) < axis->gap - 8 * axis->noise)
+		if (rb_core_over_face(p->core, f, other) < axis->gap - 8 * axis->noise)
 			continue;
 		if (!guide || rb_vec3_dot(n, local) >= nearly_along)
 			rb_axis_try(axis, rb_vec3_scale(sense, rb_mat3_apply(&p->turn, n)));

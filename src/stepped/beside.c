@@ -158,6 +158,9 @@ struct faces {
 	int of, face;     /* the next one: of a, of b */
 	bool boxes;
 	unsigned open[2]; /* of boxes: bits of the faces of a, of b, that may prove something */
+	/* of others: a point of b in the axes of a, of a in those of b; and m, over which faces may */
+	rb_vec3 other[2];
+	double least;
 };
 
 /*
@@ -167,9 +170,7 @@ struct faces {
 static void open_faces(struct faces *faces)
 {
 	const struct parts *const parts = faces->parts;
-	const double noise = parallel * (parts->a.core->reach + parts->b.core->reach +
-	                                 rb_vec3_length(parts->b.at) + parts->radii);
-	const double least = parts->radii - faces->tolerance - noise;
+	const double least = faces->least;
 	rb_box_pair pair;
 
 	rb_box_pair_set(&pair, &parts->a, &parts->b);
@@ -186,11 +187,20 @@ static void open_faces(struct faces *faces)
 
 static struct faces faces_of(const struct parts *parts, rb_vec3 normal, double tolerance)
 {
-	struct faces faces = {.parts = parts, .normal = normal, .tolerance = tolerance};
+	const double noise = parallel * (parts->a.core->reach + parts->b.core->reach +
+	                                 rb_vec3_length(parts->b.at) + parts->radii);
+	struct faces faces = {.parts = parts,
+	                      .normal = normal,
+	                      .tolerance = tolerance,
+	                      .least = parts->radii - tolerance - noise};
 
 	faces.boxes = rb_box_is(&parts->a) && rb_box_is(&parts->b);
-	if (faces.boxes)
+	if (faces.boxes) {
 		open_faces(&faces);
+	} else {
+		faces.other[0] = rb_placed_local(&parts->a, rb_placed_middle(&parts->b));
+		faces.other[1] = rb_placed_local(&parts->b, rb_placed_middle(&parts->a));
+	}
 	return faces;
 }
 
@@ -204,7 +214,10 @@ static bool next_face(struct faces *faces, rb_vec3 *m, bool *of_a)
 		while (faces->face < count) {
 			const int f = faces->face++;
 
-			if (faces->boxes && !(faces->open[faces->of] >> f & 1))
+			if (faces->boxes
+			            ? !(faces->open[faces->of] >> f & 1)
+			            : rb_core_over_face(owner->core, f, faces->other[faces->of]) <
+			                      faces->least)
 				continue;
 			*m = rb_vec3_scale(faces->of == 0 ? 1 : -1,
 			                   rb_placed_face_normal(owner, f));
