@@ -59,7 +59,7 @@ enum rb_status rb_carried_begin(struct rb_carried *carried, struct rb_world *wor
                                 const struct rb_cohort *cohort, struct rb_error *err)
 {
 	struct rb_arena *const arena = &world->arena[0];
-	const size_t n = (size_t)world->model->body_count;
+	const size_t n = (size_t)(world->model->body_count + world->model->static_count);
 	const size_t pairs = cohort->candidates->pair_count;
 
 	*carried = (struct rb_carried){.world = world,
@@ -70,7 +70,8 @@ enum rb_status rb_carried_begin(struct rb_carried *carried, struct rb_world *wor
 	carried->first = rb_arena_take(arena, pairs + 1, sizeof *carried->first);
 	if (!carried->heap || !carried->exact || !carried->first)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
-	memset(carried->heap, 0, n);
+	for (size_t i = 0; i < n; i++)
+		carried->heap[i] = !rb_stepped_is_dynamic(world, (int)i);
 	memset(carried->exact, 0, pairs + 1);
 	memset(carried->first, 0, (pairs + 1) * sizeof *carried->first);
 	/* points that joints hold, and those with joined arms, are not where bodies touch */
@@ -79,19 +80,6 @@ enum rb_status rb_carried_begin(struct rb_carried *carried, struct rb_world *wor
 	if (carried->any)
 		index_points(carried);
 	return RB_OK;
-}
-
-bool rb_carried_has(struct rb_carried *carried, size_t pair)
-{
-	const struct rb_pair of = carried->candidates->pair[pair];
-
-	if (!carried->any || !carried->heap[of.a] ||
-	    (rb_stepped_is_dynamic(carried->world, of.b) && !carried->heap[of.b]))
-		return false;
-	/* written so that NaN is not known */
-	if (!(carried->candidates->depth[pair] <= carried->world->model->stepped_tolerance_m))
-		carried->exact[pair] = 1;
-	return !carried->exact[pair];
 }
 
 /* m: how far a body has got in the step, and rad: its turn, to the first order. */

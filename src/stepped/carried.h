@@ -17,7 +17,8 @@ struct rb_carried {
 	const struct rb_world *world;
 	const struct rb_step_points *points;
 	const struct rb_candidates *candidates;
-	unsigned char *heap;  /* [bodies]: of a large group that is under way */
+	/* [bodies and statics]: of a large group that is under way, or no group can move it */
+	unsigned char *heap;
 	unsigned char *exact; /* [pairs]: geometry is to be asked from now on */
 	uint32_t *first;      /* [pairs]: 1 + the first point of each; 0: it has none */
 	bool any;
@@ -28,7 +29,17 @@ RB_CHECKED enum rb_status rb_carried_begin(struct rb_carried *carried, struct rb
                                            const struct rb_cohort *cohort, struct rb_error *err);
 
 /* Whether a candidate's points will do, as deep as it was measured last. */
-bool rb_carried_has(struct rb_carried *carried, size_t pair);
+static inline bool rb_carried_has(struct rb_carried *carried, size_t pair)
+{
+	const struct rb_pair of = carried->candidates->pair[pair];
+
+	if (!carried->any || !carried->heap[of.a] || !carried->heap[of.b])
+		return false;
+	/* written so that NaN is not known */
+	if (!(carried->candidates->depth[pair] <= carried->world->model->stepped_tolerance_m))
+		carried->exact[pair] = 1;
+	return !carried->exact[pair];
+}
 
 /* Whether a pair has any. */
 static inline bool rb_carried_is_near(const struct rb_carried *carried, size_t pair)
