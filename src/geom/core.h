@@ -62,8 +62,8 @@ static inline rb_vec3 rb_placed_local(const rb_placed *p, rb_vec3 point)
 }
 
 /*
- * m: how far a point, in the axes of the body, is over the plane of a face or end: whatever has that
- * point is no farther from there.
+ * m: how far a point, in the axes of the body, is over the plane of a face or end: whatever has
+ * that point is no farther from there.
  */
 static inline double rb_core_over_face(const rb_core *core, int face, rb_vec3 local)
 {

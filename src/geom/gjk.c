@@ -165,7 +165,7 @@ double rb_gjk_beyond(const rb_placed *a, const rb_placed *b, double limit, int r
 }
 
 /* Whether a distance is known to be small, or to a share of itself. */
-static bool is_enough(const rb_gjk *out, double small)
+static bool is_coarse(const rb_gjk *out, double small)
 {
 	const double doubt = out->upper - out->least;
 
@@ -195,7 +195,7 @@ rb_gjk rb_gjk_run(const rb_placed *a, const rb_placed *b, double scale, double s
 			out.normal = n;
 		}
 		if (out.upper - out.least <= noise || has(&now.part, w) ||
-		    unchanged > UNCHANGED_MAX || (small > 0 && is_enough(&out, small)))
+		    unchanged > UNCHANGED_MAX || (small > 0 && is_coarse(&out, small)))
 			break;
 		RB_ASSERT_COSTLY(now.part.count < 4);
 		now.part.w[now.part.count++] = w;

@@ -22,8 +22,8 @@ typedef struct {
 
 /*
  * Cores without radii, no half spaces; their `at` must be near the origin. `scale`: their sizes and
- * distance, m. `small`: 0, or m: of distances below it no digits are asked for, of others two, which
- * round cores come to in a third of the rounds.
+ * distance, m. `small`: 0, or m: of distances below it no digits are asked for, of others two,
+ * which round cores come to in a third of the rounds.
  */
 rb_gjk rb_gjk_run(const rb_placed *a, const rb_placed *b, double scale, double small);
 

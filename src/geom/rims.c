@@ -33,7 +33,7 @@ enum {
 static const double small_step = 0x1p-36;
 
 /* Share of a cylinder's size by which its rim may be in a line and count as apart from it. */
-static const double nearly_apart = 1e-4;
+static const double separate_share = 1e-4;
 
 /* A cylinder; `sense` (1 of a, -1 of b) times a direction from a to b points away from it. */
 typedef struct {
@@ -217,8 +217,8 @@ static void line(rb_axis *axis, const drum *d, rb_vec3 point, rb_vec3 e, rb_vec3
 		const double max = rb_vec3_dot(n, w) -
 		                   d->round * rb_vec3_length(rb_vec3_cross(n, d->axis));
 		try_away(axis, d, n, max);
-		/* what both rims prove is concave where it is above zero: there is no other maximum */
-		if (max > -nearly_apart * (d->round + d->half))
+		/* what both rims prove is concave above zero: there is no other maximum */
+		if (max > -separate_share * (d->round + d->half))
 			break;
 	}
 	/*

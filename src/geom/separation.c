@@ -38,8 +38,8 @@ enum { NOISE_ULP = 16, TIES_MAX = 6 };
  */
 enum { FEW_FACES = 32 };
 /*
- * Pairs of edges, and of corners with edges, that cost no more to try than a distance costs to find;
- * affects the cost only.
+ * Pairs of edges, and of corners with edges, that cost no more to try than a distance costs to
+ * find; affects the cost only.
  */
 enum { FEW_PAIRS = 96 };
 
@@ -143,7 +143,7 @@ static double way_to(rb_vec3 point, const rb_patch *patch)
 	return rb_vec3_length(rb_vec3_add_scaled(way, -share, along));
 }
 
-/* Whether two segments lie over each other across both: then they are as far apart as their lines. */
+/* Whether two segments lie over each other across both: they are as far apart as their lines. */
 static bool crosses(const rb_patch *a, const rb_patch *b)
 {
 	const rb_vec3 d = rb_vec3_sub(a->point[1], a->point[0]);
@@ -252,7 +252,7 @@ static bool both_round(const rb_placed *a, const rb_placed *b)
 
 /*
  * The same where one is a cylinder. Of an overlap GJK's direction may be none: the best so far is
- * another, and of two cylinders both are tried, as there are maxima of their own at ends and mantles.
+ * another, and of two cylinders both are tried, as ends and mantles have maxima of their own.
  */
 static void search_rims(rb_axis *axis, const rb_gjk *gjk, const rb_slab *slab, double scale)
 {

@@ -158,9 +158,9 @@ struct faces {
 	int of, face;     /* the next one: of a, of b */
 	bool boxes;
 	unsigned open[2]; /* of boxes: bits of the faces of a, of b, that may prove something */
-	/* of others: a point of b in the axes of a, of a in those of b; and m, over which faces may */
+	/* of others: a point of b in the axes of a, of a in those of b */
 	rb_vec3 other[2];
-	double least;
+	double least; /* m: what faces are to prove */
 };
 
 /*
