@@ -184,9 +184,10 @@ static void hang(struct lab *lab, enum rb_joint_kind kind, int a, int b)
 
 /*
  * Two on parallel slides, a rope of the least distance across them: it pulls at right angles to
- * what moves, and lets nothing move but both together. `ball`, kg: what hits the first one.
+ * what moves, and lets nothing move but both together. `ball`, kg: what hits the first one, where
+ * with friction the step is cut and its last part is short.
  */
-static void slide(struct lab *lab, double step, double mass, double ball)
+static void slide(struct lab *lab, double step, double mass, double ball, double friction)
 {
 	const rb_vec3 size = {0.2, 0.2, 0.2};
 	const double v = ball > 0 ? 0 : -1.2;
@@ -196,7 +197,7 @@ static void slide(struct lab *lab, double step, double mass, double ball)
 	lab->scene.world.method = RB_METHOD_STEPPED;
 	lab->scene.world.time_step_s = step;
 	lab->scene.world.gravity = (rb_vec3){0, 0, 0};
-	lab_surface(lab, 0, 0);
+	lab_surface(lab, friction, 0);
 	struct rb_body_def def = lab_box_def(size, 1, (rb_vec3){0, 0, 0});
 	of[0] = lab_add(lab, &def);
 	def = lab_box_def(size, mass, (rb_vec3){1, 0, 0});
@@ -237,7 +238,7 @@ static void a_rope_across_slides_stops_what_it_holds(void **state)
 	for (int k = 0; k < 3 * 4 * 4; k++) {
 		struct lab lab;
 
-		slide(&lab, steps[k % 3], masses[k / 3 % 4], balls[k / 12]);
+		slide(&lab, steps[k % 3], masses[k / 3 % 4], balls[k / 12], k % 2 * 0.3);
 		const double start = total(&lab), p = along_slides(&lab);
 		const double end = 0.5 * p * p / mass_of(&lab);
 
@@ -246,7 +247,7 @@ static void a_rope_across_slides_stops_what_it_holds(void **state)
 			assert_true(total(&lab) <= (1 + 1e-9) * start);
 		}
 		/* which it sees once it is longer by the tolerance, where it has begun to turn */
-		assert_near(total(&lab), end, 0.04 * start);
+		assert_near(total(&lab), end, 0.1 * start);
 		lab_close(&lab);
 	}
 }

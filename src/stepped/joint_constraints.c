@@ -100,7 +100,7 @@ static struct rb_constraint point_row(const struct filling *f)
 {
 	const double h = f->query->h_s;
 	const rb_vec3 d = {f->link[0].error, f->link[1].error, f->link[2].error};
-	const rb_vec3 bend = {f->of->bend[0], f->of->bend[1], f->of->bend[2]};
+	const rb_vec3 bend = rb_vec3_sub(rb_vec3_from(f->of->bend), rb_vec3_from(f->of->left));
 	const rb_vec3 target = rb_vec3_scale(f->query->at_end ? 0 : -1 / h,
 	                                     f->query->before ? rb_vec3_add(d, bend) : d);
 	struct rb_constraint row = {.set = RB_CONSTRAINT_FREE, .normal = {0, 0, 1}};
@@ -156,7 +156,7 @@ static void keep_open(const struct filling *f, struct rb_constraint *row, int pa
 
 static struct rb_constraint linkage_row(const struct filling *f, int k)
 {
-	const double bend = f->query->before ? f->of->bend[k] : 0;
+	const double bend = f->query->before ? f->of->bend[k] - f->of->left[k] : 0;
 	double rate = -(f->link[k].error + bend) / f->query->h_s, scale;
 
 	if (f->query->before && f->of->eases)
@@ -487,12 +487,28 @@ static struct filling begin(const struct rb_joint_query *query, int k, struct rb
 	return f;
 }
 
+/*
+ * What steps have left of errors goes within a whole step, too: in a short part it would throw
+ * bodies. Of what is within a rope, nothing is an error.
+ */
+static void keep_errors(const struct filling *f)
+{
+	const double share = 1 - f->query->h_s / fmax(f->query->h_s, f->query->whole_s);
+	const bool rope = f->joint->link.type->one_sided;
+
+	for (int r = 0; r < rb_linkage_row_count(&f->joint->link); r++)
+		f->of->left[r] = share * (rope ? fmax(0, f->link[r].error) : f->link[r].error);
+}
+
 void rb_step_joint_rows_fill(const struct rb_joint_query *query, int k, struct rb_step_joint *of,
                              struct rb_constraint *row)
 {
 	const struct filling f = begin(query, k, of);
 	int part[RB_JOINT_PARTS];
 	const int rows = list_parts(f.joint, part);
+
+	if (query->before && !query->at_end)
+		keep_errors(&f);
 
 	RB_ASSERT_COSTLY(query->h_s > 0);
 	if (query->before && !query->at_end)
@@ -771,30 +787,4 @@ bool rb_step_joint_rows_rebound(const struct rb_joint_query *query, int k,
 		any = true;
 	}
 	return any;
-}
-
-/* ---- drift ---- */
-
-double rb_step_joint_rows_miss(const struct rb_world *world, int k, struct rb_step_joint *of)
-{
-	const struct rb_joint *joint = &world->model->joints->joint[k];
-	const struct rb_pose a = pose_of(world, NULL, joint->a), b = pose_of(world, NULL, joint->b);
-	struct rb_linkage_row link[RB_LINKAGE_ROWS_MAX];
-	const int count = rb_linkage_rows(&joint->link, &a, &b, link);
-	double square = 0, max = 0;
-
-	for (int r = 0; r < count; r++) {
-		const bool turns = rb_linkage_row_is_couple(&joint->link, r);
-		double error = link[r].error;
-
-		of->miss[r] = error;
-		if (joint->link.type->one_sided)
-			error = fmax(0, error);
-		if (turns)
-			max = fmax(max, joint->size * fabs(error));
-		else
-			square += error * error;
-	}
-	/* written so that NaN is large */
-	return max >= 0 && square >= 0 ? fmax(max, sqrt(square)) : (double)INFINITY;
 }

@@ -118,6 +118,7 @@ struct rb_step_joint {
 	bool spring_is_late;  /* its spring is not resolved: the first half has all of the drives */
 	double bend[RB_LINKAGE_ROWS_MAX]; /* m, rad */
 	double miss[RB_LINKAGE_ROWS_MAX]; /* m, rad: errors when they were last measured */
+	double left[RB_LINKAGE_ROWS_MAX]; /* m, rad: of errors, what is to be left at the end */
 	/* m, rad: errors at the end, if they grew as fast as the solution says at the beginning */
 	double straight[RB_LINKAGE_ROWS_MAX];
 	bool is_measured; /* `miss` is that of the last solution */
@@ -187,8 +188,5 @@ void rb_step_joint_rows_double(struct rb_step_joint *of);
 bool rb_step_joint_rows_rebound(const struct rb_joint_query *query, int k,
                                 const struct rb_step_joint *of, struct rb_constraint *row,
                                 double tolerance);
-
-/* m: the largest error of the joint as bodies stand, into `miss` too. */
-double rb_step_joint_rows_miss(const struct rb_world *world, int k, struct rb_step_joint *of);
 
 #endif

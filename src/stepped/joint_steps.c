@@ -171,6 +171,32 @@ static bool is_one_sided(const struct rb_world *world, int joint)
 	return world->model->joints->joint[joint].link.type->one_sided;
 }
 
+double rb_joints_miss(const struct rb_world *world, int k, struct rb_step_joint *of,
+                      const double *left)
+{
+	const struct rb_joint *joint = &world->model->joints->joint[k];
+	const struct rb_pose a = rb_joints_pose(world, joint->a),
+			     b = rb_joints_pose(world, joint->b);
+	struct rb_linkage_row link[RB_LINKAGE_ROWS_MAX];
+	const int count = rb_linkage_rows(&joint->link, &a, &b, link);
+	double square = 0, max = 0;
+
+	for (int r = 0; r < count; r++) {
+		const bool turns = rb_linkage_row_is_couple(&joint->link, r);
+		double error = link[r].error - (left ? left[r] : 0);
+
+		of->miss[r] = link[r].error;
+		if (joint->link.type->one_sided)
+			error = fmax(0, error);
+		if (turns)
+			max = fmax(max, joint->size * fabs(error));
+		else
+			square += error * error;
+	}
+	/* written so that NaN is large */
+	return max >= 0 && square >= 0 ? fmax(max, sqrt(square)) : (double)INFINITY;
+}
+
 /* Of the joints that the solver has last been asked about. */
 bool rb_joints_mark(struct rb_world *world, unsigned char *of_group)
 {
@@ -187,7 +213,7 @@ bool rb_joints_mark(struct rb_world *world, unsigned char *of_group)
 
 		if (of->first_row < 0)
 			continue;
-		of->drift = rb_step_joint_rows_miss(world, number, of);
+		of->drift = rb_joints_miss(world, number, of, of->left);
 		of->is_measured = true;
 		of->eases = of->eases ||
 		            (is_one_sided(world, number) && before > max && of->drift > before);
@@ -213,8 +239,11 @@ void rb_joints_bend(struct rb_world *world, const unsigned char *of_group)
 
 		if (of->first_row < 0 || !of_group[solver->island_of[owner]])
 			continue;
-		for (int r = 0; r < rb_linkage_row_count(&joint->link); r++)
-			of->bend[r] += slack ? fmax(0, of->miss[r]) : of->miss[r];
+		for (int r = 0; r < rb_linkage_row_count(&joint->link); r++) {
+			const double miss = of->miss[r] - of->left[r];
+
+			of->bend[r] += slack ? fmax(0, miss) : miss;
+		}
 		of->is_measured = false;
 	}
 }
@@ -230,7 +259,7 @@ void rb_joints_blame(struct rb_world *world, const struct rb_cohort *cohort,
 	for (int k; (k = next(world, cohort, &c)) >= 0;) {
 		const struct rb_joint *joint = &world->model->joints->joint[k];
 		const int ends[2] = {joint->a, joint->b};
-		const double drift = rb_step_joint_rows_miss(world, k, &s->solver.joint[k]);
+		const double drift = rb_joints_miss(world, k, &s->solver.joint[k], NULL);
 
 		/* written so that NaN is not good */
 		if (drift <= world->model->stepped_tolerance_m)

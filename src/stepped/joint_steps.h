@@ -27,6 +27,12 @@ void rb_joints_go_back(struct rb_world *world, const struct rb_cohort *cohort);
 RB_CHECKED enum rb_status rb_joints_try(struct rb_world *world, const struct rb_cohort *cohort,
                                         double start_s, double h_s, struct rb_error *err);
 
+/*
+ * m: the largest error of the joint as bodies stand, beyond what is to be `left` of each row (NULL:
+ * nothing). Into `miss` go all errors.
+ */
+double rb_joints_miss(const struct rb_world *world, int k, struct rb_step_joint *of,
+                      const double *left);
 /* Where bodies stand at the end of a try: marks groups of which a joint has drifted; any. */
 bool rb_joints_mark(struct rb_world *world, unsigned char *of_group);
 /* What the rows of marked groups have missed is added to their bends. */
