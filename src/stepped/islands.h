@@ -159,7 +159,7 @@ struct rb_solver {
 	bool bounces;    /* materials of the scene have restitution */
 	bool joins_arms; /* angular momentum is to stay: stepped/levers */
 	bool mixed;      /* some pairs of them have, others have none */
-	bool joints_bounce; /* limits of joints have restitution */
+	bool joints_bounce; /* limits of joints have restitution, or there are ropes */
 	/* the last step before locating goes on: what touches is left without approach */
 	bool hands_over;
 };

@@ -160,7 +160,10 @@ static void take_restitution(struct group *g, int i)
 	}
 }
 
-/* The rows that take part; false: one limit or rope alone needs no law, nor contacts alone. */
+/*
+ * The rows that take part; false: one limit or rope alone needs no law. Contacts alone do: what
+ * hangs on slack ropes has not been resolved within the step.
+ */
 static bool take_rows(struct group *g)
 {
 	const struct rb_island *island = g->island;
@@ -176,8 +179,7 @@ static bool take_rows(struct group *g)
 		}
 	for (int k = 0; k < island->member_count && stops > 0; k++)
 		take_restitution(g, g->solver->member[island->first_member + k]);
-	return (g->contact_count > 0 || stops > 1) && g->held_count > 0 &&
-	       g->held_count <= HELD_MAX;
+	return (g->contact_count > 0 || stops > 1) && g->held_count <= HELD_MAX;
 }
 
 /* A row between bodies of the problem. */
@@ -362,6 +364,41 @@ static void give(const struct group *g, const struct rb_simultaneous *law,
 		row->impulse.n = way * (p.n - q.n);
 		row->impulse.t = rb_vec3_scale(unit, rb_vec3_sub(p.t, q.t));
 	}
+}
+
+/* Whether joints have held it in the step; `ropes`: whether it has any that have not. */
+static bool is_held(const struct rb_solver *solver, const struct rb_world *world, int i,
+                    bool *ropes)
+{
+	const struct rb_joints *joints = world->model->joints;
+	bool held = false;
+
+	if (i >= world->model->body_count)
+		return false;
+	for (int e = joints->first[i]; e < joints->first[i + 1] && !held; e++) {
+		const int number = joints->of[e];
+
+		if (world->joint[number].released)
+			continue;
+		held = !joints->joint[number].link.type->one_sided ||
+		       solver->joint[number].impulse[0] != 0;
+		*ropes = true;
+	}
+	return held;
+}
+
+bool rb_joined_rebound_is_due(const struct rb_solver *solver, const struct rb_world *world,
+                              const struct rb_step_points *points,
+                              const struct rb_step_point *point)
+{
+	bool ropes = false;
+
+	if (!world->model->joints || point->central || !(point->material->friction > 0) ||
+	    !(point->normal_impulse > 0) || !(point->approach > solver->tolerance) ||
+	    (point->from > 0 && points->last[point->from - 1].force > 0))
+		return false;
+	return !is_held(solver, world, point->a, &ropes) &&
+	       !is_held(solver, world, point->b, &ropes) && ropes;
 }
 
 bool rb_joined_rebound(struct rb_solver *solver, const struct rb_world *world,

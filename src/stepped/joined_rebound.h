@@ -15,11 +15,19 @@
  * Rows are those of the step's solution, turned to where bodies stand now; what it has not closed
  * takes no part. Limits and ropes are among them, by their own restitution. Any worker, groups
  * apart from each other.
+ *
+ * Where nothing is given back, L is P, but of an eccentric impact with friction of what no joint
+ * holds: ropes that hang slack.
  */
 #ifndef RB_STEPPED_JOINED_REBOUND_H
 #define RB_STEPPED_JOINED_REBOUND_H
 
 #include "stepped/islands.h"
+
+/* Whether the impact at a point is one of these last, as the step has been solved. */
+bool rb_joined_rebound_is_due(const struct rb_solver *solver, const struct rb_world *world,
+                              const struct rb_step_points *points,
+                              const struct rb_step_point *point);
 
 /*
  * Leaves in the group's rows the impulses of L less those of P, and adds to its bodies what these

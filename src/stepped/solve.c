@@ -39,6 +39,7 @@ static enum rb_status create_joints(struct rb_solver *solver, const struct rb_mo
 		solver->joint[k].first_row = -1;
 		solver->joint[k].wanted = (double)NAN;
 		solver->joints_bounce = solver->joints_bounce ||
+		                        model->joints->joint[k].link.type->one_sided ||
 		                        model->joints->joint[k].restitution > 0;
 	}
 	return RB_OK;
@@ -473,7 +474,9 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 			const int number = solver->point[island->first_row + k];
 
 			island->rebounds = island->rebounds ||
-			                   rebounds(solver, &points->row[number]);
+			                   rebounds(solver, &points->row[number]) ||
+			                   rb_joined_rebound_is_due(solver, world, points,
+			                                            &points->row[number]);
 		}
 		any = any || island->rebounds;
 	}
