@@ -170,11 +170,11 @@ static void fill_point(const struct inspection *inspection, struct rb_pairwise *
 		                    rb_vec3_cross(common->spin_b, point->arm_b)),
 			point->normal);
 	point->pair = (uint32_t)inspection->pair;
-	point->normal_impulse = 0;
-	point->friction_impulse = (rb_vec3){0, 0, 0};
 	point->from = (uint32_t)find_last(points, point);
 	if (point->from == 0)
 		return;
+	if (point->rolls) /* its velocity is that of the middle of the step before */
+		point->approach += fmin(0, point->bend) / inspection->h;
 	const struct rb_named_impulse *last = &points->last[point->from - 1];
 	point->normal_impulse = inspection->h * last->force;
 	if (point->material->friction == 0)
@@ -311,30 +311,32 @@ static void inspect_plain(struct inspection *inspection, struct rb_pair pair, do
 	if (!point)
 		return;
 	point->central = rb_levers_is_ball(world, pair.a) && rb_levers_is_ball(world, pair.b);
-	const double radius_b = model->shape[pair.b].kind == RB_SHAPE_SPHERE
-	                                ? model->shape[pair.b].radius
-	                                : 0;
+	const bool is_ball = model->shape[pair.b].kind == RB_SHAPE_SPHERE;
+	const double radius_b = is_ball ? model->shape[pair.b].radius : 0;
 	if (point->central && pair.b < model->body_count && inspection->points->joins_arms)
 		turn_back(inspection, point);
 	if (point->central) {
 		point->arm_a.x = model->shape[pair.a].radius;
 		point->arm_b.x = -radius_b;
 	} else {
-		const rb_vec3 on_a = rb_vec3_add_scaled(
-			rb_world_origin_at(world, &world->state, pair.a),
-			model->shape[pair.a].radius, g.normal);
+		const rb_vec3 at = rb_world_origin_at(world, &world->state, pair.a);
+		const rb_vec3 center = rb_pairwise_center(world, pair.a);
+		const rb_vec3 on_a = rb_vec3_add_scaled(at, model->shape[pair.a].radius, g.normal);
 
-		point->arm_a = rb_vec3_sub(on_a, rb_pairwise_center(world, pair.a));
+		point->arm_a = rb_vec3_sub(on_a, center);
 		if (pair.b < model->body_count)
 			point->arm_b = rb_vec3_sub(
-				radius_b > 0
-					? rb_vec3_add_scaled(
+				is_ball ? rb_vec3_add_scaled(
 						  rb_world_origin_at(world, &world->state, pair.b),
 						  -radius_b, g.normal)
 					: rb_vec3_add_scaled(on_a, g.gap, g.normal),
 				rb_pairwise_center(world, pair.b));
+		if (!is_ball) /* a lopsided one on a plane */
+			point->bend = rb_rolling_bend_of_ball(
+				world, pair.a, rb_vec3_sub(at, center), g.normal, inspection->h);
+		point->rolls = point->bend != 0;
 	}
-	struct rb_pairwise common = rb_pairwise_of(inspection->world, inspection->h, pair.a, pair.b,
+	struct rb_pairwise common = rb_pairwise_of(world, inspection->h, pair.a, pair.b,
 	                                           point->normal, point->central);
 
 	fill_point(inspection, &common, point);
@@ -420,9 +422,6 @@ static void add_manifold(struct inspection *inspection, struct rb_pair pair,
 		point->bend = rb_rolling_bend(inspection->world, &rolling);
 		point->rolls = point->bend != 0;
 		fill_point(inspection, &common, point);
-		/* of what touched, the velocity is that of the middle of the step before */
-		if (point->from > 0)
-			point->approach += fmin(0, point->bend) / inspection->h;
 	}
 }
 

@@ -6,26 +6,26 @@
 /* Of the tolerance, by which a point may be above the lowest of its rim. */
 static const double fine_share = 0.125;
 
-/* A cylinder's part of a body i, and what touches at it: outward is towards the other body. */
+/* A part of a body i, and what touches at it: outward is towards the other body. */
 struct rim {
 	const rb_placed *part;
-	int i, end;
+	int i, end;           /* of a cylinder */
 	rb_vec3 outward, arm; /* unit; m, from the centre of mass */
 	double h_s;
 };
 
 /* rad: the turn of a step, with what the body's own inertia makes of its spin on the way. */
-static rb_vec3 turn_of(const struct rb_world *world, const struct rim *rim, rb_vec3 spin)
+static rb_vec3 turn_of(const struct rb_world *world, int i, double h, rb_vec3 spin)
 {
 	const struct rb_model *const model = world->model;
-	const size_t i = (size_t)rim->i;
 
 	if (!isnan(model->inverse_inertia_scalar[i]) || !(model->inverse_mass[i] > 0))
-		return rb_vec3_scale(rim->h_s, spin);
-	const struct rb_top_body top = rb_top_body_of(rb_model_inertia(model, (int)i));
-	const rb_vec3 more = rb_top_turning(&top, rb_model_inertia(model, (int)i),
-	                                    rb_quat_from(world->state.orientation + 4 * i), spin);
-	return rb_vec3_scale(rim->h_s, rb_vec3_add_scaled(spin, 0.5 * rim->h_s, more));
+		return rb_vec3_scale(h, spin);
+	const struct rb_top_body top = rb_top_body_of(rb_model_inertia(model, i));
+	const rb_vec3 more = rb_top_turning(&top, rb_model_inertia(model, i),
+	                                    rb_quat_from(world->state.orientation + 4 * (size_t)i),
+	                                    spin);
+	return rb_vec3_scale(h, rb_vec3_add_scaled(spin, 0.5 * h, more));
 }
 
 /* m: how far the rim about `middle` reaches along `outward`. */
@@ -35,8 +35,28 @@ static double rim_height(const rb_core *core, rb_vec3 middle, rb_vec3 axis, rb_v
 	       core->round * rb_vec3_length(rb_vec3_cross(axis, outward));
 }
 
-/* m: more of a gap by the end of the step than straight ways make it. */
-static double bend_of(const struct rb_world *world, const struct rim *rim)
+/* rad: what a ball may turn by in a step, for its middle to go where the spin as it begins says. */
+static const double turn_max = 1;
+
+double rb_rolling_bend_of_ball(const struct rb_world *world, int i, rb_vec3 middle, rb_vec3 outward,
+                               double h)
+{
+	if (!world->state.spin || i >= world->model->body_count)
+		return 0;
+	const rb_vec3 spin = rb_vec3_from(world->state.spin + 3 * (size_t)i);
+	const rb_vec3 turn = turn_of(world, i, h, spin);
+
+	if (!(rb_vec3_dot(turn, turn) < turn_max * turn_max))
+		return 0;
+	const rb_vec3 moved = rb_quat_rotate(rb_quat_from_turn(turn), middle);
+	const rb_vec3 way = rb_vec3_sub(rb_vec3_sub(moved, middle),
+	                                rb_vec3_scale(h, rb_vec3_cross(spin, middle)));
+
+	return -rb_vec3_dot(outward, way);
+}
+
+/* The same at the end of a cylinder. */
+static double bend_of_rim(const struct rb_world *world, const struct rim *rim)
 {
 	const rb_placed *const part = rim->part;
 	const size_t row = 3 * (size_t)rim->i;
@@ -45,7 +65,7 @@ static double bend_of(const struct rb_world *world, const struct rim *rim)
 	if (rb_vec3_max_abs(spin) == 0)
 		return 0;
 	const rb_vec3 axis = rb_placed_axis(part), outward = rim->outward;
-	const rb_vec3 turn = turn_of(world, rim, spin);
+	const rb_vec3 turn = turn_of(world, rim->i, rim->h_s, spin);
 	const rb_vec3 middle = rb_vec3_add_scaled(
 		rb_vec3_sub(part->at, rb_vec3_from(world->state.position + row)),
 		rim->end == 0 ? part->core->half_height : -part->core->half_height, axis);
@@ -87,7 +107,13 @@ static bool is_flat(rb_part feature)
 	       kind == RB_PART_SURFACE;
 }
 
-double rb_rolling_bend_of_rims(const struct rb_world *world, const struct rb_rolling *rolling)
+static bool is_ball(const rb_core *core, rb_part feature)
+{
+	return core->kind == RB_CORE_POLYTOPE && core->radius > 0 &&
+	       (feature >> 24 & 15) == RB_PART_VERTEX;
+}
+
+double rb_rolling_bend_of_round(const struct rb_world *world, const struct rb_rolling *rolling)
 {
 	const rb_part feature[2] = {(rb_part)(rolling->key >> 32), (rb_part)rolling->key};
 
@@ -103,8 +129,15 @@ double rb_rolling_bend_of_rims(const struct rb_world *world, const struct rb_rol
 			.h_s = rolling->h_s,
 		};
 
-		if (rim.end >= 0 && rim.i < world->model->body_count && is_flat(feature[!e]))
-			return bend_of(world, &rim);
+		if (rim.i >= world->model->body_count || !is_flat(feature[!e]))
+			continue;
+		if (rim.end >= 0)
+			return bend_of_rim(world, &rim);
+		if (is_ball(rim.part->core, feature[e]))
+			return rb_rolling_bend_of_ball(
+				world, rim.i,
+				rb_vec3_add_scaled(rim.arm, -rim.part->core->radius, rim.outward),
+				rim.outward, rim.h_s);
 	}
 	return 0;
 }

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rims that roll. The lowest point of a rim goes round it, and the gap there follows the outline of
- * the turned rim: by the end of a step it differs in the second order from where the step's first
- * lowest point has gone along its tangent. Without that each step leaves an approach that the next
- * one stops, and the loss is of the first order: with it, velocities stand for the middle of a step
- * and impulses between two of them, and it is of the second.
+ * Rims and balls that roll. The lowest point of a rim goes round it, and the gap there follows the
+ * outline of the turned rim: by the end of a step it differs in the second order from where the
+ * step's first lowest point has gone along its tangent. So it does at a ball whose middle is not
+ * the centre of mass: a lopsided one, the end of a capsule. Without that each step leaves an
+ * approach that the next one stops, and the loss is of the first order: with it, velocities stand
+ * for the middle of a step and impulses between two of them, and it is of the second.
  */
 #ifndef RB_STEPPED_ROLLING_H
 #define RB_STEPPED_ROLLING_H
@@ -25,18 +26,30 @@ struct rb_rolling {
 	double h_s;
 };
 
-/* The same, where one of the parts is a cylinder. */
-double rb_rolling_bend_of_rims(const struct rb_world *world, const struct rb_rolling *rolling);
+/*
+ * m: more of a gap by the end of a step of h than straight ways make it, of a ball on something
+ * flat: `middle` is its own, from the centre of mass of body i, `outward` the way to the flat.
+ */
+double rb_rolling_bend_of_ball(const struct rb_world *world, int i, rb_vec3 middle, rb_vec3 outward,
+                               double h);
+
+/* The same, where one of the parts may roll. */
+double rb_rolling_bend_of_round(const struct rb_world *world, const struct rb_rolling *rolling);
+
+/* Whether it has rims, or corners with balls round them. */
+static inline bool rb_rolling_may(const rb_core *core)
+{
+	return core->kind == RB_CORE_CYLINDER || core->radius > 0;
+}
 
 /*
  * m: more of a gap by the end of a step than straight ways make it; 0 unless it is the lowest point
- * of a rim on something flat.
+ * of a rim or a ball on something flat.
  */
 static inline double rb_rolling_bend(const struct rb_world *world, const struct rb_rolling *rolling)
 {
-	return rolling->part[0]->core->kind == RB_CORE_CYLINDER ||
-	                       rolling->part[1]->core->kind == RB_CORE_CYLINDER
-	               ? rb_rolling_bend_of_rims(world, rolling)
+	return rb_rolling_may(rolling->part[0]->core) || rb_rolling_may(rolling->part[1]->core)
+	               ? rb_rolling_bend_of_round(world, rolling)
 	               : 0;
 }
 
