@@ -214,6 +214,52 @@ void rb_joint_drives_begin(const struct rb_joint_rows *rows, double t, bool anew
 	}
 }
 
+/* Whether velocities were set, by the scene or a callback, where drives or stops may hold. */
+static bool may_not_fit(const struct rb_joint_rows *rows)
+{
+	const struct rb_located *l = rows->l;
+	bool set = l->starting, holds = false;
+
+	for (int k = 0; k < rows->joint_count; k++) {
+		const int which = rows->joint[k];
+		const struct rb_joint *joint = &l->model->joints->joint[which];
+
+		set = set || l->world->joint[which].was_set;
+		holds = holds || rb_joint_rows_has_drive(l, which) ||
+		        rb_joint_rows_has_stop(joint, RB_STOP_LOW) ||
+		        rb_joint_rows_has_stop(joint, RB_STOP_HIGH);
+	}
+	return set && holds;
+}
+
+void rb_joint_drives_fit(struct rb_joint_rows *rows, double t, struct rb_pose *pose)
+{
+	struct rb_located *l = rows->l;
+	const rb_arena_mark here = rb_arena_here(l->arena);
+	const size_t count = (size_t)rows->joint_count * RB_JOINT_PARTS_HELD;
+
+	if (!may_not_fit(rows))
+		return;
+	signed char *const kept = rb_arena_take(l->arena, count, 1);
+	if (!kept) {
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for joints");
+		return;
+	}
+	for (size_t at = 0; at < count; at++) {
+		const int part = (int)(at % RB_JOINT_PARTS_HELD);
+		signed char *const mode = mode_of(rows, rows->joint[at / RB_JOINT_PARTS_HELD],
+		                                  part);
+
+		kept[at] = *mode;
+		*mode = part < RB_JOINT_DRIVES ? RB_DRIVE_LOW : RB_STOP_OPEN;
+	}
+	rb_joint_rows_correct(rows, t, pose, true);
+	for (size_t at = 0; at < count; at++)
+		*mode_of(rows, rows->joint[at / RB_JOINT_PARTS_HELD],
+		         (int)(at % RB_JOINT_PARTS_HELD)) = kept[at];
+	rb_arena_back(l->arena, here);
+}
+
 void rb_joint_drives_turn(struct rb_joint_rows *rows, double t, bool moved)
 {
 	bool any = false;

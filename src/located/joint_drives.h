@@ -9,6 +9,13 @@
 #include "located/joint_rows.h"
 
 /*
+ * Before that at the start, and where a callback has set velocities: what joints do not allow of
+ * these is taken by impulses of the joints alone. Motors and friction, whose forces are bounded,
+ * give none, and stops not before they are met.
+ */
+void rb_joint_drives_fit(struct rb_joint_rows *rows, double t, struct rb_pose *pose);
+
+/*
  * Before the rows are filled at a moment when modes are decided: whether motors and friction keep
  * their speeds, and stops hold, by the poses. `anew`: velocities have jumped, and round by `slack`,
  * m/s.

@@ -204,6 +204,7 @@ static void keep_what_lasts(struct rb_resolution *s)
 		          !rb_slips_is_after_impact(s, &s->contact_point[k]) &&
 		          !parts(s, &s->contact_point[k]) && !opens_anew(s, k);
 	}
+	rb_joint_drives_fit(&s->joints, s->t, s->pose);
 	/* what no longer holds must not while contacts are put right */
 	rb_joint_drives_begin(&s->joints, s->t, s->after_impact || s->l->starting, s->slack);
 	rb_drift(&drift);
@@ -772,8 +773,7 @@ bool rb_resolve_contacts(struct rb_located *l, double t, bool after_impact, doub
 	const rb_arena_mark here = rb_arena_here(l->arena);
 	bool again = true;
 
-	RB_ASSERT(t >= l->now_s);
-	RB_ASSERT(slack >= 0);
+	RB_ASSERT(t >= l->now_s && slack >= 0);
 	/* each Painleve impulse ends a slip; what it makes approach is an impact */
 	for (int round = 0; again; round++) {
 		struct rb_resolution s = {.l = l,
