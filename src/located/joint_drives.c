@@ -9,7 +9,7 @@
 /* Rounding of a rate and of an angle, in ulp of what they are differences of. */
 enum { DRIVE_ULP = 64, ANGLE_ULP = 16 };
 /* Ulp of the size, within which a drive that comes to its speed is at it. */
-enum { SOON_ULP = 8 };
+enum { SOON_ULP = 256 };
 /* Of time: a piece within it has no length. */
 enum { AT_ONCE_ULP = 2 };
 /* Share of its bound by which the solver may leave a force that is at it below. */
@@ -43,8 +43,7 @@ static double rates_of(const struct rb_joint_rows *rows, int which, double t)
 	       spin * joint->size;
 }
 
-/* Its rounding. */
-static double noise_of(const struct rb_joint_rows *rows, int which, double t)
+double rb_joint_drives_noise(const struct rb_joint_rows *rows, int which, double t)
 {
 	const struct rb_joint *joint = &rows->l->model->joints->joint[which];
 	const double fall = rb_joint_rows_fall(rows->l, which);
@@ -68,7 +67,7 @@ struct rb_joint_off rb_joint_drives_off(const struct rb_joint_rows *rows, int wh
 	return (struct rb_joint_off){.value = value - to.value,
 	                             .rate = free.rate - to.rate,
 	                             .band = ANGLE_ULP * DBL_EPSILON * (reach + t * fabs(to.rate)),
-	                             .noise = noise_of(rows, which, t) + to.noise,
+	                             .noise = rb_joint_drives_noise(rows, which, t) + to.noise,
 	                             .lever = lever,
 	                             .reach = reach,
 	                             .speed = rates_of(rows, which, t) + to.speed_max};
@@ -135,6 +134,10 @@ static void take_next(const struct rb_joint_rows *rows, int which, double t,
 
 		sure[part] = changes && *mode_of(rows, which, part) == RB_DRIVE_HELD &&
 		             has_ended_at_once(l, which, t);
+		/* what is to go on as it was (keep_on), had no time to */
+		if (part == RB_DRIVE_MOTOR && *next == *mode_of(rows, which, part) &&
+		    has_ended_at_once(l, which, t))
+			continue;
 		if (changes)
 			*mode_of(rows, which, part) = *next;
 		*next = RB_DRIVE_KEEPS;
@@ -149,10 +152,31 @@ static void begin_drive(const struct rb_joint_rows *rows, int which, int kind, d
 	                 rb_joint_rows_drive_now(rows->l, which, kind).speed;
 
 	if ((!anew && (*mode == RB_DRIVE_HELD || *mode == RB_DRIVE_REACHED)) ||
-	    fabs(v) <= noise_of(rows, which, t))
+	    fabs(v) <= rb_joint_drives_noise(rows, which, t))
 		*mode = RB_DRIVE_HELD;
 	else
 		*mode = v < 0 ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
+}
+
+bool rb_joint_drives_stopped(const struct rb_located *l, int which)
+{
+	const signed char *const mode = &l->drive_mode[RB_JOINT_PARTS_HELD * which];
+	bool any = false;
+
+	for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++)
+		any = any || (mode[stop] == RB_DRIVE_HELD &&
+		              rb_joint_rows_has_stop(&l->model->joints->joint[which], stop));
+	return any;
+}
+
+/*
+ * What cannot go back with all that acts now does not try to at once again: the piece to come has
+ * its mode whatever brakes.
+ */
+static void keep_on(const struct rb_joint_rows *rows, int which)
+{
+	rows->l->drive_next[RB_JOINT_PARTS_HELD * which + RB_DRIVE_MOTOR] = *mode_of(
+		rows, which, RB_DRIVE_MOTOR);
 }
 
 /*
@@ -184,15 +208,26 @@ static void begin_follow(const struct rb_joint_rows *rows, int which, double t, 
 		return;
 	}
 	rb_follow_stray(l, which);
-	if (*mode == RB_DRIVE_REACHED && !anew && rb_follow_comes_back(off.value, off.rate)) {
+	if (*mode == RB_DRIVE_REACHED && !anew && !rb_joint_drives_stopped(l, which) &&
+	    rb_follow_comes_back(off.value, off.rate)) {
 		rb_follow_go_back(l, which, t, off.value, off.rate);
 		*mode = RB_DRIVE_HELD;
 	} else if ((*mode != RB_DRIVE_LOW && *mode != RB_DRIVE_HIGH) || anew ||
 	           rb_joint_off_ends(&off, *mode)) {
 		const double towards = fabs(off.value) > off.band ? off.value : off.rate;
+		const bool refused = *mode == RB_DRIVE_REACHED && !anew;
 
 		*mode = towards < 0 ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
+		if (refused)
+			keep_on(rows, which);
 	}
+}
+
+static void follow(const struct rb_joint_rows *rows, int which, double t, bool anew, double slack)
+{
+	begin_follow(rows, which, t, anew, slack);
+	if (*mode_of(rows, which, RB_DRIVE_MOTOR) == RB_DRIVE_HELD)
+		rows->l->drive_next[RB_JOINT_PARTS_HELD * which + RB_DRIVE_MOTOR] = RB_DRIVE_KEEPS;
 }
 
 void rb_joint_drives_begin(const struct rb_joint_rows *rows, double t, bool anew, double slack)
@@ -207,7 +242,7 @@ void rb_joint_drives_begin(const struct rb_joint_rows *rows, double t, bool anew
 		for (int kind = 0;
 		     kind < RB_JOINT_DRIVES && rb_joint_rows_has_drive(rows->l, which); kind++) {
 			if (kind == RB_DRIVE_MOTOR && rb_follow_has(rows->l, which))
-				begin_follow(rows, which, t, anew, slack);
+				follow(rows, which, t, anew, slack);
 			else if (anew || !sure[kind])
 				begin_drive(rows, which, kind, t, anew);
 		}
@@ -280,10 +315,7 @@ void rb_joint_drives_turn(struct rb_joint_rows *rows, double t, bool moved)
 		rb_joint_rows_fill(rows, t);
 }
 
-/*
- * rad/s or m/s: a rate from which the drive alone would come to its speed within rounding of sizes.
- */
-static double soon_kept(const struct rb_located *l, int which, int kind)
+double rb_joint_drives_soon(const struct rb_located *l, int which, int kind, double *impulse)
 {
 	const struct rb_joint *joint = &l->model->joints->joint[which];
 	const double lever = rb_linkage_turns(&joint->link) ? joint->size : 1;
@@ -294,7 +326,11 @@ static double soon_kept(const struct rb_located *l, int which, int kind)
 	for (int e = 0; e < 2; e++)
 		if (end[e] >= 0 && !rb_located_fixed(l, end[e]))
 			inverse += l->model->inverse_mass[end[e]];
-	return sqrt(2 * inverse * force * SOON_ULP * DBL_EPSILON * joint->size) / lever;
+	const double speed = sqrt(2 * inverse * force * SOON_ULP * DBL_EPSILON * joint->size);
+
+	if (impulse)
+		*impulse = inverse > 0 ? speed / inverse : 0;
+	return speed / lever;
 }
 
 bool rb_joint_drives_end(const struct rb_joint_rows *rows, double t, double slack)
@@ -311,7 +347,7 @@ bool rb_joint_drives_end(const struct rb_joint_rows *rows, double t, double slac
 
 			if (!(drive.max > 0) || isnan(drive.speed) || *mode == RB_DRIVE_HELD ||
 			    !(fabs(free_of(rows, which, t).rate - drive.speed) <=
-			      soon_kept(rows->l, which, kind)))
+			      rb_joint_drives_soon(rows->l, which, kind, NULL)))
 				continue;
 			*mode = RB_DRIVE_HELD;
 			any = true;
@@ -319,7 +355,48 @@ bool rb_joint_drives_end(const struct rb_joint_rows *rows, double t, double slac
 	return any;
 }
 
-void rb_joint_drives_decide(const struct rb_joint_rows *rows, const double *multiplier)
+/* Multiplier of that part's row; 0: it has none. */
+static double multiplier_of(const struct rb_joint_rows *rows, const double *multiplier, int which,
+                            int part)
+{
+	for (int k = 0; k < rows->count; k++)
+		if (rows->row[k].joint == which && rows->row[k].drive == part)
+			return multiplier[k];
+	return 0;
+}
+
+/*
+ * A stop and a motor that follows cannot both hold what the motor moves: their rows are the same,
+ * with different right sides. Where it moves off the stop, with what both exert within its bound,
+ * the stop is open; else the motor is at its bound, towards where it moves.
+ */
+static void part_from_stop(const struct rb_joint_rows *rows, const double *multiplier, int which,
+                           int stop, double t)
+{
+	struct rb_located *l = rows->l;
+	const struct rb_joint *joint = &l->model->joints->joint[which];
+	signed char *const motor = mode_of(rows, which, RB_DRIVE_MOTOR);
+
+	if (!rb_joint_rows_has_stop(joint, stop) || *mode_of(rows, which, stop) != RB_DRIVE_HELD ||
+	    *motor != RB_DRIVE_HELD || !rb_follow_has(l, which) || !rb_follow_moves(l, which))
+		return;
+	const struct rb_follow_point to = rb_follow_at(l, which, t, true);
+	const double sign = stop == RB_STOP_LOW ? 1 : -1;
+	const double moves = fabs(to.rate) > to.noise ? to.rate : to.acceleration;
+	const double scale = rb_linkage_turns(&joint->link) ? joint->size : 1;
+	const double bound = rb_joint_rows_drive_now(l, which, RB_DRIVE_MOTOR).max / scale;
+	const double both = sign * multiplier_of(rows, multiplier, which, RB_DRIVE_MOTOR) +
+	                    multiplier_of(rows, multiplier, which, stop);
+
+	if (sign * moves > 0 && both <= bound) {
+		*mode_of(rows, which, stop) = RB_STOP_OPEN;
+		return;
+	}
+	*motor = moves > 0 ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
+	rb_follow_stray(l, which);
+}
+
+void rb_joint_drives_decide(const struct rb_joint_rows *rows, const double *multiplier, double t)
 {
 	for (int k = 0; k < rows->count; k++) {
 		const struct rb_joint_row *row = &rows->row[k];
@@ -331,7 +408,13 @@ void rb_joint_drives_decide(const struct rb_joint_rows *rows, const double *mult
 			continue;
 		*mode_of(rows, row->joint, row->drive) = multiplier[k] > 0 ? RB_DRIVE_HIGH
 		                                                           : RB_DRIVE_LOW;
-		if (row->drive == RB_DRIVE_MOTOR)
-			rb_follow_stray(rows->l, row->joint);
+		if (row->drive != RB_DRIVE_MOTOR)
+			continue;
+		if (rb_follow_has(rows->l, row->joint) && rb_follow_is_back(rows->l, row->joint))
+			keep_on(rows, row->joint);
+		rb_follow_stray(rows->l, row->joint);
 	}
+	for (int k = 0; k < rows->joint_count; k++)
+		for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++)
+			part_from_stop(rows, multiplier, rows->joint[k], stop, t);
 }

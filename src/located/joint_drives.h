@@ -28,6 +28,18 @@ void rb_joint_drives_begin(const struct rb_joint_rows *rows, double t, bool anew
  */
 void rb_joint_drives_turn(struct rb_joint_rows *rows, double t, bool moved);
 
+/* Does a stop of the joint hold? Then what its free coordinate has of a rate is rounding. */
+bool rb_joint_drives_stopped(const struct rb_located *l, int joint);
+
+/* rad/s or m/s: rounding of the rate of the joint's free coordinate. */
+double rb_joint_drives_noise(const struct rb_joint_rows *rows, int joint, double t);
+
+/*
+ * rad/s or m/s: a rate from which the drive alone would come to its speed within rounding of sizes.
+ * `impulse`, unless NULL: N s, by which it does.
+ */
+double rb_joint_drives_soon(const struct rb_located *l, int joint, int kind, double *impulse);
+
 /*
  * As rb_joint_drives_begin after an impact whose rebounds end: true if there are drives that hold
  * though they are off their speed, by less than what they would take back within rounding of sizes.
@@ -35,7 +47,7 @@ void rb_joint_drives_turn(struct rb_joint_rows *rows, double t, bool moved);
 bool rb_joint_drives_end(const struct rb_joint_rows *rows, double t, double slack);
 
 /* From multipliers of a solution: those at their bounds, and stops that do not push, let go. */
-void rb_joint_drives_decide(const struct rb_joint_rows *rows, const double *multiplier);
+void rb_joint_drives_decide(const struct rb_joint_rows *rows, const double *multiplier, double t);
 
 /* How far the free coordinate of a joint is off what its motor follows (located/follow). */
 struct rb_joint_off {

@@ -21,7 +21,7 @@ static double bias_of(const struct rb_joint_rows *rows, const struct rb_joint_ro
 
 	if (forces)
 		return row->bias;
-	if (fixed < 0 || fixed >= rows->l->n)
+	if (!(row->strike > 0) && (fixed < 0 || fixed >= rows->l->n))
 		return 0;
 	if (row->a >= 0)
 		sum -= rb_vec3_dot(row->wrench.angular_a, rows->pose[row->a].spin) -
@@ -32,10 +32,10 @@ static double bias_of(const struct rb_joint_rows *rows, const struct rb_joint_ro
 	return sum;
 }
 
-/* A bounded force gives no impulse. */
+/* A bounded force gives no impulse, but where that is nothing beside it. */
 static bool is_left_out(const struct rb_joint_row *row, bool forces)
 {
-	return !forces && row->drive >= 0 && !rb_joint_rows_is_stop(row);
+	return !forces && row->drive >= 0 && !rb_joint_rows_is_stop(row) && !(row->strike > 0);
 }
 
 static int place_or_copy(int place, struct rb_solver_body *body, int *bodies)
@@ -83,7 +83,8 @@ int rb_joint_rows_pose_problem(const struct rb_joint_rows *rows, bool forces,
 		base->low = -(double)INFINITY;
 		base->high = (double)INFINITY;
 		if (row->drive >= 0) {
-			base->high = rb_joint_rows_bound(rows, row);
+			base->high = forces || !(row->strike > 0) ? rb_joint_rows_bound(rows, row)
+			                                          : row->strike;
 			base->low = rb_joint_rows_is_stop(row) ? 0 : -base->high;
 		}
 		if (rb_joint_rows_is_stop(row)) {

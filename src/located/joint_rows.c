@@ -273,7 +273,8 @@ static void fill_drives(struct rb_joint_rows *rows, int which, double t)
 		struct rb_joint_row row = {.row = -1,
 		                           .drive = kind,
 		                           .scale = scale,
-		                           .velocity = scale * (free.rate - to.rate)};
+		                           .velocity = scale * (free.rate - to.rate),
+		                           .speed = scale * to.rate};
 
 		if (kind == RB_DRIVE_MOTOR && rb_follow_has(l, which))
 			row.error = scale * (rb_joint_state_angle(&l->world->joint[which],

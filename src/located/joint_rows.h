@@ -26,6 +26,8 @@ struct rb_joint_row {
 	double bias;     /* m/s^2: with accelerations of ends that do not yield */
 	/* of stops: m/s, rounding of the velocity; of impacts */
 	double noise, restitution;
+	/* of drives: m/s, what it keeps; N s, the most that it gives in an impact */
+	double speed, strike;
 };
 
 struct rb_joint_rows {

@@ -13,6 +13,11 @@
 /* Height of the smallest rebound in ulp of the joint's size. */
 enum { SMALLEST_ULP = 8 };
 /*
+ * How many times the impulse that changes a body by the speed that a drive would soon take back it
+ * may give: what it holds may be heavier. Bounded, since stops may be against it.
+ */
+enum { STRIKES_MAX = 16 };
+/*
  * Of what a row does to itself, the least that joints are to leave: forces round by an ulp, and
  * what they do along what may move by that over this share.
  */
@@ -251,7 +256,7 @@ static bool end_rebounds(const struct rb_joint_rows *rows, const struct rb_simul
 		if (!(stop->approach > 0) || !(stop->restitution > 0) || !row ||
 		    !ends_here(&after, row, linear, linear + bodies, pressed))
 			continue;
-		stop->restitution = 0;
+		rows->row[k].restitution = stop->restitution = 0;
 		any = true;
 	}
 	return any;
@@ -267,6 +272,50 @@ bool rb_joint_stops_end(const struct rb_joint_rows *rows, const struct rb_simult
 		any = any || rb_joint_rows_is_stop(&rows->row[k]);
 	any = any && end_rebounds(rows, joint, t);
 	rb_arena_back(rows->l->arena, here);
+	return any;
+}
+
+/* m/s: the row's velocity after the impact. */
+static double velocity_after(const struct rb_joint_rows *rows, const struct rb_joint_row *row,
+                             const struct rb_simultaneous *joint)
+{
+	const struct rb_coupled_wrench *const wrench = &row->wrench;
+	double sum = row->velocity;
+
+	for (int on_b = 0; on_b < 2; on_b++) {
+		const int place = on_b ? row->b : row->a;
+
+		if (place < 0)
+			continue;
+		const rb_vec3 linear = rb_vec3_sub(joint->body[place].linear,
+		                                   rows->pose[place].velocity);
+		const rb_vec3 angular = rb_vec3_sub(joint->body[place].angular,
+		                                    rows->pose[place].spin);
+
+		sum += (on_b ? 1 : -1) * rb_vec3_dot(wrench->linear, linear) +
+		       rb_vec3_dot(on_b ? wrench->angular_b : wrench->angular_a, angular);
+	}
+	return sum;
+}
+
+bool rb_joint_stops_strike(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint)
+{
+	bool any = false;
+
+	for (int k = 0; k < rows->count; k++) {
+		struct rb_joint_row *const row = &rows->row[k];
+
+		if (row->drive < 0 || rb_joint_rows_is_stop(row) || row->strike > 0)
+			continue;
+		const double off = fabs(velocity_after(rows, row, joint)) / row->scale;
+		double impulse;
+
+		if (!(off > 0) ||
+		    off > rb_joint_drives_soon(rows->l, row->joint, row->drive, &impulse))
+			continue;
+		row->strike = STRIKES_MAX * impulse;
+		any = true;
+	}
 	return any;
 }
 
@@ -368,7 +417,12 @@ void rb_joint_stops_enter_impact(const struct rb_joint_rows *rows,
 
 		/* of the mean of J V before and after: 0, but of what a scene begins with */
 		if (!rb_joint_rows_is_stop(row))
-			rb_entries_energy(&e, RB_ENERGY_IMPACTS, -0.5 * impulse[k] * row->velocity);
+			rb_entries_energy(
+				&e, RB_ENERGY_IMPACTS,
+				-0.5 * impulse[k] *
+					(row->velocity +
+			                 (row->strike > 0 ? velocity_after(rows, row, joint) : 0)));
+		rb_entries_energy(&e, RB_ENERGY_DRIVEN, impulse[k] * row->speed);
 		rb_joint_rows_enter(rows, row, impulse[k], t, &e);
 	}
 	if (l->account_s)

@@ -650,7 +650,10 @@ static bool brakes(struct rb_modes *w, int k, const struct rb_joint_off *off, co
 	return needed >= kept + rb_follow_brake * (1 - kept);
 }
 
-/* Of a motor that follows, at a bound: the mode that comes then; KEEPS: it goes on. */
+/*
+ * Of a motor that follows, at a bound: the mode that comes then; KEEPS: it goes on. A stop that
+ * holds leaves nothing to brake: what comes back to it does so by what is followed.
+ */
 static signed char follow_then(struct rb_modes *w, int k, const double *value)
 {
 	const int which = w->joints.joint[k];
@@ -662,22 +665,27 @@ static signed char follow_then(struct rb_modes *w, int k, const double *value)
 
 	if (rb_joint_off_ends(&off, mode))
 		return mode == RB_DRIVE_LOW ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
-	return mode * off.value < -off.band && mode * off.rate > off.noise &&
-	                       brakes(w, k, &off, value)
+	if (!w->goes_on && w->l->drive_next[RB_JOINT_PARTS_HELD * which + RB_DRIVE_MOTOR] == mode)
+		return RB_DRIVE_KEEPS;
+	return !rb_joint_drives_stopped(w->l, which) && mode * off.value < -off.band &&
+	                       mode * off.rate > off.noise && brakes(w, k, &off, value)
 	               ? RB_DRIVE_REACHED
 	               : RB_DRIVE_KEEPS;
 }
 
-/* Does a stop of the joint hold? Then what its free coordinate has of a rate is rounding. */
-static bool is_stopped(const struct rb_located *l, int which)
+/* Has a drive, off by `v`, come to its speed? Where loads balance it, its rate is rounding. */
+static bool has_reached(const struct rb_modes *w, const struct rb_joint_spring_row *spring,
+                        int mode, double v)
 {
-	const signed char *const mode = &l->drive_mode[RB_JOINT_PARTS_HELD * which];
-	bool any = false;
+	const int which = spring->row.joint;
+	const struct rb_joint *joint = &w->l->model->joints->joint[which];
+	const double lever = rb_linkage_turns(&joint->link) ? joint->size : 1;
+	const struct rb_coupled_row row = rb_joint_rows_coupled(&spring->row);
+	const double gains = rb_coupled_felt(&row, w->linear, w->angular) + spring->row.bias;
 
-	for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++)
-		any = any || (mode[stop] == RB_DRIVE_HELD &&
-		              rb_joint_rows_has_stop(&l->model->joints->joint[which], stop));
-	return any;
+	return (mode == RB_DRIVE_LOW || mode == RB_DRIVE_HIGH) && mode * v > 0 &&
+	       (mode * gains * lever > clear * w->max ||
+	        mode * v > rb_joint_drives_noise(&w->joints, which, w->time_s));
 }
 
 /*
@@ -709,19 +717,18 @@ static signed char *broken_drive(struct rb_modes *w, const double *value, signed
 		const int which = w->joints.joint[k];
 		struct rb_joint_spring_row spring;
 
-		if (is_stopped(l, which) ||
+		if (rb_joint_drives_stopped(l, which) ||
 		    !rb_joint_rows_spring(&w->joints, k, w->time_s, &spring))
 			continue;
 		for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
 			const struct rb_joint_drive drive = rb_joint_rows_drive_now(l, which, kind);
 			const int part = RB_JOINT_PARTS_HELD * which + kind;
-			const signed char mode = l->drive_mode[part];
 			const double v = spring.row.velocity - drive.speed;
 
 			if (!(drive.max > 0) || isnan(v))
 				continue;
 			*then = RB_DRIVE_REACHED;
-			if ((mode == RB_DRIVE_HIGH && v > 0) || (mode == RB_DRIVE_LOW && v < 0))
+			if (has_reached(w, &spring, l->drive_mode[part], v))
 				return &l->drive_next[part];
 		}
 	}

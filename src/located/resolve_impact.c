@@ -48,6 +48,7 @@ struct impact {
 	struct rb_pose *pose; /* [set_count] */
 	struct rb_simultaneous joint;
 	struct rb_joint_rows joints;
+	int fixed;    /* bodies of the problem before those that are ends of joints */
 	double slack; /* m/s: rounding of the velocities that came in */
 };
 
@@ -91,6 +92,14 @@ static bool put_right(struct impact *s)
 		kept[k] = rb_set_held(l, s->contact_point[k].a, s->contact_point[k].b) != NULL;
 	rb_drift_places(&drift);
 	return true;
+}
+
+/* Joints for the solver, as they are to take part. */
+static void pose_joints(struct impact *s)
+{
+	s->joint.body_count = s->fixed;
+	s->joint.joint_count = rb_joint_rows_pose_problem(&s->joints, false, s->joint.joint_row,
+	                                                  s->joint.body, &s->joint.body_count);
 }
 
 /* Bodies and contacts for the solver. */
@@ -140,8 +149,8 @@ static bool build(struct impact *s)
 		s->slack = fmax(s->slack, s->joint.contact[k].noise);
 	}
 	rb_joint_rows_fill(&s->joints, s->t);
-	s->joint.joint_count = rb_joint_rows_pose_problem(&s->joints, false, s->joint.joint_row,
-	                                                  s->joint.body, &s->joint.body_count);
+	s->fixed = s->joint.body_count;
+	pose_joints(s);
 	for (int k = 0; k < s->joints.count; k++)
 		s->slack = fmax(s->slack, s->joints.row[k].noise);
 	return true;
@@ -498,7 +507,7 @@ static void enter_impulses(struct impact *s, const rb_vec3 *approach)
 
 /*
  * Solves the impact; anew where rebounds at stops would go on within rounding: each time at least
- * one of these has no restitution any more.
+ * one of these has no restitution any more, or one drive more takes part.
  */
 static bool solve_impact(struct impact *s, int *rounds)
 {
@@ -506,7 +515,11 @@ static bool solve_impact(struct impact *s, int *rounds)
 
 	do {
 		solved = rb_simultaneous_impact(&s->joint, rounds);
-		more = solved && rb_joint_stops_end(&s->joints, &s->joint, s->t);
+		more = solved && rb_joint_stops_strike(&s->joints, &s->joint);
+		if (more)
+			pose_joints(s);
+		else
+			more = solved && rb_joint_stops_end(&s->joints, &s->joint, s->t);
 		for (int k = 0; k < s->l->set_count && more; k++) {
 			s->joint.body[k].linear = s->pose[k].velocity;
 			s->joint.body[k].angular = s->pose[k].spin;
