@@ -17,7 +17,11 @@ enum {
 /* Multiplications that a product with the matrix takes as long as, about: its sums are exact. */
 enum { PRODUCT_WORK = 1 << 10 };
 
-/* A bound on the largest eigenvalue of the inverse inertia. */
+/*
+ * A bound on the largest eigenvalue of the inverse inertia, which is that of R R^T as of R^T R: the
+ * former is in the body's axes, so that the bound does not turn with them. Where a solution is one
+ * of many, steps decide which.
+ */
 static double largest_turn(const struct rb_solver_bodies *bodies, int i)
 {
 	double largest = 0;
@@ -25,7 +29,7 @@ static double largest_turn(const struct rb_solver_bodies *bodies, int i)
 	if (!isnan(bodies->body[i].inverse_inertia))
 		return bodies->body[i].inverse_inertia;
 	const rb_mat3 back = rb_mat3_transposed(&bodies->root[i]);
-	const rb_mat3 tensor = rb_mat3_multiply(&back, &bodies->root[i]);
+	const rb_mat3 tensor = rb_mat3_multiply(&bodies->root[i], &back);
 	for (int r = 0; r < 3; r++)
 		largest = fmax(largest,
 		               fabs(tensor.m[r][0]) + fabs(tensor.m[r][1]) + fabs(tensor.m[r][2]));
