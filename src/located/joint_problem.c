@@ -21,7 +21,7 @@ static double bias_of(const struct rb_joint_rows *rows, const struct rb_joint_ro
 
 	if (forces)
 		return row->bias;
-	if (!(row->strike > 0) && (fixed < 0 || fixed >= rows->l->n))
+	if (!(row->impulse_max > 0) && (fixed < 0 || fixed >= rows->l->n))
 		return 0;
 	if (row->a >= 0)
 		sum -= rb_vec3_dot(row->wrench.angular_a, rows->pose[row->a].spin) -
@@ -35,7 +35,7 @@ static double bias_of(const struct rb_joint_rows *rows, const struct rb_joint_ro
 /* A bounded force gives no impulse, but where that is nothing beside it. */
 static bool is_left_out(const struct rb_joint_row *row, bool forces)
 {
-	return !forces && row->drive >= 0 && !rb_joint_rows_is_stop(row) && !(row->strike > 0);
+	return !forces && row->drive >= 0 && !rb_joint_rows_is_stop(row) && !(row->impulse_max > 0);
 }
 
 static int place_or_copy(int place, struct rb_solver_body *body, int *bodies)
@@ -83,8 +83,9 @@ int rb_joint_rows_pose_problem(const struct rb_joint_rows *rows, bool forces,
 		base->low = -(double)INFINITY;
 		base->high = (double)INFINITY;
 		if (row->drive >= 0) {
-			base->high = forces || !(row->strike > 0) ? rb_joint_rows_bound(rows, row)
-			                                          : row->strike;
+			base->high = forces || !(row->impulse_max > 0)
+			                     ? rb_joint_rows_bound(rows, row)
+			                     : row->impulse_max;
 			base->low = rb_joint_rows_is_stop(row) ? 0 : -base->high;
 		}
 		if (rb_joint_rows_is_stop(row)) {

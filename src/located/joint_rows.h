@@ -27,7 +27,7 @@ struct rb_joint_row {
 	/* of stops: m/s, rounding of the velocity; of impacts */
 	double noise, restitution;
 	/* of drives: m/s, what it keeps; N s, the most that it gives in an impact */
-	double speed, strike;
+	double speed, impulse_max;
 };
 
 struct rb_joint_rows {

@@ -16,7 +16,7 @@ enum { SMALLEST_ULP = 8 };
  * How many times the impulse that changes a body by the speed that a drive would soon take back it
  * may give: what it holds may be heavier. Bounded, since stops may be against it.
  */
-enum { STRIKES_MAX = 16 };
+enum { HEAVIER_MAX = 16 };
 /*
  * Of what a row does to itself, the least that joints are to leave: forces round by an ulp, and
  * what they do along what may move by that over this share.
@@ -298,14 +298,14 @@ static double velocity_after(const struct rb_joint_rows *rows, const struct rb_j
 	return sum;
 }
 
-bool rb_joint_stops_strike(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint)
+bool rb_joint_stops_include(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint)
 {
 	bool any = false;
 
 	for (int k = 0; k < rows->count; k++) {
 		struct rb_joint_row *const row = &rows->row[k];
 
-		if (row->drive < 0 || rb_joint_rows_is_stop(row) || row->strike > 0)
+		if (row->drive < 0 || rb_joint_rows_is_stop(row) || row->impulse_max > 0)
 			continue;
 		const double off = fabs(velocity_after(rows, row, joint)) / row->scale;
 		double impulse;
@@ -313,7 +313,7 @@ bool rb_joint_stops_strike(const struct rb_joint_rows *rows, const struct rb_sim
 		if (!(off > 0) ||
 		    off > rb_joint_drives_soon(rows->l, row->joint, row->drive, &impulse))
 			continue;
-		row->strike = STRIKES_MAX * impulse;
+		row->impulse_max = HEAVIER_MAX * impulse;
 		any = true;
 	}
 	return any;
@@ -420,8 +420,9 @@ void rb_joint_stops_enter_impact(const struct rb_joint_rows *rows,
 			rb_entries_energy(
 				&e, RB_ENERGY_IMPACTS,
 				-0.5 * impulse[k] *
-					(row->velocity +
-			                 (row->strike > 0 ? velocity_after(rows, row, joint) : 0)));
+					(row->velocity + (row->impulse_max > 0
+			                                          ? velocity_after(rows, row, joint)
+			                                          : 0)));
 		rb_entries_energy(&e, RB_ENERGY_DRIVEN, impulse[k] * row->speed);
 		rb_joint_rows_enter(rows, row, impulse[k], t, &e);
 	}

@@ -48,11 +48,11 @@ bool rb_joint_stops_end(const struct rb_joint_rows *rows, const struct rb_simult
 
 /*
  * After an impact: drives that held, and that it leaves off their speeds by what they would take
- * back within rounding of sizes, are to take part in it (rb_joint_row.strike): what they would take
- * back one after the other, the same stops would meet again, at the speed of a fall through their
- * rounding. True: there are some, and the impact is to be taken anew, with the rows posed again.
+ * back within rounding of sizes, are to take part in it (rb_joint_row.impulse_max): what they would
+ * take back one after the other, the same stops would meet again, at the speed of a fall through
+ * their rounding. True: there are some, and the impact is to be taken anew, with rows posed again.
  */
-bool rb_joint_stops_strike(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint);
+bool rb_joint_stops_include(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint);
 
 /*
  * After an impact, before poses have its velocities: enters what joints have taken and given, and

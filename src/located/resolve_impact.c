@@ -515,7 +515,7 @@ static bool solve_impact(struct impact *s, int *rounds)
 
 	do {
 		solved = rb_simultaneous_impact(&s->joint, rounds);
-		more = solved && rb_joint_stops_strike(&s->joints, &s->joint);
+		more = solved && rb_joint_stops_include(&s->joints, &s->joint);
 		if (more)
 			pose_joints(s);
 		else
