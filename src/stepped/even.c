@@ -10,15 +10,20 @@
  * reorthogonalization ("twice is enough": Giraud, Langou, Rozloznik 2005) on the rows of A, six per
  * dynamic body.
  * Cheaper than an SVD, and a row that is dependent is recognized on the way. Where the projection
- * would make an impulse negative, the step towards it is shortened.
+ * would make impulses negative, those of the least norm that are not are found by their active set:
+ * the span takes products over what bears alone, and says of the others which of them would help.
+ * They depend on nothing but the wrenches, so on no order, nor on which corner had borne nothing.
  *
  * Where joints hold bodies, A is seen through them: its rows are what motions that the joints allow
  * make of the gaps. Forces of the joints are then found anew (strategies).
  */
 #include "stepped/even.h"
 
+#include <float.h>
+
 #include "base/error.h"
 #include "base/forest.h"
+#include "stepped/even_span.h"
 
 /*
  * A friction impulse counts as sliding from this share of mu p on, since after scaling to the
@@ -35,25 +40,29 @@ static bool slides(const struct rb_constraint *row)
 	       rb_vec3_dot(row->impulse.t, row->impulse.t) >= max * max;
 }
 
-/* Rows of one pair of bodies; rows of a pair are adjacent. */
-static bool is_pair(const struct rb_constraint *x, const struct rb_constraint *y)
+/*
+ * Whether a contact bears something, or could: its gap is closed, up to `tolerance`, m/s. One that
+ * is open bears nothing in any solution.
+ */
+static bool may_bear(const struct rb_row_system *rows, const struct rb_constraint *row,
+                     double tolerance)
 {
-	return x->a == y->a && x->b == y->b;
-}
-
-static bool is_pushed(const struct rb_constraint *row)
-{
-	return row->set == RB_CONSTRAINT_CONE && row->impulse.n > 0;
+	if (row->set != RB_CONSTRAINT_CONE || row->impulse.n > 0)
+		return row->set == RB_CONSTRAINT_CONE;
+	return rb_vec3_dot(rb_constraint_velocity(&rows->bodies, row), row->normal) -
+	               row->target.n <=
+	       tolerance;
 }
 
 /* Where joints hand loads on: all of them, if one slides; returns their number. */
-static int take_joined(const struct rb_row_system *rows, struct rb_constraint **taken)
+static int take_joined(const struct rb_row_system *rows, double tolerance,
+                       struct rb_constraint **taken)
 {
 	int count = 0;
 	bool slide = false;
 
 	for (int k = 0; k < rows->row_count; k++) {
-		if (!is_pushed(&rows->row[k]))
+		if (!may_bear(rows, &rows->row[k], tolerance))
 			continue;
 		slide = slide || slides(&rows->row[k]);
 		taken[count++] = &rows->row[k];
@@ -62,10 +71,11 @@ static int take_joined(const struct rb_row_system *rows, struct rb_constraint **
 }
 
 /*
- * Rows with a normal impulse of those pairs that have several rows and slide at one of them;
+ * Rows that may bear something of those pairs that have several rows and slide at one of them;
  * returns their number.
  */
-static int take_rows(const struct rb_row_system *rows, struct rb_constraint **taken)
+static int take_rows(const struct rb_row_system *rows, double tolerance,
+                     struct rb_constraint **taken)
 {
 	int count = 0;
 
@@ -73,10 +83,10 @@ static int take_rows(const struct rb_row_system *rows, struct rb_constraint **ta
 		struct rb_constraint *const row = &rows->row[k];
 		bool slide = false;
 
-		for (end = k; end < rows->row_count && is_pair(row, &rows->row[end]); end++)
+		for (end = k; end < rows->row_count && rb_even_is_pair(row, &rows->row[end]); end++)
 			slide = slide || slides(&rows->row[end]);
 		for (int i = k; i < end && slide && end - k > 1; i++)
-			if (is_pushed(&rows->row[i]))
+			if (may_bear(rows, &rows->row[i], tolerance))
 				taken[count++] = &rows->row[i];
 	}
 	return count;
@@ -88,115 +98,6 @@ static int take_rows(const struct rb_row_system *rows, struct rb_constraint **ta
  * products of n, twice.
  */
 static const double multiplications = 6;
-
-/*
- * A vector is independent if this share of its length is orthogonal to the span: far above rounding
- * (1e-16 times the number of vectors), far below the ratio of lever arms in any scene.
- */
-static const double own_share = 1e-6;
-
-/* What of a vector is not zero: first to end. A load is of the rows of one body only. */
-struct part {
-	int first, end;
-};
-
-/* Orthonormal basis of a subspace of R^n. */
-struct span {
-	double *unit;      /* [count][n]; beyond its part it is not set */
-	struct part *part; /* [count] */
-	int n, count;
-};
-
-static double dot(const double *x, const double *y, struct part part)
-{
-	double sum = 0;
-
-	for (int i = part.first; i < part.end; i++)
-		sum += x[i] * y[i];
-	return sum;
-}
-
-/* Takes out of v, of which it may make more than it was, what the span contains. */
-static void reject(const struct span *span, double *v, struct part *of)
-{
-	for (int k = 0; k < span->count; k++) {
-		const double *const unit = span->unit + (size_t)k * (size_t)span->n;
-		const struct part part = span->part[k];
-		const struct part both = {part.first > of->first ? part.first : of->first,
-		                          part.end < of->end ? part.end : of->end};
-		const double along = dot(v, unit, both);
-
-		/* loads of bodies that share no row */
-		if (along == 0)
-			continue;
-		for (int i = part.first; i < part.end; i++)
-			v[i] -= along * unit[i];
-		of->first = part.first < of->first ? part.first : of->first;
-		of->end = part.end > of->end ? part.end : of->end;
-	}
-}
-
-/*
- * Adds the direction of v, which is overwritten, unless the span contains it already. What keeps
- * most of its length is orthogonal to rounding after one pass (Daniel, Gragg, Kaufman, Stewart
- * 1976).
- */
-static void extend(struct span *span, double *v, struct part part)
-{
-	const double size = dot(v, v, part);
-
-	RB_ASSERT_COSTLY(span->count < span->n);
-	reject(span, v, &part);
-	double left = dot(v, v, part);
-	if (!(left > 0.5 * size)) {
-		reject(span, v, &part);
-		left = dot(v, v, part);
-	}
-	if (!(left > own_share * own_share * size))
-		return;
-	span->part[span->count] = part;
-	double *const unit = span->unit + (size_t)span->count++ * (size_t)span->n;
-	const double length = sqrt(left);
-	for (int i = part.first; i < part.end; i++)
-		unit[i] = v[i] / length;
-}
-
-static double component(rb_vec3 v, int k)
-{
-	return k == 0 ? v.x : k == 1 ? v.y : v.z;
-}
-
-/*
- * Row of the matrix A: component `which` (0 to 2 force, 3 to 5 torque) of the wrench on a body per
- * unit of each impulse; v is [n]. Returns where it is not zero.
- */
-static struct part load(struct rb_constraint *const *taken, int n, int body, int which, double *v)
-{
-	struct part part = {n, 0};
-
-	for (int i = 0; i < n; i++) {
-		const struct rb_constraint *row = taken[i];
-		const bool is_a = row->a == body;
-		const rb_vec3 arm = is_a ? row->arm_a : row->arm_b;
-
-		v[i] = 0;
-		if (!is_a && row->b != body)
-			continue;
-		const double size = which < 3
-		                            ? component(row->normal, which)
-		                            : component(rb_vec3_cross(arm, row->normal), which - 3);
-		v[i] = is_a ? -size : size;
-		part.first = i < part.first ? i : part.first;
-		part.end = i + 1;
-	}
-	return part;
-}
-
-/* Whether a row is of the same bodies as the one before it. */
-static bool goes_on(struct rb_constraint *const *taken, int i)
-{
-	return i > 0 && is_pair(taken[i - 1], taken[i]);
-}
 
 /* ---- what is determined ---- */
 
@@ -270,7 +171,7 @@ static int without_determined(const struct rb_row_system *rows, struct rb_constr
 		pairs[taken[i]->a] = pairs[taken[i]->b] = 0;
 	for (int i = 0, end; i < n; i = end) {
 		end = i + 1;
-		while (end < n && goes_on(taken, end))
+		while (end < n && rb_even_goes_on(taken, end))
 			end++;
 		touch[touches++] = (struct touch){i, end, false};
 		pairs[taken[i]->a]++;
@@ -301,230 +202,41 @@ static int without_determined(const struct rb_row_system *rows, struct rb_constr
 	return left;
 }
 
-/* Row space of A: six rows for each dynamic body, each body once, until it is all of R^n. */
-static void span_loads(const struct rb_row_system *rows, struct rb_constraint *const *taken,
-                       struct span *span, double *scratch)
-{
-	/* of one pair what acts on one body is what acts on the other */
-	const bool single = is_pair(taken[0], taken[span->n - 1]);
-	const int count = single && rows->bodies.body[taken[0]->a].inverse_mass != 0 ? 1 : 2;
-
-	for (int k = 0; k < span->n; k++) {
-		const int ends[2] = {taken[k]->a, taken[k]->b};
-
-		for (int e = goes_on(taken, k) ? count : 0; e < count; e++) {
-			bool seen = rows->bodies.body[ends[e]].inverse_mass == 0;
-
-			for (int i = 0; i < k && !seen; i++)
-				seen = taken[i]->a == ends[e] || taken[i]->b == ends[e];
-			for (int which = 0; which < 6 && !seen; which++) {
-				if (span->count == span->n)
-					return;
-				const struct part part = load(taken, span->n, ends[e], which,
-				                              scratch);
-				extend(span, scratch, part);
-			}
-		}
-	}
-}
-
-/* ---- joints ---- */
-
-/*
- * What bodies that joints connect can do: a row for each of their six motions, of what it makes of
- * the rows of joints, `held` of them, and then of the normals of contacts. Motions that joints
- * allow are what elimination of the former leaves.
- */
-struct motions {
-	double *row;       /* [count][held + n] */
-	int *body;         /* [count / 6], that yield */
-	double *pivot_max; /* [held]: the largest of each column to begin with */
-	int count, held, n;
-};
-
-static bool is_listed(const struct motions *motions, int body)
-{
-	for (int k = 0; 6 * k < motions->count; k++)
-		if (motions->body[k] == body)
-			return true;
-	return false;
-}
-
-/* Directions in which a row of a joint holds: what is soft or at its bound gives way. */
-static int held_by(const struct rb_constraint *row)
-{
-	if (row->set == RB_CONSTRAINT_FREE)
-		return 3;
-	return row->set == RB_CONSTRAINT_INTERVAL && row->softness == 0 &&
-	       row->impulse.n > row->low && row->impulse.n < row->high;
-}
-
-static void list_bodies(const struct rb_row_system *rows, struct motions *motions)
-{
-	for (int k = 0; k < rows->row_count; k++) {
-		const int ends[2] = {rows->row[k].a, rows->row[k].b};
-
-		motions->held += held_by(&rows->row[k]);
-		for (int e = 0; e < 2; e++) {
-			if (rows->bodies.body[ends[e]].inverse_mass == 0 ||
-			    is_listed(motions, ends[e]))
-				continue;
-			motions->body[motions->count / 6] = ends[e];
-			motions->count += 6;
-		}
-	}
-}
-
-/* Velocity along a direction of a row by motion `which` of a body, at 1 m/s of its surface. */
-static double velocity_by(const struct rb_row_system *rows, const struct rb_constraint *row,
-                          rb_vec3 along, int body, int which)
-{
-	const rb_vec3 unit = {which % 3 == 0, which % 3 == 1, which % 3 == 2};
-	const bool is_a = row->a == body;
-	const double sign = is_a ? -1 : 1;
-
-	if (!is_a && row->b != body)
-		return 0;
-	if (which < 3)
-		return row->couple ? 0 : sign * rb_vec3_dot(unit, along);
-	const rb_vec3 turn = rb_solver_turn(&rows->bodies, body, unit);
-	const double per_m = sqrt(rb_vec3_dot(turn, unit) / rows->bodies.body[body].inverse_mass);
-	if (row->couple)
-		return sign * per_m * row->arm_a.x * rb_vec3_dot(unit, along);
-	const rb_vec3 arm = is_a ? rb_constraint_arm_a(row) : rb_constraint_arm_b(row);
-	return sign * per_m * rb_vec3_dot(rb_vec3_cross(unit, arm), along);
-}
-
-static void fill_motion(const struct rb_row_system *rows, struct rb_constraint *const *taken,
-                        struct motions *motions, int number)
-{
-	static const rb_vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-	const int body = motions->body[number / 6], which = number % 6;
-	double *const v = motions->row + (size_t)number * (size_t)(motions->held + motions->n);
-	int column = 0;
-
-	for (int k = 0; k < rows->row_count; k++) {
-		const struct rb_constraint *row = &rows->row[k];
-		const int count = held_by(row);
-
-		for (int c = 0; c < count; c++, column++) {
-			v[column] = velocity_by(rows, row, count == 3 ? axis[c] : row->normal, body,
-			                        which);
-			motions->pivot_max[column] = fmax(motions->pivot_max[column],
-			                                  fabs(v[column]));
-		}
-	}
-	for (int i = 0; i < motions->n; i++)
-		v[column + i] = velocity_by(rows, taken[i], taken[i]->normal, body, which);
-}
-
-static void swap(double *x, double *y, int n)
-{
-	for (int i = 0; i < n; i++) {
-		const double was = x[i];
-
-		x[i] = y[i];
-		y[i] = was;
-	}
-}
-
-/*
- * Eliminates the largest element of what joints hold from the motions after `done`; false: these
- * are free.
- */
-static bool eliminate_one(struct motions *motions, int done)
-{
-	const int width = motions->held + motions->n;
-	double *const first = motions->row + (size_t)done * (size_t)width;
-	double max = own_share;
-	int row = -1, column = 0;
-
-	for (int k = done; k < motions->count; k++)
-		for (int c = 0; c < motions->held; c++) {
-			const double size = fabs(
-				motions->row[(size_t)k * (size_t)width + (size_t)c]);
-
-			if (!(size > max * motions->pivot_max[c]))
-				continue;
-			max = size / motions->pivot_max[c];
-			row = k;
-			column = c;
-		}
-	if (row < 0)
-		return false;
-	if (row != done)
-		swap(first, motions->row + (size_t)row * (size_t)width, width);
-	for (int k = done + 1; k < motions->count; k++) {
-		double *const v = motions->row + (size_t)k * (size_t)width;
-		const double share = v[column] / first[column];
-
-		for (int i = 0; share != 0 && i < width; i++)
-			v[i] -= share * first[i];
-		v[column] = 0;
-	}
-	return true;
-}
-
-/* Spans what motions that joints allow make of the normals; false: too much work, or no memory. */
-static bool span_allowed(const struct rb_row_system *rows, struct rb_constraint *const *taken,
-                         struct span *span, double max, struct rb_arena *arena)
-{
-	struct motions motions = {.n = span->n};
-	int done = 0;
-
-	motions.body = rb_arena_take(arena, 2 * (size_t)rows->row_count, sizeof *motions.body);
-	if (!motions.body)
-		return false;
-	list_bodies(rows, &motions);
-	const int width = motions.held + motions.n;
-	const double size = (double)motions.count * (double)width;
-	if (size * fmin((double)motions.count, (double)motions.held) > max)
-		return false;
-	motions.row = rb_arena_take(arena, (size_t)motions.count * (size_t)width,
-	                            sizeof *motions.row);
-	motions.pivot_max = rb_arena_take(arena, (size_t)motions.held + 1,
-	                                  sizeof *motions.pivot_max);
-	if (!motions.row || !motions.pivot_max)
-		return false;
-	for (int c = 0; c < motions.held; c++)
-		motions.pivot_max[c] = 0;
-	for (int k = 0; k < motions.count; k++)
-		fill_motion(rows, taken, &motions, k);
-	while (done < motions.count && eliminate_one(&motions, done))
-		done++;
-	for (; done < motions.count && span->count < span->n; done++) {
-		double *const v = motions.row + (size_t)done * (size_t)width + motions.held;
-		const struct part whole = {0, span->n};
-
-		/* of what joints leave no motion to: rounding */
-		if (dot(v, v, whole) > own_share * own_share)
-			extend(span, v, whole);
-	}
-	return true;
-}
-
 /* ---- pushes ---- */
 
 /*
- * Sets the normal impulse of a row and scales its friction to stay in the cone (sliding friction
- * stays at the edge). Returns the largest change of velocity in m/s that this makes at the contact.
+ * What slides adds across the normal for each unit along it; zero for what does not. What bears
+ * nothing yet is going to do so against its slip.
  */
-static double put(const struct rb_row_system *rows, struct rb_constraint *row,
+static rb_vec3 following(const struct rb_row_system *rows, const struct rb_constraint *row)
+{
+	rb_vec3 way = {0, 0, 0};
+
+	if (slides(row))
+		way = rb_vec3_reject(row->impulse.t, row->normal);
+	else if (row->impulse.n == 0 && row->friction > 0)
+		way = rb_vec3_neg(
+			rb_vec3_reject(rb_constraint_velocity(&rows->bodies, row), row->normal));
+	const double length = rb_vec3_length(way);
+	return length > 0 ? rb_vec3_scale(row->friction / length, way) : (rb_vec3){0, 0, 0};
+}
+
+/*
+ * Sets the normal impulse of a row, and what follows it across; friction that does not slide stays
+ * within the cone. Returns the largest change of velocity in m/s that this makes at the contact.
+ */
+static double put(const struct rb_row_system *rows, struct rb_constraint *row, rb_vec3 follows,
                   double normal_impulse)
 {
-	RB_ASSERT_COSTLY(row->impulse.n > 0 && normal_impulse >= 0);
-	const double share = normal_impulse / row->impulse.n, max = row->friction * normal_impulse;
-	const double square = rb_vec3_dot(row->impulse.t, row->impulse.t);
-	rb_vec3 friction_impulse = row->impulse.t;
-
-	/* an impulse that was next to nothing grows, and with it what is left along the normal */
-	if (slides(row))
-		friction_impulse = rb_vec3_scale(share,
-		                                 rb_vec3_reject(friction_impulse, row->normal));
-	else if (square > max * max)
-		friction_impulse = rb_vec3_scale(max / sqrt(square), friction_impulse);
+	RB_ASSERT_COSTLY(row->impulse.n >= 0 && normal_impulse >= 0);
+	const rb_vec3 friction_impulse = rb_vec3_max_abs(follows) > 0
+	                                         ? rb_vec3_scale(normal_impulse, follows)
+	                                         : rb_constraint_within(row->impulse.t,
+	                                                                row->friction *
+	                                                                        normal_impulse);
 	const rb_vec3 change = rb_vec3_add_scaled(rb_vec3_sub(friction_impulse, row->impulse.t),
 	                                          normal_impulse - row->impulse.n, row->normal);
+
 	row->impulse.n = normal_impulse;
 	row->impulse.t = friction_impulse;
 	rb_constraint_apply(&rows->bodies, row, change);
@@ -544,11 +256,11 @@ static void connect(const struct rb_row_system *rows, struct rb_constraint *cons
                     const unsigned char *alone, int n, int *parent)
 {
 	for (int i = 0; i < n; i++) {
-		const bool same = goes_on(taken, i);
+		const bool same = rb_even_goes_on(taken, i);
 
 		parent[i] = same ? rb_forest_root(parent, i - 1) : i;
 		for (int k = 0; k < i && !same && !alone[i]; k++) {
-			if (alone[k] || goes_on(taken, k) ||
+			if (alone[k] || rb_even_goes_on(taken, k) ||
 			    !share_a_body(rows, taken[i], taken[k]))
 				continue;
 			const int other = rb_forest_root(parent, k),
@@ -562,67 +274,238 @@ static void connect(const struct rb_row_system *rows, struct rb_constraint *cons
 
 /* What a pass works on: [n] all of these, `store` [n][n]. */
 struct pass {
+	const struct rb_row_system *rows;
 	struct rb_constraint **part; /* the connected rows under way */
+	const rb_vec3 *follows;      /* of all: what slides adds for each unit along the normal */
 	int *place;                  /* theirs among all */
-	double *store, *scratch, *normal_impulse, *even;
-	struct part *parts;
+	double *store, *scratch, *on, *normal_impulse, *wanted, *even;
+	double *response, *small; /* [n][n], [n][n + 1] */
+	double *missing;          /* m/s: of velocities to their targets */
+	unsigned char *barred;    /* it was on to no purpose */
+	struct rb_even_part *parts;
+	bool joined;
+	double max; /* multiplications that are left */
+	struct rb_arena *arena;
 };
 
-/* Normal impulses of the least norm of those with the same share in a span. */
-static void project(struct pass *pass, const struct span *span)
+/* m/s: what a unit of the second row, with what follows it, makes of the gap of the first. */
+static double response_of(const struct pass *pass, int i, int k)
 {
-	const int n = span->n;
+	const struct rb_constraint *const x = pass->part[i], *const y = pass->part[k];
+	const rb_vec3 unit = rb_vec3_add(y->normal, pass->follows[pass->place[k]]);
+	const int of[2] = {x->a, x->b}, by[2] = {y->a, y->b};
+	const rb_vec3 arm_of[2] = {rb_constraint_arm_a(x), rb_constraint_arm_b(x)};
+	const rb_vec3 arm_by[2] = {rb_constraint_arm_a(y), rb_constraint_arm_b(y)};
+	double sum = 0;
 
-	for (int i = 0; i < n; i++)
-		pass->normal_impulse[i] = pass->part[i]->impulse.n;
-	for (int i = 0; i < n && span->count == n; i++)
-		pass->even[pass->place[i]] = pass->normal_impulse[i];
-	for (int k = 0; k < span->count && span->count < n; k++) {
-		const double *const unit = span->unit + (size_t)k * (size_t)n;
-		const struct part part = span->part[k];
-		const double along = dot(pass->normal_impulse, unit, part);
+	for (int e = 0; e < 4; e++) {
+		const int one = e / 2, other = e % 2;
+		const double inverse_mass = pass->rows->bodies.body[of[one]].inverse_mass;
 
-		for (int i = part.first; i < part.end; i++)
-			pass->even[pass->place[i]] += along * unit[i];
+		if (of[one] != by[other] || inverse_mass == 0)
+			continue;
+		const rb_vec3 turn = rb_solver_turn(&pass->rows->bodies, of[one],
+		                                    rb_vec3_cross(arm_by[other], unit));
+		const double gap = inverse_mass * rb_vec3_dot(unit, x->normal) +
+		                   rb_vec3_dot(turn, rb_vec3_cross(arm_of[one], x->normal));
+
+		sum += one == other ? gap : -gap;
 	}
+	return sum;
 }
 
-/* The same of connected rows; returns the rank of their loads. */
-static int even_part(const struct rb_row_system *rows, struct pass *pass, int n)
+/* Solves the `count` equations of `small`, in the last column; false: one depends on the others. */
+static bool solve_small(double *small, int count)
 {
-	struct span span = {.unit = pass->store, .part = pass->parts, .n = n};
+	const int width = count + 1;
 
-	span_loads(rows, pass->part, &span, pass->scratch);
-	project(pass, &span);
-	return span.count;
-}
+	for (int k = 0; k < count; k++) {
+		double *const row = small + (size_t)k * (size_t)width;
+		double size = 0;
+		int pivot = k;
 
-/* The same where joints connect bodies; false: nothing is open, or it costs too much. */
-static bool even_joined(const struct rb_row_system *rows, struct rb_constraint *const *taken,
-                        struct pass *pass, int n, double max, struct rb_arena *arena)
-{
-	struct span span = {.unit = pass->store, .part = pass->parts, .n = n};
+		for (int i = 0; i < count; i++)
+			size = fmax(size, fabs(row[i]));
+		for (int i = k + 1; i < count; i++)
+			if (fabs(small[(size_t)i * (size_t)width + (size_t)k]) >
+			    fabs(small[(size_t)pivot * (size_t)width + (size_t)k]))
+				pivot = i;
+		if (pivot != k)
+			rb_even_swap(row, small + (size_t)pivot * (size_t)width, width);
+		if (!(fabs(row[k]) > RB_EVEN_OWN_SHARE * size))
+			return false;
+		for (int i = 0; i < count; i++) {
+			double *const other = small + (size_t)i * (size_t)width;
+			const double share = i == k ? 0 : other[k] / row[k];
 
-	for (int i = 0; i < n; i++) {
-		pass->part[i] = taken[i];
-		pass->place[i] = i;
-		pass->even[i] = 0;
+			for (int c = k; share != 0 && c < width; c++)
+				other[c] -= share * row[c];
+		}
 	}
-	if (!span_allowed(rows, taken, &span, max, arena) || span.count == n)
-		return false;
-	project(pass, &span);
 	return true;
 }
 
-/* The same of all rows, one connected part after the other. */
-static int even_all(const struct rb_row_system *rows, struct rb_constraint *const *taken,
-                    const unsigned char *alone, int n, struct pass *pass, int *parent)
+/*
+ * Shares of the units of a span for which gaps close as they do now, friction that slides going
+ * with the normal impulses; false: friction leaves it open. Solutions for the same wrenches of the
+ * normals alone would be undone by what follows them, and come to an end slowly.
+ */
+static bool shares_of(struct pass *pass, const struct rb_even_span *span)
 {
-	int rank = 0;
+	const int n = span->n, count = span->count, width = count + 1;
 
-	connect(rows, taken, alone, n, parent);
+	for (int c = 0; c <= count; c++) {
+		const double *const unit = span->unit + (size_t)c * (size_t)n;
+		const struct rb_even_part whole = {0, n};
+		const struct rb_even_part part = c < count ? span->part[c] : whole;
+		const double *const of = c < count ? unit : pass->normal_impulse;
+
+		/* what the unit, or all that there is and is missing, makes of each gap */
+		for (int i = 0; i < n; i++) {
+			double sum = c < count ? 0 : pass->missing[i];
+
+			for (int k = part.first; k < part.end; k++)
+				sum += pass->on[k] * of[k] *
+				       pass->response[(size_t)i * (size_t)n + (size_t)k];
+			pass->scratch[i] = sum;
+		}
+		for (int r = 0; r < count; r++)
+			pass->small[(size_t)r * (size_t)width + (size_t)c] = rb_even_dot(
+				span, span->unit + (size_t)r * (size_t)n, pass->scratch,
+				span->part[r]);
+	}
+	return solve_small(pass->small, count);
+}
+
+/*
+ * On what is on: normal impulses of the least norm of those that do the same; on the others: what
+ * the least norm would gain by them, as slopes.
+ */
+static void project(struct pass *pass, const struct rb_even_span *span)
+{
+	const bool follows = !pass->joined && shares_of(pass, span);
+
+	for (int i = 0; i < span->n; i++)
+		pass->wanted[i] = 0;
+	for (int k = 0; k < span->count; k++) {
+		const double *const unit = span->unit + (size_t)k * (size_t)span->n;
+		const struct rb_even_part part = span->part[k];
+		const double along =
+			follows ? pass->small[(size_t)(k + 1) * (size_t)(span->count + 1) - 1] /
+					  pass->small[(size_t)k * (size_t)(span->count + 2)]
+				: rb_even_dot(span, pass->normal_impulse, unit, part);
+
+		for (int i = part.first; i < part.end; i++)
+			pass->wanted[i] += along * unit[i];
+	}
+}
+
+/* Spans the loads of connected rows; false: nothing is open, or it costs too much. */
+static bool span_of(struct pass *pass, int n, struct rb_even_span *span)
+{
+	const rb_arena_mark here = rb_arena_here(pass->arena);
+	bool fine = true;
+	int on = 0;
+
+	*span = (struct rb_even_span){
+		.unit = pass->store, .part = pass->parts, .on = pass->on, .n = n};
+	if (!pass->joined)
+		rb_even_span_loads(pass->rows, pass->part, span, pass->scratch);
+	else
+		fine = rb_even_span_allowed(pass->rows, pass->part, span, pass->max, pass->arena);
+	rb_arena_back(pass->arena, here);
 	for (int i = 0; i < n; i++)
-		pass->even[i] = 0;
+		on += pass->on[i] > 0;
+	return fine && span->count < on;
+}
+
+/* Units in the last place of the largest impulse that say nothing. */
+enum { NOISE_ULP = 64 };
+
+/*
+ * Goes to what is wanted, or as far as the first impulse that comes to nothing, which is then off;
+ * all the way, who would help most of those that are off is on. False: nobody would.
+ */
+static bool go_on(struct pass *pass, int n)
+{
+	double share = 1, max = 0;
+	int off = -1, on = -1;
+
+	for (int i = 0; i < n; i++)
+		max = fmax(max, fabs(pass->wanted[i]));
+	const double noise = NOISE_ULP * DBL_EPSILON * max;
+	for (int i = 0; i < n; i++) {
+		const double is = pass->normal_impulse[i], wanted = pass->wanted[i];
+
+		if (pass->on[i] > 0 && wanted < -noise && (off < 0 || is / (is - wanted) < share)) {
+			share = is / (is - wanted);
+			off = i;
+		}
+		if (pass->on[i] == 0 && !pass->barred[i] && wanted > noise &&
+		    (on < 0 || wanted > pass->wanted[on]))
+			on = i;
+	}
+	for (int i = 0; i < n; i++)
+		pass->barred[i] = (pass->barred[i] || i == off) && share == 0;
+	for (int i = 0; i < n; i++)
+		if (pass->on[i] > 0)
+			pass->normal_impulse[i] = fmax(
+				0, pass->normal_impulse[i] +
+					   share * (pass->wanted[i] - pass->normal_impulse[i]));
+	if (off >= 0) {
+		pass->normal_impulse[off] = 0;
+		pass->on[off] = 0;
+	} else if (on >= 0) {
+		pass->on[on] = 1;
+	}
+	return off >= 0 || on >= 0;
+}
+
+/* The least that connected rows may bear; returns whether something was open. */
+static bool even_part(struct pass *pass, int n)
+{
+	const double cost = multiplications * (double)n * (double)n * (double)n;
+	struct rb_even_span span;
+	bool open = false;
+
+	for (int i = 0; i < n; i++) {
+		const struct rb_constraint *const row = pass->part[i];
+		const rb_vec3 u = rb_constraint_velocity(&pass->rows->bodies, row);
+
+		pass->on[i] = 1;
+		pass->barred[i] = 0;
+		pass->normal_impulse[i] = row->impulse.n;
+		pass->missing[i] = row->target.n - rb_vec3_dot(u, row->normal);
+		for (int k = 0; k < n && !pass->joined; k++)
+			pass->response[(size_t)i * (size_t)n + (size_t)k] = response_of(pass, i, k);
+	}
+	for (int k = 0; k < 4 * n && pass->max >= cost; k++) {
+		const bool spans = span_of(pass, n, &span);
+
+		if (k == 0 && !spans)
+			break;
+		open = true;
+		pass->max -= cost;
+		project(pass, &span);
+		if (!go_on(pass, n))
+			break;
+	}
+	for (int i = 0; i < n; i++)
+		pass->even[pass->place[i]] = pass->normal_impulse[i];
+	return open;
+}
+
+/* The same of all rows, one connected part after the other; with joints all are connected. */
+static bool even_all(struct pass *pass, struct rb_constraint *const *taken,
+                     const unsigned char *alone, int n, int *parent)
+{
+	bool open = false;
+
+	if (pass->joined)
+		for (int i = 0; i < n; i++)
+			parent[i] = 0;
+	else
+		connect(pass->rows, taken, alone, n, parent);
 	for (int root = 0; root < n; root++) {
 		int count = 0;
 
@@ -632,9 +515,9 @@ static int even_all(const struct rb_row_system *rows, struct rb_constraint *cons
 			pass->part[count] = taken[i];
 			pass->place[count++] = i;
 		}
-		rank += count > 0 ? even_part(rows, pass, count) : 0;
+		open = (count > 0 && even_part(pass, count)) || open;
 	}
-	return rank;
+	return open;
 }
 
 static bool has_joints(const struct rb_row_system *rows)
@@ -642,17 +525,18 @@ static bool has_joints(const struct rb_row_system *rows)
 	return rows->row_count > 0 && rows->row[rows->row_count - 1].set != RB_CONSTRAINT_CONE;
 }
 
-bool rb_even(const struct rb_row_system *rows, double tolerance, double max, struct rb_arena *arena)
+bool rb_even(const struct rb_row_system *rows, double tolerance, double slack, double max,
+             struct rb_arena *arena)
 {
 	const size_t all = (size_t)rows->row_count;
 	const bool joined = has_joints(rows);
 	struct rb_constraint **const taken = rb_arena_take(arena, all,
 	                                                   sizeof(struct rb_constraint *));
-	double share = 1, changed = 0;
+	double changed = 0;
 
 	if (!taken)
 		return false;
-	const int count = joined ? take_joined(rows, taken) : take_rows(rows, taken);
+	const int count = joined ? take_joined(rows, slack, taken) : take_rows(rows, slack, taken);
 	const double cube = (double)count * (double)count * (double)count;
 	if (count == 0 || multiplications * cube > max)
 		return false;
@@ -663,29 +547,40 @@ bool rb_even(const struct rb_row_system *rows, double tolerance, double max, str
 	const size_t size = (size_t)n;
 	if (n <= 0)
 		return false;
-	struct pass pass = {.part = rb_arena_take(arena, size, sizeof *pass.part),
-	                    .place = rb_arena_take(arena, 2 * size, sizeof *pass.place),
-	                    .store = rb_arena_take(arena, (size + 3) * size, sizeof *pass.store)};
+	struct pass pass = {
+		.rows = rows,
+		.joined = joined,
+		.max = max,
+		.arena = arena,
+		.part = rb_arena_take(arena, size, sizeof *pass.part),
+		.place = rb_arena_take(arena, 2 * size, sizeof *pass.place),
+		.barred = rb_arena_take(arena, size, 1),
+		.store = rb_arena_take(arena, (3 * size + 7) * size, sizeof *pass.store)};
+	rb_vec3 *const follows = rb_arena_take(arena, size, sizeof *follows);
 	pass.parts = rb_arena_take(arena, size, sizeof *pass.parts);
-	if (!pass.part || !pass.place || !pass.store || !pass.parts)
+	if (!pass.part || !pass.place || !pass.store || !pass.parts || !follows || !pass.barred)
 		return false;
 	pass.scratch = pass.store + size * size;
-	pass.normal_impulse = pass.scratch + n;
-	pass.even = pass.normal_impulse + n;
-	if (joined ? !even_joined(rows, taken, &pass, n, max, arena)
-	           : even_all(rows, taken, alone, n, &pass, pass.place + n) == n)
+	pass.on = pass.scratch + n;
+	pass.normal_impulse = pass.on + n;
+	pass.wanted = pass.normal_impulse + n;
+	pass.even = pass.wanted + n;
+	pass.response = pass.even + n;
+	pass.small = pass.response + size * size;
+	pass.missing = pass.small + size * (size + 1);
+	pass.follows = follows;
+	for (int i = 0; i < n; i++)
+		follows[i] = following(rows, taken[i]);
+	if (!even_all(&pass, taken, alone, n, pass.place + n))
 		return false;
 	for (int i = 0; i < n; i++)
-		if (pass.even[i] < 0)
-			share = fmin(share,
-			             taken[i]->impulse.n / (taken[i]->impulse.n - pass.even[i]));
-	for (int i = 0; i < n; i++) {
-		const double normal_impulse = taken[i]->impulse.n;
+		changed = fmax(changed, put(rows, taken[i], follows[i], pass.even[i]));
+	for (int i = 0; i < n && !joined; i++) {
+		const rb_vec3 u = rb_constraint_velocity(&rows->bodies, taken[i]);
+		const double is = rb_vec3_dot(u, taken[i]->normal);
 
-		changed = fmax(changed, put(rows, taken[i],
-		                            fmax(0, normal_impulse + share * (pass.even[i] -
-		                                                              normal_impulse))));
+		if (taken[i]->impulse.n > 0 && fabs(is - taken[i]->target.n) <= slack)
+			taken[i]->target.n = is;
 	}
-	RB_ASSERT(share >= 0 && share <= 1);
 	return changed > tolerance;
 }

@@ -13,11 +13,13 @@
 
 /*
  * Pushes of pairs that slide somewhere (with joints: of all pairs, if one does) become those of the
- * smallest squares, as far as none becomes negative; friction that slides goes with them. True:
+ * smallest squares of which none is negative; friction that slides goes with them. Without joints
+ * they close the gaps, and where targets of a pair contradict each other by no more than `slack`,
+ * m/s, as points of one rigid body cannot move, these become what is nearest to all. True:
  * something has changed by more than `tolerance`, m/s, and is to be solved again. What would take
  * more than `max` multiplications is left as it is.
  */
-bool rb_even(const struct rb_row_system *rows, double tolerance, double max,
+bool rb_even(const struct rb_row_system *rows, double tolerance, double slack, double max,
              struct rb_arena *arena);
 
 #endif

@@ -20,7 +20,7 @@ enum { LARGE_MAX = 800 };
 /* Rounds of normal impulses and friction before a group is given up; sweeps of both in each. */
 enum { TURNS_MAX = 6, TURN_SWEEPS = 100 };
 /* Times that open normal impulses are made even, with sweeps after each. */
-enum { EVEN_MAX = 4 };
+enum { EVEN_MAX = 16 };
 /* Why factors are tried, and how many at most. */
 enum purpose { STIFF, AT_REST, STALLED, CLOSE };
 enum { FACTORS_STIFF = 400, FACTORS_AT_REST = 120, FACTORS_STALLED = 30, FACTORS_CLOSE = 12 };
@@ -293,6 +293,16 @@ static double aim_of(const struct rb_solver *solver, const struct rb_island *isl
 	return fmin(fmax(aim, close_share * solver->tolerance), solver->tolerance);
 }
 
+/*
+ * m/s: the same where it is to be solved closely: what sweeps of few rows leave would depend on
+ * their order, turn what lies evenly, and count as energy that something has gained.
+ */
+static double aim_closely(const struct rb_solver *solver, const struct rb_island *island,
+                          const struct rb_sweeper *sweeper)
+{
+	return sweeper->wide ? aim_of(solver, island, sweeper) : close_share * solver->tolerance;
+}
+
 /* Whether the group hardly moved when the step began, and nothing moves under it. */
 static bool was_at_rest(const struct rb_solver *solver, const struct rb_island *island)
 {
@@ -393,7 +403,7 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 	}
 	if (island->contact_count == 0)
 		island->residual = solve_joints(solver, island, dense, arena);
-	else if (!sweep_more(solver, &sweeper, island, aim_of(solver, island, &sweeper),
+	else if (!sweep_more(solver, &sweeper, island, aim_closely(solver, island, &sweeper),
 	                     SWEEPS_CLOSE) &&
 	         !(island->residual <= solver->tolerance))
 		(void)try_factors(solver, island, dense, STALLED, solver->tolerance, arena);
@@ -432,25 +442,32 @@ static void keep_energy(const struct rb_solver *solver, struct rb_island *island
 
 /*
  * Of small groups: sweeps leave open pushes as they come upon them, by the order of points;
- * friction that follows them would turn what lies evenly.
+ * friction that follows them would turn what lies evenly. What points of one pair ask for is made
+ * to agree from what they have asked for to begin with: it is not to wander off.
  */
 static bool even_out(const struct rb_solver *solver, struct rb_sweeper *sweeper,
                      struct rb_island *island, struct rb_arena *arena)
 {
-	const double close = fmax(island->residual, close_share * solver->tolerance);
-	const double aim = fmin(aim_of(solver, island, sweeper), close);
-	bool good = true;
+	const struct rb_row_system *const rows = sweeper->dense;
+	const double close = close_share * solver->tolerance;
+	const double aim = fmax(island->residual, close);
+	double *const target = rb_arena_take(arena, (size_t)rows->row_count, sizeof *target);
+	bool good = target != NULL;
 
+	for (int k = 0; k < rows->row_count && good; k++)
+		target[k] = rows->row[k].target.n;
 	for (int k = 0; k < EVEN_MAX && good; k++) {
 		const rb_arena_mark here = rb_arena_here(arena);
-		const bool changed = rb_even(sweeper->dense, close_share * solver->tolerance,
-		                             factor_share * (double)island->row_count, arena);
 
+		for (int i = 0; i < island->contact_count; i++)
+			rows->row[i].target.n = target[i];
+		const bool changed = rb_even(rows, close, solver->tolerance,
+		                             factor_share * (double)island->row_count, arena);
 		rb_arena_back(arena, here);
 		if (!changed)
 			break;
 		if (island->row_count > island->contact_count)
-			(void)solve_joints(solver, island, sweeper->dense, arena);
+			(void)solve_joints(solver, island, rows, arena);
 		good = sweep_more(solver, sweeper, island, aim, SWEEPS_CLOSE) ||
 		       sweep_more(solver, sweeper, island, solver->tolerance / sweep_share,
 		                  SWEEPS_MAX);
@@ -656,8 +673,8 @@ static int choose(const struct trial *trial)
 }
 
 /*
- * Solves what hardly moves far closer than the tolerance, a little in each step, so that it comes
- * to rest.
+ * Solves far closer than the tolerance what few contacts hold, and what hardly moves: a little in
+ * each step, so that it comes to rest. Joints have been put right for their contacts.
  */
 static void solve_closely(const struct trial *trial)
 {
@@ -665,9 +682,11 @@ static void solve_closely(const struct trial *trial)
 	struct rb_island *const island = trial->island;
 	const double close = close_share * solver->tolerance;
 
+	const bool few = !trial->sweeper->wide && (island->row_count == island->contact_count ||
+	                                           goes_along(solver, island, trial->rows));
+
 	if (island->residual > close &&
-	    (hardly_moves(solver, island, false) ||
-	     (!trial->sweeper->wide && goes_along(solver, island, trial->rows))) &&
+	    (few || (solver->before && hardly_moves(solver, island, false))) &&
 	    (trial->stiff || !sweep_more(solver, trial->sweeper, island, close, SWEEPS_CLOSE)))
 		(void)try_factors(solver, island, trial->rows, CLOSE, island->residual,
 		                  trial->arena);
@@ -711,7 +730,7 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 		polish_joints(solver, island, &rows, arena);
 	if (!rb_energy_bounds(solver, island, &rows, false, team, arena))
 		good = start_over(solver, island, &rows, team, arena);
-	if (good && !is_close && solver->before) {
+	if (good && !is_close) {
 		solve_closely(&trial);
 		if (!sweeper.wide)
 			good = even_out(solver, &sweeper, island, arena);
