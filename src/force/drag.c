@@ -82,3 +82,17 @@ enum rb_status rb_scene_add_drag(struct rb_scene *scene, const struct rb_drag_de
 {
 	return rb_scene_add_element(scene, &rb_force_drag, def, err);
 }
+
+struct rb_drag_def rb_drag_of_all(const struct rb_model *model)
+{
+	const struct rb_elements *const drags = rb_model_elements(model, &rb_force_drag);
+	struct rb_drag_def all = {0};
+
+	for (int k = 0; drags && k < drags->count; k++) {
+		const struct rb_drag_def *const drag = rb_elements_row(drags, k);
+
+		all.linear += drag->linear;
+		all.quadratic += drag->quadratic;
+	}
+	return all;
+}

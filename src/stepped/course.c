@@ -11,7 +11,7 @@
  * Parts of a step, at most: they cost what rows do that are looked at as often as may be. Rounds
  * for orientations, which cost next to nothing.
  */
-enum { NODES = RB_COURSE_NODES, BEGIN = NODES, PARTS_MAX = 4, TURNS_MAX = 12 };
+enum { NODES = RB_COURSE_NODES, BEGIN = NODES, PARTS_MAX = 16, TURNS_MAX = 12 };
 
 /* What a visit may leave of a change, lest two halves of the step cost less; and visits. */
 static const double slowest = 1.0 / 8;
@@ -177,6 +177,14 @@ static void place_all(struct rb_swing_step *s, int at)
 
 /* ---- accelerations ---- */
 
+/* N */
+static rb_vec3 drag_at(const struct rb_swing_step *s, const struct rb_pose *pose)
+{
+	const double speed = s->drag.quadratic > 0 ? rb_vec3_length(pose->velocity) : 0;
+
+	return rb_vec3_scale(-(s->drag.linear + s->drag.quadratic * speed), pose->velocity);
+}
+
 /* Without joints: forces, and what turns goes on turning. */
 static void accelerate_freely(const struct rb_swing_step *s, int at, rb_vec3 *linear,
                               rb_vec3 *angular)
@@ -189,7 +197,8 @@ static void accelerate_freely(const struct rb_swing_step *s, int at, rb_vec3 *li
 		const rb_quat q = s->pose[at][k].orientation;
 		const double scalar = model->inverse_inertia_scalar[i];
 
-		linear[k] = s->force[k].force;
+		linear[k] = rb_vec3_add_scaled(s->force[k].force, model->inverse_mass[i],
+		                               drag_at(s, &s->pose[at][k]));
 		if (!isnan(scalar)) {
 			angular[k] = rb_vec3_scale(scalar, s->force[k].torque);
 			continue;
@@ -536,6 +545,16 @@ static void add_joints(struct rb_swing_step *s, int at, double weight)
 	}
 }
 
+static void add_drag(struct rb_swing_step *s, const struct rb_pose *pose, double weight, int place)
+{
+	const rb_vec3 drag = rb_vec3_scale(weight, drag_at(s, pose));
+	struct rb_wrench *const to = &s->dragged[place];
+
+	to->force = rb_vec3_add(to->force, drag);
+	to->torque = rb_vec3_add(to->torque, rb_vec3_cross(pose->position, drag));
+	s->lost[place] -= rb_vec3_dot(drag, pose->velocity);
+}
+
 /* The nodes are found: sums over the step go on, and bodies to the end of the part. */
 static void end_part(struct rb_swing_step *s)
 {
@@ -546,6 +565,7 @@ static void end_part(struct rb_swing_step *s)
 			s->place[k] = rb_vec3_add_scaled(s->place[k], weight,
 			                                 s->pose[at][k].position);
 			s->spin[k] = rb_vec3_add_scaled(s->spin[k], weight, s->pose[at][k].spin);
+			add_drag(s, &s->pose[at][k], weight, k);
 		}
 		add_joints(s, at, weight);
 	}
@@ -571,6 +591,8 @@ static double take_parts(struct rb_swing_step *s, double h, int parts)
 	memset(s->sum, 0, count * sizeof *s->sum);
 	memset(s->place, 0, count * sizeof *s->place);
 	memset(s->spin, 0, count * sizeof *s->spin);
+	memset(s->dragged, 0, count * sizeof *s->dragged);
+	memset(s->lost, 0, count * sizeof *s->lost);
 	s->h_s = h / parts;
 	for (int part = 0; part < parts; part++) {
 		if (begin_part(s) > rounding_share * s->tree.count * fastest(s) && part == 0) {

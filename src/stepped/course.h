@@ -11,11 +11,13 @@
  * velocities that they do not let be are taken away, by the impulses that take the least energy.
  * Nodes are found by iteration to rounding.
  *
- * Arrays are the caller's (stepped/swing), who fills `world`, `before`, `tree` and `force`.
+ * Arrays are the caller's (stepped/swing), who fills `world`, `before`, `tree`, `force` and
+ * `drag`.
  */
 #ifndef RB_STEPPED_COURSE_H
 #define RB_STEPPED_COURSE_H
 
+#include "force/drag.h"
 #include "step/joint_tree.h"
 
 enum { RB_COURSE_NODES = 3 };
@@ -44,11 +46,15 @@ struct rb_swing_step {
 	struct rb_pose *pose[RB_COURSE_NODES + 1]; /* [count] by place */
 	rb_vec3 *linear[RB_COURSE_NODES + 1];      /* [count] by place: accelerations */
 	rb_vec3 *angular[RB_COURSE_NODES + 1];
-	struct rb_wrench *force; /* [count] m/s^2; N m: by all but joints */
-	struct rb_wrench *on;    /* [count] by link: what its joint exerts on it */
-	struct rb_wrench *sum;   /* [count] the same over the step */
-	rb_vec3 *place, *spin;   /* [count] by place: integrals over the step */
-	rb_vec3 *kept;           /* [2 count] scratch */
+	struct rb_wrench *force; /* [count] m/s^2; N m: by all but joints and drag */
+	struct rb_drag_def drag;
+	struct rb_wrench *on;  /* [count] by link: what its joint exerts on it */
+	struct rb_wrench *sum; /* [count] the same over the step */
+	/* [count] by place, over the step: N s, N m s about the origin; J, what it has taken */
+	struct rb_wrench *dragged;
+	double *lost;
+	rb_vec3 *place, *spin; /* [count] by place: integrals over the step */
+	rb_vec3 *kept;         /* [2 count] scratch */
 	uint64_t evaluations;
 	double taken; /* J: with velocities that joints do not let be, as the step begins */
 };

@@ -297,9 +297,13 @@ static void enter_body(struct entering *n, int i)
 		enter_impulse(n, i, RB_MOMENTUM_APPLIED, &body->stored, &held);
 	if (n->world->hooks.potential)
 		rb_entries_energy(&n->e, RB_ENERGY_APPLIED, body->fed);
-	if (features & (RB_FEATURE_DRAG | RB_FEATURE_ELEMENTS))
+	if (body->swings && body->kind == RB_TALLY_JOINED && (features & RB_FEATURE_DRAG)) {
+		rb_entries_momentum(&n->e, RB_MOMENTUM_DRAG, body->drag, body->drag_turn);
+		rb_entries_energy(&n->e, RB_ENERGY_DRAG, body->drag_lost);
+	} else if (features & (RB_FEATURE_DRAG | RB_FEATURE_ELEMENTS)) {
 		enter_varied(n, i, RB_MOMENTUM_DRAG, &(struct rb_wrench){.force = body->drag},
 		             &held);
+	}
 	if (features & RB_FEATURE_GRAVITATION)
 		enter_gravitation(n, i, &held);
 	if (rests && ((features & others) || !is_resting(body)))

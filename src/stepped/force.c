@@ -425,23 +425,16 @@ static const rb_vec3 none = {0, 0, 0};
  */
 static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, double h)
 {
-	const struct rb_elements *drags = rb_model_elements(world->model, &rb_force_drag);
-	double linear = 0, quadratic = 0;
+	const struct rb_drag_def drag = rb_drag_of_all(world->model);
 
-	for (int k = 0; k < drags->count; k++) {
-		const struct rb_drag_def *drag = rb_elements_row(drags, k);
-
-		linear += drag->linear;
-		quadratic += drag->quadratic;
-	}
 	for (int k = 0; k < cohort->member_count; k++) {
 		const int i = cohort->body[k];
 		double *const v = world->state.velocity + 3 * (size_t)i;
 		const double share = h * world->model->inverse_mass[i];
-		const double b = 1 + share * linear;
+		const double b = 1 + share * drag.linear;
 		const double speed = rb_vec3_length(rb_vec3_from(v));
 
-		const double left = 2 / (b + sqrt(b * b + 4 * share * quadratic * speed));
+		const double left = 2 / (b + sqrt(b * b + 4 * share * drag.quadratic * speed));
 		double *const varied = world->stepped->varied + 3 * (size_t)i;
 		const rb_vec3 others = rb_vec3_add(rb_world_row3(world->mark.velocity, i),
 		                                   rb_vec3_from(varied));

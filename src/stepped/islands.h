@@ -83,6 +83,9 @@ struct rb_swung {
 	rb_quat orientation;
 	rb_vec3 velocity, spin;
 	rb_vec3 place, turning; /* m, rad/s: means of place and spin over the step */
+	/* by drag: N s, N m s about the origin; J, what it has taken */
+	struct rb_wrench dragged;
+	double lost;
 };
 
 /*
@@ -152,7 +155,9 @@ struct rb_solver {
 	const struct rb_state
 		*before; /* borrowed: at the beginning of the step; NULL: positions are closed */
 	const struct rb_kicks *kicks; /* borrowed; NULL: there have been no impacts */
-	double h_s, tolerance;        /* of the step; m/s */
+	const double
+		*undragged; /* borrowed, [bodies]: shares of velocities that drag has left; NULL */
+	double h_s, tolerance; /* of the step; m/s */
 	double whole_s;  /* of the step that was tried first, set by the caller; 0: of this one */
 	bool divides;    /* groups for which a step fails take shorter ones on their own */
 	double external; /* m^2/s^2: the most that its forces change a velocity by, squared */

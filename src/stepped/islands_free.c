@@ -110,7 +110,7 @@ static bool is_clear(const struct asked *asked, int group)
 	                                      asked->first && asked->touching[group] == 0);
 }
 
-/* Groups that nothing but joints and constant forces acts on may need no rows. */
+/* Groups that nothing but joints, constant forces and drag acts on may need no rows. */
 static void swing(void *user, int group, int worker)
 {
 	const struct asked *const pass = user;
@@ -118,8 +118,10 @@ static void swing(void *user, int group, int worker)
 	struct rb_island *const island = &solver->island[group];
 	const struct rb_elements *const springs = rb_model_elements(pass->world->model,
 	                                                            &rb_force_spring);
-	bool may = solver->before && solver->before->spin && !rb_islands_forces_vary(pass->world) &&
-	           !island->rests && !island->sprung && is_clear(pass, group);
+	const bool varies = pass->world->model->features & RB_FEATURES_VARIED &
+	                    ~(rb_features)(RB_FEATURE_SPRINGS | RB_FEATURE_DRAG);
+	bool may = solver->before && solver->before->spin && !varies && !island->rests &&
+	           !island->sprung && is_clear(pass, group);
 
 	for (int k = 0; may && k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];

@@ -135,6 +135,7 @@ static enum rb_status prepare(struct rb_world *world, struct rb_error *err)
 	if (status == RB_OK)
 		status = rb_solver_create(&made->solver, model, err);
 	made->solver.divides = made->all.divides;
+	made->solver.undragged = made->undragged;
 	if (status == RB_OK && world->broadphase)
 		status = rb_impacts_create(made, model, err);
 	if (status == RB_OK)

@@ -104,14 +104,15 @@ static bool take_memory(struct rb_swing_step *s, size_t count, struct rb_arena *
 	                                       sizeof *vectors);
 	struct rb_pose *const poses = rb_arena_take(arena, (RB_COURSE_NODES + 1) * count,
 	                                            sizeof *poses);
-	struct rb_wrench *const wrenches = rb_arena_take(arena, 3 * count, sizeof *wrenches);
+	struct rb_wrench *const wrenches = rb_arena_take(arena, 4 * count, sizeof *wrenches);
 
 	s->tree.link = rb_arena_take(arena, count, sizeof *s->tree.link);
 	s->tree.freedom = rb_arena_take(arena, 3 * count, sizeof *s->tree.freedom);
 	s->course = rb_arena_take(arena, count, sizeof *s->course);
+	s->lost = rb_arena_take(arena, count, sizeof *s->lost);
 	*link_of = rb_arena_take(arena, count, sizeof **link_of);
 	if (!vectors || !poses || !wrenches || !s->tree.link || !s->tree.freedom || !s->course ||
-	    !*link_of)
+	    !s->lost || !*link_of)
 		return false;
 	for (size_t at = 0; at <= RB_COURSE_NODES; at++) {
 		s->pose[at] = poses + at * count;
@@ -124,10 +125,11 @@ static bool take_memory(struct rb_swing_step *s, size_t count, struct rb_arena *
 	s->force = wrenches;
 	s->on = wrenches + count;
 	s->sum = wrenches + 2 * count;
+	s->dragged = wrenches + 3 * count;
 	return true;
 }
 
-/* Forces but those of joints. */
+/* Forces but those of joints and drag, which has left a share of given velocities. */
 static void take_forces(struct rb_swing_step *s, const struct rb_solver *solver)
 {
 	const struct rb_model *const model = s->world->model;
@@ -143,11 +145,12 @@ static void take_forces(struct rb_swing_step *s, const struct rb_solver *solver)
 		                            none};
 		if (stated) {
 			const double each = 1 / solver->h_s;
+			const double left = solver->undragged ? solver->undragged[i] : 1;
 			const rb_vec3 w = rb_vec3_sub(solver->given[i].angular,
 			                              rb_world_row3(s->before->spin, i));
 
 			force->force = rb_vec3_scale(
-				each, rb_vec3_sub(solver->given[i].linear,
+				each, rb_vec3_sub(rb_vec3_scale(1 / left, solver->given[i].linear),
 			                          rb_world_row3(s->before->velocity, i)));
 			force->torque = rb_vec3_scale(
 				each,
@@ -237,6 +240,8 @@ static struct rb_wrench held(const struct rb_swing_step *s, double h)
 		sum.torque = rb_vec3_add(sum.torque, rb_vec3_sub(is.torque, was.torque));
 		sum.torque = rb_vec3_sub(sum.torque, rb_vec3_cross(s->place[k], force));
 		sum.torque = rb_vec3_add_scaled(sum.torque, -h, s->force[k].torque);
+		sum.force = rb_vec3_sub(sum.force, s->dragged[k].force);
+		sum.torque = rb_vec3_sub(sum.torque, s->dragged[k].torque);
 	}
 	return sum;
 }
@@ -278,7 +283,9 @@ static void store(const struct rb_swing_step *s, struct rb_solver *solver, struc
 		                                     .velocity = pose->velocity,
 		                                     .spin = pose->spin,
 		                                     .place = rb_vec3_scale(each, s->place[k]),
-		                                     .turning = rb_vec3_scale(each, s->spin[k])};
+		                                     .turning = rb_vec3_scale(each, s->spin[k]),
+		                                     .dragged = s->dragged[k],
+		                                     .lost = s->lost[k]};
 		body->linear = pose->velocity;
 		body->angular = pose->spin;
 		solver->rests[i] = 0;
@@ -331,6 +338,7 @@ bool rb_swing_try(struct rb_solver *solver, const struct rb_world *world, struct
 	    !take_memory(&s, count, arena, &link_of))
 		return false;
 	s.tree.user = &s;
+	s.drag = rb_drag_of_all(world->model);
 	for (int k = 0; k < s.tree.body_count; k++)
 		solver->local[s.tree.body[k]] = k;
 	rb_joint_tree_grow(&s.tree, link_of);

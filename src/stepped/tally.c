@@ -108,6 +108,9 @@ static void note_solved(const struct rb_world *world, int i, bool sleeps,
 		                              rb_vec3_sub(body->place, body->acted));
 		body->mean[1] = swung->turning;
 		body->place = swung->place;
+		body->drag = swung->dragged.force;
+		body->drag_turn = swung->dragged.torque;
+		body->drag_lost = swung->lost;
 	}
 }
 

@@ -35,6 +35,9 @@ struct rb_tally_body {
 	struct rb_wrench varied, stored;
 	double fed; /* J: by potentials of fields that change with time */
 	rb_vec3 drag;
+	/* of one that swings: N m s about the origin; J, what it has taken */
+	rb_vec3 drag_turn;
+	double drag_lost;
 	/* closing of overlaps, and what pays for it */
 	rb_vec3 closed[2]; /* kg m/s, kg m^2/s about the origin */
 	double lifted;     /* J: by driven bodies */
