@@ -434,6 +434,54 @@ static void joints_and_contacts_are_solved_together(void **state)
 	}
 }
 
+/*
+ * A body of four corners lands on them, skidding and turning, while they are to part at up to a million times its speed: by
+ * friction of up to 1e10. Factors that say that they have ended have left no contact closing without a push, and no friction
+ * outside its cone.
+ */
+static void huge_friction_is_within_its_cone_and_holds_no_contact_open(void **state)
+{
+	static struct machine m;
+	int ended = 0;
+
+	(void)state;
+	srand(7);
+	for (int k = 0; k < 200; k++) {
+		double noise[8], scale = 1;
+
+		for (int i = 0; i < 8; i++)
+			noise[i] = 2.0 * rand() / RAND_MAX - 1;
+		open_machine(&m, 1);
+		as_tensor(&m, 0);
+		m.place[0] = (rb_vec3){0, 0, 0.4};
+		m.body[0].linear = (rb_vec3){noise[0], noise[1], -0.2};
+		m.body[0].angular = (rb_vec3){noise[2], noise[3], noise[4]};
+		for (int i = 0; i < 4; i++) {
+			const double parts = k % 4 == 0 ? 0
+			                                : pow(10, k % 7) * (1 + noise[5] * i / 4);
+
+			add(&m, 0, 1, (rb_vec3){i % 2 - 0.5, i / 2 - 0.5, 0.1 * noise[6]},
+			    (struct rb_constraint){.normal = {0, 0, -1},
+			                           .friction = pow(10, 5 + 5 * noise[7]),
+			                           .target.n = parts});
+			scale = fmax(scale, parts);
+		}
+		const double tolerance = 1e-6 * scale;
+		if (!(solve(&m, FACTORS, tolerance) <= tolerance))
+			continue;
+		ended++;
+		for (int i = 0; i < 4; i++) {
+			const struct rb_constraint *const row = &m.row[i];
+
+			if (row->impulse.n == 0)
+				assert_true(rb_vec3_dot(off(&m, i), row->normal) >= -4 * tolerance);
+			assert_true(rb_vec3_length(row->impulse.t) <=
+			            row->friction * row->impulse.n * (1 + 1e-12));
+		}
+	}
+	assert_true(ended >= 10);
+}
+
 /* Work of a row is its impulse times the mean of its velocity before and after: what kinetic energy changes by. */
 static void a_joint_takes_energy_and_gives_none(void **state)
 {
@@ -608,6 +656,7 @@ int main(void)
 		cmocka_unit_test(a_chain_of_ball_joints_hangs),
 		cmocka_unit_test(a_hinge_leaves_the_turn_about_its_axis),
 		cmocka_unit_test(joints_and_contacts_are_solved_together),
+		cmocka_unit_test(huge_friction_is_within_its_cone_and_holds_no_contact_open),
 		cmocka_unit_test(a_joint_takes_energy_and_gives_none),
 		cmocka_unit_test(the_cone_problem_does_not_know_which_row_comes_first),
 		cmocka_unit_test(a_closed_linkage_on_contacts_takes_few_products),

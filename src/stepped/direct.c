@@ -25,9 +25,11 @@ static const double relax_least = 0.3;
 struct face {
 	rb_vec3 impulse; /* of the outer iteration */
 	rb_vec3 now;     /* the impulse on the cone at the present velocities */
-	rb_mat3 slope;   /* of the projection onto the cone */
-	double weight;   /* kg */
-	double shift;    /* m/s: friction times slip */
+	/* of both, of cones: by their sums friction that is much larger would round it away */
+	double along, along_now;
+	rb_mat3 slope; /* of the projection onto the cone */
+	double weight; /* kg */
+	double shift;  /* m/s: friction times slip */
 	bool soft; /* its weight is 1 over its softness, for good, and no impulse is kept outside */
 };
 
@@ -70,9 +72,11 @@ static void project_cone(const struct rb_constraint *row, struct face *face, rb_
 
 	RB_ASSERT_COSTLY(mu >= 0);
 	face->now = (rb_vec3){0, 0, 0};
+	face->along_now = 0;
 	face->slope = (rb_mat3){{{0}}};
 	if (!(mu > 0)) {
 		if (along > 0) {
+			face->along_now = along;
 			face->now = rb_vec3_scale(along, n);
 			add_outer(&face->slope, 1, n, n);
 		}
@@ -80,6 +84,7 @@ static void project_cone(const struct rb_constraint *row, struct face *face, rb_
 	}
 	if (across <= mu * along) {
 		face->now = z;
+		face->along_now = along;
 		face->slope = rb_mat3_diagonal(1, 1, 1);
 		return;
 	}
@@ -91,6 +96,7 @@ static void project_cone(const struct rb_constraint *row, struct face *face, rb_
 	const double side = mu * normal_impulse / across;
 
 	face->now = rb_vec3_scale(normal_impulse, edge);
+	face->along_now = normal_impulse;
 	face->slope = rb_mat3_diagonal(side, side, side);
 	add_outer(&face->slope, -side, n, n);
 	add_outer(&face->slope, -side, way, way);
@@ -200,6 +206,7 @@ static double evaluate(struct newton *s, double *rounding)
 			u = rb_vec3_sub(u, row->target.t);
 		if (isinf(row->target.n)) { /* open whatever happens */
 			face->now = (rb_vec3){0, 0, 0};
+			face->along_now = 0;
 			continue;
 		}
 		sum += project(row, face, rb_vec3_add_scaled(face->impulse, -face->weight, u)) /
@@ -407,16 +414,23 @@ static struct off follow(struct newton *s, double relax)
 		double *const max = row->set == RB_CONSTRAINT_CONE ? &off.closed : &off.joined;
 		*max = fmax(*max, sqrt(rb_vec3_dot(d, d)) / face->weight);
 		face->impulse = face->now;
+		face->along = face->along_now;
 		if (row->friction > 0) {
-			const double shift = row->friction *
-			                     rb_vec3_length(
-						     slip_of(row, rb_constraint_velocity(
-									  &s->dense->bodies, row)));
+			const rb_vec3 u = rb_constraint_velocity(&s->dense->bodies, row);
+			const double shift = row->friction * rb_vec3_length(slip_of(row, u));
+			/* what a shift that is too large holds open would close */
+			const double closes = row->target.n - rb_vec3_dot(u, row->normal);
+			const double by = fabs(shift - face->shift);
+			const bool pushes = rb_vec3_dot(face->now, face->now) > 0;
 
-			if (rb_vec3_dot(face->now, face->now) > 0)
-				off.shifted = fmax(off.shifted, fabs(shift - face->shift));
-			if (relax > 0)
+			off.shifted = fmax(off.shifted, pushes ? by : fmin(by, closes));
+			if (relax > 0) {
+				const double mean = sqrt(shift) * sqrt(face->shift);
+
 				face->shift += relax * (shift - face->shift);
+				if (!pushes && closes > 0) /* it may be off by many decades */
+					face->shift = fmin(face->shift, mean);
+			}
 		}
 	}
 	return off;
@@ -499,6 +513,7 @@ static void fill(struct newton *s)
 			s->lever = fmax(s->lever, row->arm_a.x);
 		s->face[k] = (struct face){
 			.impulse = rb_constraint_impulse(row),
+			.along = row->impulse.n,
 			.weight = (row->set == RB_CONSTRAINT_CONE ? first : weight_first_joint) /
 		                  row->inverse_mass_n,
 			.shift = s->direct->holds ? 0 : row->friction * slip};
@@ -582,8 +597,9 @@ static struct rb_direct_result solve(struct newton *s)
 }
 
 /* What the outer iteration has come to, within the row's set. */
-static rb_along_across found(const struct rb_constraint *row, rb_vec3 impulse)
+static rb_along_across found(const struct rb_constraint *row, const struct face *face)
 {
+	const rb_vec3 impulse = face->soft ? face->now : face->impulse;
 	const double n = rb_vec3_dot(impulse, row->normal);
 	const rb_vec3 none = {0, 0, 0};
 
@@ -591,8 +607,9 @@ static rb_along_across found(const struct rb_constraint *row, rb_vec3 impulse)
 		return rb_constraint_split(row, impulse);
 	if (row->set == RB_CONSTRAINT_INTERVAL)
 		return (rb_along_across){fmin(fmax(n, row->low), row->high), none};
-	return (rb_along_across){fmax(0, n),
-	                         row->friction > 0 ? rb_vec3_reject(impulse, row->normal) : none};
+	const rb_vec3 across = row->friction > 0 ? rb_vec3_reject(impulse, row->normal) : none;
+	return (rb_along_across){face->along,
+	                         rb_constraint_within(across, row->friction * face->along)};
 }
 
 struct rb_direct_result rb_direct_solve(const struct rb_direct *direct)
@@ -608,8 +625,7 @@ struct rb_direct_result rb_direct_solve(const struct rb_direct *direct)
 		for (int k = 0; k < direct->dense->row_count; k++) {
 			struct rb_constraint *row = &direct->dense->row[k];
 
-			row->impulse = found(row,
-			                     s.face[k].soft ? s.face[k].now : s.face[k].impulse);
+			row->impulse = found(row, &s.face[k]);
 		}
 		RB_ASSERT(result.steps <= direct->steps_max);
 		/* velocities are what the impulses make of them */
