@@ -686,9 +686,10 @@ static void keep_to(struct entering *n)
 	row[RB_ENERGY_DRAG] = fmax(0, row[RB_ENERGY_DRAG]);
 	for (size_t k = 0; k < sizeof taker / sizeof taker[0]; k++)
 		taken += row[taker[k]];
-	if (!(taken > 0) || (n->world->model->features & ((RB_FEATURES_VARIED | RB_FEATURE_JOINTS) &
-	                                                  ~(rb_features)RB_FEATURE_DRAG)))
+	if (!(taken > 0) || n->world->stepped->solver.joints_store ||
+	    (n->world->model->features & RB_FEATURES_VARIED & ~(rb_features)RB_FEATURE_DRAG))
 		return;
+	lost -= row[RB_ENERGY_JOINT_FRICTION] + row[RB_ENERGY_DAMPING];
 	for (int k = 0; k < n->member_count; k++)
 		if (is_in(n, n->member[k]) && may_lose(n, &n->tally->body[n->member[k]]))
 			lost += lost_by(n, n->member[k]);

@@ -165,6 +165,7 @@ struct rb_solver {
 	bool joins_arms; /* angular momentum is to stay: stepped/levers */
 	bool mixed;      /* some pairs of them have, others have none */
 	bool joints_bounce; /* limits of joints have restitution, or there are ropes */
+	bool joints_store;  /* they have springs, whose energy no body has */
 	/* the last step before locating goes on: what touches is left without approach */
 	bool hands_over;
 };

@@ -41,6 +41,8 @@ static enum rb_status create_joints(struct rb_solver *solver, const struct rb_mo
 		solver->joints_bounce = solver->joints_bounce ||
 		                        model->joints->joint[k].link.type->one_sided ||
 		                        model->joints->joint[k].restitution > 0;
+		solver->joints_store = solver->joints_store ||
+		                       model->joints->joint[k].stiffness > 0;
 	}
 	return RB_OK;
 }
