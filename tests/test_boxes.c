@@ -6,7 +6,7 @@
 #include "geom/manifold.h"
 #include "geom/patch.h"
 #include "geom/separation.h"
-#include "stepped/beside.h"
+#include "stepped/internal_edges.h"
 
 static const double noise_ulp = 4;
 
@@ -267,16 +267,17 @@ static void a_face_between_boxes_is_seen_in_closed_form_too(void **slot)
 		const rb_placed pa = plain_of(&copy[0], &a), pb = plain_of(&copy[1], &b);
 
 		for (int t = 0; t < 3; t++) {
-			const bool has = rb_beside_has_face(&a, &b, normal, tolerances[t]);
+			const bool has = rb_internal_edge_has_face(&a, &b, normal, tolerances[t]);
 
 			found[has]++;
-			assert_int_equal(has, rb_beside_has_face(&pa, &pb, normal, tolerances[t]));
+			assert_int_equal(
+				has, rb_internal_edge_has_face(&pa, &pb, normal, tolerances[t]));
 		}
 		/* its own face has nothing across it */
 		const rb_vec3 own = rb_placed_face_normal(&a, 0);
 		const rb_placed above = {&s[1].core, rb_vec3_scale(2, own), a.turn};
 
-		assert_false(rb_beside_has_face(&a, &above, own, 1e-6));
+		assert_false(rb_internal_edge_has_face(&a, &above, own, 1e-6));
 	}
 	assert_true(found[0] > 100 && found[1] > 100);
 	for (int i = 0; i < 2; i++)

@@ -12,7 +12,7 @@
 #include "located/inspect.h"
 #include "located/located.h"
 #include "model/descriptor.h"
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 #include "world/world.h"
 
 static const rb_vec3 none = {0, 0, 0};

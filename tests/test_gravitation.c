@@ -7,7 +7,7 @@
 
 #include <float.h>
 
-#include "located/past.h"
+#include "located/piece_warm_start.h"
 #include "located/relative.h"
 #include "math/random.h"
 
@@ -134,12 +134,12 @@ static void a_body_leaves_its_piece_with_what_rounding_has_left(void **state)
 	double value[6];
 
 	l->moment++;
-	assert_null(rb_past_at(l, 1, t));
-	rb_past_keep(l, 1, t);
-	const struct rb_past *const past = rb_past_at(l, 1, t);
+	assert_null(rb_piece_warm_start_at(l, 1, t));
+	rb_piece_warm_start_keep(l, 1, t);
+	const struct rb_piece_warm_start *const past = rb_piece_warm_start_at(l, 1, t);
 	assert_non_null(past);
-	assert_null(rb_past_at(l, 1, nextafter(t, 99)));
-	assert_null(rb_past_at(l, 0, t)); /* another body */
+	assert_null(rb_piece_warm_start_at(l, 1, nextafter(t, 99)));
+	assert_null(rb_piece_warm_start_at(l, 0, t)); /* another body */
 	rb_gauss_some(&piece.piece, piece.first, 6, t - piece.origin_s, value);
 	for (int m = 0; m < 6; m++) {
 		assert_true(past->value[m] == value[m]);
@@ -156,11 +156,11 @@ static void a_body_leaves_its_piece_with_what_rounding_has_left(void **state)
 			            piece.piece.coefficient[k * piece.piece.n + piece.first + m]);
 	/* kept once in an event: from another piece nothing is taken */
 	l->piece[1].base.x += 1;
-	rb_past_keep(l, 1, t);
-	assert_true(rb_past_at(l, 1, t)->position.x == past->position.x);
+	rb_piece_warm_start_keep(l, 1, t);
+	assert_true(rb_piece_warm_start_at(l, 1, t)->position.x == past->position.x);
 	l->piece[1].base.x -= 1;
 	l->moment++;
-	assert_null(rb_past_at(l, 1, t));
+	assert_null(rb_piece_warm_start_at(l, 1, t));
 	lab_close(&lab);
 }
 

@@ -3,7 +3,7 @@
 #include "worlds.h"
 
 #include "located/located.h"
-#include "located/set.h"
+#include "located/event_set.h"
 #include "world/world.h"
 
 static const rb_vec3 origin = {0, 0, 0};
@@ -145,7 +145,7 @@ static void few_are_looked_at(void **state)
 		lab_step(&lab);
 		struct rb_located *const l = lab.world->located;
 		for (int i = 0; i < l->n; i++) {
-			const int near = rb_set_near(l, i);
+			const int near = rb_event_set_near(l, i);
 
 			sum += near;
 			most = near > most && !rb_located_driven(l, i) ? near : most;

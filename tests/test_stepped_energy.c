@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* src/stepped/energy, src/stepped/lift: contact takes energy, and never gives any, in any step. */
+/* src/stepped/energy, src/stepped/projection_energy: contact takes energy, and never gives any, in any step. */
 #include "solids.h"
 #include "worlds.h"
 

@@ -9,7 +9,7 @@
 #include "base/pack.h"
 #include "step/force_stages.h"
 #include "method/save.h"
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 static const double g = 9.81;
 static const rb_vec3 origin = {0, 0, 0}, up = {0, 0, 1};

@@ -6,10 +6,10 @@
 #include "worlds.h"
 
 #include "base/memory.h"
-#include "stepped/carried.h"
+#include "stepped/end_points.h"
 #include "stepped/clearance.h"
 #include "stepped/projection.h"
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 #include "stepped/stepped.h"
 #include "world/world.h"
 
@@ -382,17 +382,17 @@ static void fill_pit(struct lab *lab, int threads, double tolerance)
 static bool carry_all(struct rb_world *world, struct rb_step_points *to)
 {
 	const struct rb_cohort *const all = &world->stepped->all;
-	struct rb_carried carried;
+	struct rb_end_points carried;
 	struct rb_error err;
 
 	to->count = 0;
-	assert_int_equal(rb_carried_begin(&carried, world, all, &err), RB_OK);
+	assert_int_equal(rb_end_points_begin(&carried, world, all, &err), RB_OK);
 	for (size_t k = 0; k < all->candidates->pair_count; k++) {
 		all->candidates->depth[k] = 0;
-		if (rb_carried_has(&carried, k) && rb_carried_is_near(&carried, k))
-			assert_true(rb_carried_add(&carried, k, 1, to));
+		if (rb_end_points_has(&carried, k) && rb_end_points_is_near(&carried, k))
+			assert_true(rb_end_points_add(&carried, k, 1, to));
 		all->candidates->depth[k] = 1;
-		assert_false(rb_carried_has(&carried, k)); /* deep */
+		assert_false(rb_end_points_has(&carried, k)); /* deep */
 		all->candidates->depth[k] = 0;
 	}
 	return to->count > 0;

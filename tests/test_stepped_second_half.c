@@ -105,7 +105,7 @@ static rb_vec3 boards(double h, double left[3])
 		struct rb_joint_def def = hinge(x, last, (rb_vec3){0.5 * k, 0, 0},
 		                                k == 1 ? z_axis : y_axis);
 
-		/* without it all would be free: stepped/swing */
+		/* without it all would be free: stepped/reduced_islands */
 		def.stiffness = k == 2 ? 1 : 0;
 		add(&lab, &def);
 		last = x;

@@ -3,7 +3,7 @@
 #include "worlds.h"
 
 #include "math/random.h"
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 enum { REST_S = 2, AFTER_S = 1, FRAME_RATE = 10 };
 

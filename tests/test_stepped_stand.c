@@ -4,7 +4,7 @@
 
 #include "base/pack.h"
 #include "method/save.h"
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 #include "world/world.h"
 
 static const double g = 9.81;

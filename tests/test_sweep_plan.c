@@ -9,7 +9,7 @@
 #include "base/memory.h"
 #include "sweep/folder.h"
 #include "sweep/status.h"
-#include "sweep/told.h"
+#include "sweep/point_report.h"
 
 /* ---- axes ---- */
 
@@ -445,20 +445,20 @@ static void what_a_run_has_told_is_read_as_it_was_meant(void **state)
 	char text[64], little[7];
 
 	(void)state;
-	rb_told_text(json, "error", text, sizeof text);
+	rb_point_report_text(json, "error", text, sizeof text);
 	assert_string_equal(text, "line 1 says \"no\" to C:\\n");
-	rb_told_text(json, "error", little, sizeof little);
+	rb_point_report_text(json, "error", little, sizeof little);
 	assert_string_equal(little, "line 1");
-	rb_told_text(json, "empty", text, sizeof text);
+	rb_point_report_text(json, "empty", text, sizeof text);
 	assert_string_equal(text, "");
-	rb_told_text(json, "nothing", text, sizeof text);
+	rb_point_report_text(json, "nothing", text, sizeof text);
 	assert_string_equal(text, "");
-	rb_told_text(json, "n", text, sizeof text);
+	rb_point_report_text(json, "n", text, sizeof text);
 	assert_string_equal(text, "");
-	assert_true(rb_told_number(json, "n") == 2.5);
-	assert_true(rb_told_number(json, "yes") == 1);
-	assert_true(isnan(rb_told_number(json, "none")));
-	assert_true(isnan(rb_told_number(json, "nothing")));
+	assert_true(rb_point_report_number(json, "n") == 2.5);
+	assert_true(rb_point_report_number(json, "yes") == 1);
+	assert_true(isnan(rb_point_report_number(json, "none")));
+	assert_true(isnan(rb_point_report_number(json, "nothing")));
 }
 
 static void the_overview_fits_and_tells_what_is_left(void **state)

@@ -2,7 +2,8 @@
 /*
  * Values are written as they come; the only state is whether a comma is due. What is not finite
  * becomes null, since JSON has no NAN; numbers are printed with 17 digits, so that they read back
- * to the bit. There is no white space between keys and values: sweep/told finds keys by that.
+ * to the bit. There is no white space between keys and values: sweep/point_report finds keys by
+ * that.
  */
 #include "app/json.h"
 

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/sort.h"
 #include "base/memory.h"
-#include "classic/entering.h"
+#include "classic/classic_ledger.h"
 #include "classic/groups.h"
 #include "classic/stage_list.h"
 #include "classic/rollback.h"
@@ -55,7 +55,7 @@ static void fly_block(void *user, int block, int worker)
 	                       .h_s = work->dt_s};
 
 	rb_stage_list_run(world->plan, &pass);
-	rb_entering_substep(&pass, &world->start);
+	rb_classic_ledger_substep(&pass, &world->start);
 	work->entries[block] = pass.entries;
 	work->bad[block] = -1;
 	for (int k = 0; k < pass.member_count && work->bad[block] < 0; k++)

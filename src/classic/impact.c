@@ -14,7 +14,7 @@
 
 #include "base/error.h"
 #include "classic/contact.h"
-#include "classic/entering.h"
+#include "classic/classic_ledger.h"
 
 /* A touching pair during the rounds. */
 struct approaching {
@@ -177,8 +177,8 @@ static bool solve_together(struct contacts *all)
 		for (int n = 0; n < all->active_count; n++) {
 			const struct approaching *m = &all->row[all->active[n]];
 
-			rb_entering_impact(all->pass, &m->link, row_impulse(&all->solver[n]),
-			                   m->before);
+			rb_classic_ledger_impact(all->pass, &m->link, row_impulse(&all->solver[n]),
+			                         m->before);
 		}
 		return true;
 	}
@@ -206,7 +206,7 @@ static void solve_one_by_one(struct contacts *all)
 		row->normal = rb_vec3_dot(impulse, m->link.normal);
 		row->tangent = rb_vec3_add_scaled(impulse, -row->normal, m->link.normal);
 		rb_link_apply(world, &m->link, impulse);
-		rb_entering_impact(all->pass, &m->link, impulse, m->before);
+		rb_classic_ledger_impact(all->pass, &m->link, impulse, m->before);
 	}
 }
 
@@ -253,8 +253,8 @@ static bool stop_the_rest(struct contacts *all)
 	rb_impulse_rows_solve(world, all->solver, all->count, SWEEPS,
 	                      rb_contact_tolerance(all->pass));
 	for (int k = 0; k < all->count; k++) {
-		rb_entering_impact(all->pass, &all->row[k].link, row_impulse(&all->solver[k]),
-		                   all->row[k].before);
+		rb_classic_ledger_impact(all->pass, &all->row[k].link, row_impulse(&all->solver[k]),
+		                         all->row[k].before);
 		if (all->solver[k].normal > 0)
 			all->pass->touch[all->row[k].touch].lasting = true;
 	}

@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "classic/contact.h"
-#include "classic/entering.h"
+#include "classic/classic_ledger.h"
 #include "step/gap.h"
 #include "classic/groups.h"
 #include "classic/impact.h"
@@ -100,7 +100,7 @@ static void accept(struct rb_pass *pass, bool last)
 {
 	struct rb_gap *const gaps = pass->now;
 
-	rb_entering_substep(pass, &pass->world->mark);
+	rb_classic_ledger_substep(pass, &pass->world->mark);
 	pass->done_s = last ? pass->dt_s : pass->done_s + pass->h_s;
 	pass->now = pass->next;
 	pass->next = gaps;

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "located/account.h"
-#include "located/past.h"
+#include "located/piece_warm_start.h"
 #include "math/turn.h"
 #include "model/center.h"
 
@@ -168,7 +168,7 @@ void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *
 	                            .plain_radius = plain ? shape->radius : (double)NAN,
 	                            .acceleration = acceleration};
 	if (l->piece) {
-		rb_past_keep(l, i, t);
+		rb_piece_warm_start_keep(l, i, t);
 		l->piece[i].piece.n = 0;
 		l->piece[i].rest = pose->rest;
 	}

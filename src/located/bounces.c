@@ -4,7 +4,7 @@
 #include <float.h>
 
 #include "base/error.h"
-#include "located/set.h"
+#include "located/event_set.h"
 
 /* Share of its time by which a flight of a series may come down early or late. */
 static const double disturbed_share = 0.25;
@@ -13,7 +13,7 @@ enum { GAP_ULP = 2, TIME_ULP = 4 };
 
 double rb_bounces_closing(const struct rb_located *l, const struct rb_contact_point *m, double t)
 {
-	const struct rb_held *held = rb_set_held_like(l, m);
+	const struct rb_held *held = rb_event_set_held_like(l, m);
 
 	if (held) /* what its force has balanced */
 		return fabs(rb_vec3_dot(held->force, m->normal)) *

@@ -40,7 +40,7 @@ void rb_drift_point(const struct rb_located *l, const struct rb_pose *pose,
 	const struct rb_pose pose_a = a ? *a : m->pose_a, pose_b = b ? *b : m->pose_b;
 	const struct rb_contact_name name = rb_contact_name_of(m);
 
-	*m = rb_set_is_single(l, m->a, m->b)
+	*m = rb_event_set_is_single(l, m->a, m->b)
 	             ? rb_contact_point_poses(l, m->a, m->b, &pose_a, &pose_b)
 	             : rb_contact_point_of(l, &name, &pose_a, &pose_b);
 }
@@ -342,8 +342,8 @@ static bool is_single(const struct rb_drift *drift)
 	bool single = !drift->l->model->joints;
 
 	for (int k = 0; k < drift->count; k++)
-		single = single && rb_set_is_single(drift->l, drift->contact_point[k].a,
-		                                    drift->contact_point[k].b);
+		single = single && rb_event_set_is_single(drift->l, drift->contact_point[k].a,
+		                                          drift->contact_point[k].b);
 	return single;
 }
 

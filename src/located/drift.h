@@ -11,7 +11,7 @@
 #ifndef RB_LOCATED_DRIFT_H
 #define RB_LOCATED_DRIFT_H
 
-#include "located/set.h"
+#include "located/event_set.h"
 
 /* All arrays are the caller's; poses are those of the bodies of the set, by l->place. */
 struct rb_drift {

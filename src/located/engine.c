@@ -53,7 +53,7 @@ static void predict_set(struct rb_located *l, double t)
 		l->generation[l->set[k]]++;
 	for (int k = 0; k < l->set_count && l->status == RB_OK; k++)
 		rb_predict(l, l->set[k], t, -1);
-	rb_set_clear(l);
+	rb_event_set_clear(l);
 }
 
 /*
@@ -217,7 +217,7 @@ static void cluster_event(struct rb_located *l, int cluster, double t)
 	l->events++;
 	l->world->frame_counts.substeps++;
 	for (int k = 0; k < c->member_count; k++)
-		rb_set_add(l, c->member[k]);
+		rb_event_set_add(l, c->member[k]);
 	if (c->integrated && c->held_count == 0 &&
 	    !l->model->joints) { /* only external forces: the next piece */
 		rb_integrate_piece(l, cluster, t, true);
@@ -249,7 +249,7 @@ static void switch_event(struct rb_located *l, double t)
 	for (int i = 0; i < l->n; i++) {
 		if (scene->bodies[l->model->id_of[i]].force_count == 0 || rb_located_fixed(l, i))
 			continue;
-		rb_set_add(l, i);
+		rb_event_set_add(l, i);
 	}
 	resolve_set(l, t);
 }
@@ -265,17 +265,17 @@ static void driven_event(struct rb_located *l, int i, double t)
 	/* what it attracts follows its new piece, and whatever rests on it */
 	for (int k = 0; rb_located_gravitates(l) && l->model->attraction[i] > 0 && k < l->n; k++)
 		if (rb_gravitation_attracts(l->model, k) && l->cluster_of[k] >= 0)
-			rb_set_add(l, k);
+			rb_event_set_add(l, k);
 	for (int k = 0; k < l->cluster_count; k++)
 		for (int h = 0; l->cluster[k].used && h < l->cluster[k].held_count; h++)
 			if (l->cluster[k].held[h].a == i || l->cluster[k].held[h].b == i) {
 				for (int m = 0; m < l->cluster[k].member_count; m++)
-					rb_set_add(l, l->cluster[k].member[m]);
+					rb_event_set_add(l, l->cluster[k].member[m]);
 				break;
 			}
 	for (int k = 0; k < l->n && rb_joint_rows_hold(l, i); k++)
 		if (l->cluster_of[k] >= 0 && rb_joint_rows_joined(l, i, k))
-			rb_set_add(l, k);
+			rb_event_set_add(l, k);
 	if (l->set_count > 0)
 		resolve_set(l, t);
 }
@@ -366,7 +366,8 @@ static void predict_thrown(struct rb_located *l, double t)
 		const struct rb_cluster *c = &l->cluster[k];
 
 		for (int h = 0; c->used && h < c->held_count; h++) {
-			const struct rb_contact_point m = rb_set_contact_point(l, &c->held[h], t);
+			const struct rb_contact_point m = rb_event_set_contact_point(l, &c->held[h],
+			                                                             t);
 			const double speeds = rb_vec3_length(m.pose_a.velocity) +
 			                      rb_vec3_length(m.pose_b.velocity);
 			const int mover = rb_located_fixed(l, m.a) ? m.b : m.a;
@@ -427,7 +428,7 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 			for (int m = 0; m < c->member_count; m++) {
 				const struct rb_pose other = rb_arc_pose(l, c->member[m], t);
 
-				rb_set_add(l, c->member[m]);
+				rb_event_set_add(l, c->member[m]);
 				if (rb_located_on_piece(l, c->member[m]))
 					rb_arc_anchor(l, c->member[m], t, &other,
 					              (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 0});
@@ -438,7 +439,7 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 			              (rb_vec3){0, 0, 0});
 		if (moved && l->cells)
 			rb_cells_place(l->cells, i, pose.position);
-		rb_set_add(l, i);
+		rb_event_set_add(l, i);
 	}
 	if (l->set_count > 0) {
 		rb_resolve_contacts(l, t, true, 0, NULL);
@@ -510,7 +511,7 @@ static void start(struct rb_located *l, double t)
 		    (touching == 0 && !isnan(rb_external_decay(l, i, t)) &&
 		     !rb_joint_rows_hold(l, i)))
 			continue;
-		rb_set_add(l, i);
+		rb_event_set_add(l, i);
 		resolve_set(l, t);
 		rb_crowd_count(l, i);
 	}
@@ -603,7 +604,7 @@ static void forget_arcs(struct rb_located *l)
 void rb_engine_go_back(struct rb_located *l)
 {
 	l->status = RB_OK;
-	rb_set_clear(l);
+	rb_event_set_clear(l);
 	forget_arcs(l);
 }
 
@@ -621,7 +622,7 @@ static bool gives_way(struct rb_located *l)
 	if (!is_beyond(l))
 		return false;
 	l->status = RB_OK;
-	rb_set_clear(l);
+	rb_event_set_clear(l);
 	store_all(l, l->now_s);
 	l->status = rb_inspect_contacts(l, l->now_s);
 	rb_account_all(l, l->now_s);

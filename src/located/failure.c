@@ -10,7 +10,7 @@
 #include "located/follow.h"
 #include "located/joint_rows.h"
 #include "located/pair_contacts.h"
-#include "located/sizes.h"
+#include "located/piece_scales.h"
 
 /* Above it a double does not hold sums of squares, from which sizes and lengths are known. */
 static const double rate_max = 1e150;
@@ -89,7 +89,7 @@ bool rb_failure_by_lock(const struct rb_modes *w)
 			which = rows->row[k].joint;
 		}
 	}
-	if (!(worst > share * fmax(w->max, rb_sizes_load(w))))
+	if (!(worst > share * fmax(w->max, rb_piece_scales_load(w))))
 		return false;
 	const int def = l->model->joints->joint[which].def;
 

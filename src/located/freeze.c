@@ -7,7 +7,7 @@
 #include "located/crowd.h"
 #include "located/follow.h"
 #include "located/integrate.h"
-#include "located/past.h"
+#include "located/piece_warm_start.h"
 #include "model/joints.h"
 
 #include <math.h>
@@ -120,7 +120,7 @@ static void pack_pieces(struct rb_located *l, struct rb_pack *pack)
 	rb_pack_bool(pack, &any);
 	if (!any)
 		return;
-	if (!rb_past_reserve(l)) {
+	if (!rb_piece_warm_start_reserve(l)) {
 		rb_pack_fail_memory(pack);
 		return;
 	}

@@ -13,9 +13,10 @@
 static void add_contact(struct rb_located *l, struct rb_contacts *contacts,
                         const struct rb_held *held, double t, rb_vec3 force)
 {
-	const struct rb_contact_point m = rb_set_contact_point(l, held, t);
+	const struct rb_contact_point m = rb_event_set_contact_point(l, held, t);
 	const double normal = rb_vec3_dot(force, m.normal);
-	const struct rb_contact_name own = rb_set_name(held), name = rb_contact_name_shared(&own);
+	const struct rb_contact_name own = rb_event_set_name(held),
+				     name = rb_contact_name_shared(&own);
 
 	contacts->row[contacts->count++] = (struct rb_contact){
 		.a = held->a,
@@ -178,7 +179,7 @@ static void inspect_body(struct rb_located *l, double t, int i)
 {
 	struct rb_inspected *const of = &l->inspected[i];
 	const bool known = of->rests && (of->with < 0 || has_rested(l, of->with));
-	const int near = rb_set_near(l, i);
+	const int near = rb_event_set_near(l, i);
 	double deepest = known ? of->depth : 0;
 	int pair[2] = {i, known ? of->with : -1};
 

@@ -3,7 +3,7 @@
 #ifndef RB_LOCATED_INSPECT_H
 #define RB_LOCATED_INSPECT_H
 
-#include "located/set.h"
+#include "located/event_set.h"
 
 /* Fills the world's contacts with what lasts at `t`, with forces as steps would start from them. */
 RB_CHECKED enum rb_status rb_inspect_contacts(struct rb_located *l, double t);

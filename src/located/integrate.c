@@ -11,14 +11,14 @@
 #include "located/event_records.h"
 #include "located/failure.h"
 #include "located/follow.h"
-#include "located/landing.h"
+#include "located/rim_landing.h"
 #include "located/mode_checks.h"
-#include "located/past.h"
+#include "located/piece_warm_start.h"
 #include "located/painleve.h"
 #include "located/rates.h"
-#include "located/set.h"
+#include "located/event_set.h"
 #include "located/singular.h"
-#include "located/sizes.h"
+#include "located/piece_scales.h"
 #include "located/work.h"
 #include "located/mechanics.h"
 #include "math/gauss_newton.h"
@@ -67,7 +67,7 @@ static bool take_columns(struct rb_modes *w, struct columns *columns)
 	const int n = c->member_count * w->row;
 	const size_t size = rb_integrate_scratch_size(n);
 
-	if (!rb_past_reserve(w->l) ||
+	if (!rb_piece_warm_start_reserve(w->l) ||
 	    !rb_memory_reserve(&c->block, &c->block_capacity, size, sizeof *c->block) ||
 	    !rb_account_reserve(w->l, c) || !rb_modes_reserve(w))
 		return false;
@@ -84,7 +84,8 @@ static void start_rows(const struct rb_modes *w, int k, int *rate_row)
 	struct rb_located *l = w->l;
 	const int first = k * w->row;
 	const struct rb_pose pose = rb_arc_pose(l, w->c->member[k], w->origin_s);
-	const struct rb_past *past = rb_past_at(l, w->c->member[k], w->origin_s);
+	const struct rb_piece_warm_start *past = rb_piece_warm_start_at(l, w->c->member[k],
+	                                                                w->origin_s);
 	double *const v = w->c->piece.start + first, *const rest = w->c->piece.rest + first;
 
 	w->base[k] = pose.position;
@@ -117,13 +118,15 @@ static void start_rows(const struct rb_modes *w, int k, int *rate_row)
 static struct rb_gauss_guess guess_of(const struct rb_modes *w, double *to)
 {
 	const struct rb_gauss_guess none = {0};
-	const struct rb_past *const first = rb_past_at(w->l, w->c->member[0], w->origin_s);
+	const struct rb_piece_warm_start *const first = rb_piece_warm_start_at(
+		w->l, w->c->member[0], w->origin_s);
 	const size_t n = (size_t)(w->c->member_count * w->row), row = (size_t)w->row;
 
 	if (!first)
 		return none;
 	for (int k = 0; k < w->c->member_count; k++) {
-		const struct rb_past *past = rb_past_at(w->l, w->c->member[k], w->origin_s);
+		const struct rb_piece_warm_start *past = rb_piece_warm_start_at(
+			w->l, w->c->member[k], w->origin_s);
 
 		if (!past || past->origin_s != first->origin_s || past->length_s != first->length_s)
 			return none;
@@ -138,8 +141,8 @@ static struct rb_gauss_guess guess_of(const struct rb_modes *w, double *to)
 
 /*
  * Its one pair rebounds by the law of eccentric impacts, all its points as one, as where a slip
- * begins that no force allows (located/seize): its slip may not stop but turn. False: there are
- * several pairs, or there is such a force.
+ * begins that no force allows (located/tangential_impact): its slip may not stop but turn. False:
+ * there are several pairs, or there is such a force.
  */
 static bool rebounds(struct rb_modes *w)
 {
@@ -567,7 +570,7 @@ static void run(struct rb_modes *w, const struct columns *columns)
 
 	for (int k = 0; k < c->member_count; k++)
 		start_rows(w, k, columns->rate_row);
-	if (rb_landing_begin(w) || !begin_modes(w) || rb_failure_by_size(w))
+	if (rb_rim_landing_begin(w) || !begin_modes(w) || rb_failure_by_size(w))
 		return;
 	for (int k = 0; k < c->held_count; k++) {
 		c->held[k].force = w->force[k];
@@ -580,10 +583,10 @@ static void run(struct rb_modes *w, const struct columns *columns)
 	for (int k = 0; k < c->held_count; k++)
 		w->doubt = fmax(w->doubt,
 		                4 * fmin(rb_check_excess(w, k), RB_CHECK_DOUBTFUL * w->force_max));
-	const double guess = rb_sizes_of(w, columns->scale);
+	const double guess = rb_piece_scales_of(w, columns->scale);
 	if (rb_failure_by_lock(w))
 		return;
-	const double natural_s = moves_by_joints(w) ? fmin(guess, rb_sizes_fall(w)) : 0;
+	const double natural_s = moves_by_joints(w) ? fmin(guess, rb_piece_scales_fall(w)) : 0;
 	w->calls = &calls;
 	w->scale = columns->scale;
 	if (!(c->try_s > 0))
@@ -646,7 +649,7 @@ void rb_integrate_piece(struct rb_located *l, int cluster, double t, bool goes_o
 	}
 	/* rows of the piece that they are on, which is in the same room */
 	for (int k = 0; k < w.c->member_count; k++)
-		rb_past_keep(l, w.c->member[k], t);
+		rb_piece_warm_start_keep(l, w.c->member[k], t);
 	rb_integrate_lay_out(w.c, w.c->member_count * w.row);
 	run(&w, &columns);
 	if (l->status != RB_OK)

@@ -7,7 +7,7 @@
 #ifndef RB_LOCATED_INTEGRATE_H
 #define RB_LOCATED_INTEGRATE_H
 
-#include "located/set.h"
+#include "located/event_set.h"
 
 /*
  * From the members' present arcs at `t`; puts them on the piece. `goes_on`: they come from the end

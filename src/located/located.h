@@ -266,8 +266,9 @@ struct rb_located {
 	bool *unfelt; /* [n]: how it is turned acts on nothing; NULL where nothing turns */
 	struct rb_piece_of
 		*piece; /* NULL until a force without a closed form or a driven body needs it */
-	struct rb_past *past;      /* [n]: located/past; NULL until a piece is integrated */
-	uint64_t moment;           /* of the event under way: they are counted; 0: none */
+	struct rb_piece_warm_start
+		*past;   /* [n]: located/piece_warm_start; NULL until a piece is integrated */
+	uint64_t moment; /* of the event under way: they are counted; 0: none */
 	struct rb_driven **driven; /* [n], NULL without driven bodies: located/driven */
 	struct rb_follow *follow;  /* [joints]: located/follow; NULL without motors */
 	uint32_t *generation;

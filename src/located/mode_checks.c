@@ -14,7 +14,7 @@
 #include "located/follow.h"
 #include "located/joint_drives.h"
 #include "located/rates.h"
-#include "located/set.h"
+#include "located/event_set.h"
 
 /*
  * Share of the forces by which a law must be violated to count, so that the next mode does not see
@@ -111,7 +111,7 @@ static bool approaches_elsewhere(const struct rb_modes *w, int first, int end)
 		                     -rb_contact_point_noise(w->l, &all[k]) ||
 		             rb_contact_point_passes(w->l, &all[k], w->origin_s);
 		for (int i = first; i < end && !known; i++)
-			known = rb_set_is_same_place(w->l, &all[k], &w->contact_point[i]);
+			known = rb_event_set_is_same_place(w->l, &all[k], &w->contact_point[i]);
 		if (!known)
 			return true;
 	}
@@ -234,7 +234,7 @@ static bool is_hit(struct rb_modes *w, int k, double s, double *value)
 	const struct rb_held *held = &w->c->held[k];
 	int end;
 
-	if (rb_set_is_single(w->l, held->a, held->b) ||
+	if (rb_event_set_is_single(w->l, held->a, held->b) ||
 	    (k > 0 && held[-1].a == held->a && held[-1].b == held->b))
 		return false;
 	const double low = lowest_held(w, k, &end);
@@ -262,9 +262,9 @@ static int broken(struct rb_modes *w, double s, double *value)
 		w->slip_ends = false;
 		w->hits = is_hit(w, k, s, value);
 		if (held->creeps &&
-		    rb_vec3_dot(m->velocity, w->contact[k].slip) > 2 * rb_set_creep(w->l, m))
+		    rb_vec3_dot(m->velocity, w->contact[k].slip) > 2 * rb_event_set_creep(w->l, m))
 			return k;
-		if (m->on_rim != held->on_rim || rb_set_has_left(w->l, m) || w->hits)
+		if (m->on_rim != held->on_rim || rb_event_set_has_left(w->l, m) || w->hits)
 			return k;
 		if (!inspected && !is_lawful(w, k)) {
 			if (!w->dense.open || !rb_check_holds_otherwise(w, t))
@@ -301,7 +301,7 @@ static void end_slips(struct rb_modes *w, double s, double *value)
 		const struct rb_contact_point *m = &w->contact_point[k];
 
 		if (held->slipping && (held->straight || held->creeps) &&
-		    !rb_set_is_single(w->l, held->a, held->b))
+		    !rb_event_set_is_single(w->l, held->a, held->b))
 			held->ending = rb_vec3_dot(m->velocity, w->contact[k].slip) <=
 			               rb_contact_point_noise(w->l, m);
 	}

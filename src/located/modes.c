@@ -16,7 +16,7 @@
 #include "located/external_force.h"
 #include "located/joint_problem.h"
 #include "located/open_forces.h"
-#include "located/set.h"
+#include "located/event_set.h"
 
 /* Rounds for creeping slips and for refinement; noises that a slip may have aside. */
 enum { TURNS = 6, REFINEMENTS = 4, STRAIGHT_NOISES = 8 };
@@ -543,7 +543,7 @@ bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force, const double *mult
 bool rb_modes_is_slow(const struct rb_modes *w, int contact, double t)
 {
 	RB_ASSERT_COSTLY(contact >= 0);
-	return rb_set_is_slow(
+	return rb_event_set_is_slow(
 		w->l, &w->contact_point[contact],
 		rb_vec3_dot(relative_acceleration(w, contact, t), w->contact[contact].slip),
 		w->force[contact]);
@@ -553,7 +553,7 @@ bool rb_modes_turns_aside(const struct rb_modes *w, int contact)
 {
 	const struct rb_held *const held = &w->c->held[contact];
 	const struct rb_contact_point *m = &w->contact_point[contact];
-	const bool single = rb_set_is_single(w->l, held->a, held->b);
+	const bool single = rb_event_set_is_single(w->l, held->a, held->b);
 	const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
 	const rb_vec3 way = w->contact[contact].slip;
 	const rb_vec3 off = rb_vec3_add_scaled(slip, -rb_vec3_dot(slip, way), way);

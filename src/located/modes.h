@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Forces of a cluster's contacts, each in its mode: they stick, slip along a direction, or creep
- * (rb_set_creep). An elimination for the forces that the modes ask for; where it is too large, the
- * solver of constraint/simultaneous.
+ * (rb_event_set_creep). An elimination for the forces that the modes ask for; where it is too
+ * large, the solver of constraint/simultaneous.
  *
  * Joints of the members are in the same elimination: their rows come first (located/joint_rows).
  */
@@ -111,8 +111,8 @@ bool rb_modes_refine(struct rb_modes *w, double t);
 double rb_modes_left(struct rb_modes *w, double t);
 
 /*
- * After rb_modes_press: does a slip creep (rb_set_creep), and change its speed by little of what
- * friction could do?
+ * After rb_modes_press: does a slip creep (rb_event_set_creep), and change its speed by little of
+ * what friction could do?
  */
 bool rb_modes_is_slow(const struct rb_modes *w, int contact, double t);
 

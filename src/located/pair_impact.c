@@ -21,7 +21,8 @@ enum { SMALLEST_ULP = 8 };
 bool rb_pair_impact_ends(const struct rb_located *l, const struct rb_contact_point *m,
                          double target_velocity, double closing)
 {
-	const double ulp = rb_set_is_single(l, m->a, m->b) ? SMALLEST_ULP : RB_SMALLEST_CORNER_ULP;
+	const double ulp = rb_event_set_is_single(l, m->a, m->b) ? SMALLEST_ULP
+	                                                         : RB_SMALLEST_CORNER_ULP;
 
 	return closing > 0 && target_velocity * target_velocity <=
 	                              2 * closing * ulp * DBL_EPSILON * rb_contact_point_size(l, m);
@@ -198,7 +199,7 @@ bool rb_pair_impact(struct rb_located *l, int a, int b, double t)
 	    ends_among_others(l, &m, target_velocity, t))
 		return false;
 	if ((rb_located_on_piece(l, a) || rb_located_on_piece(l, b)) &&
-	    (rb_set_touches_another(l, a, b, t) || rb_set_touches_another(l, b, a, t)))
+	    (rb_event_set_touches_another(l, a, b, t) || rb_event_set_touches_another(l, b, a, t)))
 		return false;
 	if (closing > 0 && c.restitution < 1)
 		rb_bounces_note(l, &m, t, target_velocity, closing, c.restitution);

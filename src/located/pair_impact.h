@@ -3,7 +3,7 @@
 #ifndef RB_LOCATED_PAIR_IMPACT_H
 #define RB_LOCATED_PAIR_IMPACT_H
 
-#include "located/set.h"
+#include "located/event_set.h"
 
 /*
  * Two bodies that nothing joins to others, that touch nobody else and are central to each other

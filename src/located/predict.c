@@ -80,9 +80,9 @@ static inline void see_flight(struct seer *s, int j, rb_vec3 x, rb_vec3 v, doubl
 		if (c <= 2 * sum * band) {
 			const double noise = 8 * DBL_EPSILON * (s->speed + largest(v));
 
-			if (j != s->except && !rb_set_held(l, s->i, j))
+			if (j != s->except && !rb_event_set_held(l, s->i, j))
 				s->touching++;
-			if (-b > noise * sum && !rb_set_held(l, s->i, j) &&
+			if (-b > noise * sum && !rb_event_set_held(l, s->i, j) &&
 			    rb_contact_point_approaches(l, s->i, j, s->now))
 				see(s, j, s->now, false);
 			return;
@@ -371,7 +371,7 @@ static void see_body(struct seer *s, int j)
 	                            : j >= l->n && l->model->shape[j].kind == RB_SHAPE_PLANE &&
 	                                      !s->general && see_plane(s, j))
 		return;
-	if (!rb_pair_can_touch(l, s->i, j) || rb_set_held(l, s->i, j) || is_interrupted(s))
+	if (!rb_pair_can_touch(l, s->i, j) || rb_event_set_held(l, s->i, j) || is_interrupted(s))
 		return;
 	double until = fmin(s->until, s->next.touch_s);
 	if (rb_located_on_piece(l, j))
@@ -572,7 +572,7 @@ int rb_predict(struct rb_located *l, int i, double now, int except)
 	s.next = (struct rb_next){.touch_s = HUGE_VAL, .partner = -1, .wall_s = HUGE_VAL};
 	next_wall(&s);
 	if (l->model->features & RB_FEATURE_CONTACT) {
-		int near = rb_set_near(l, i);
+		int near = rb_event_set_near(l, i);
 
 		if (s.quick)
 			near = sift_near(&s, l->near, near);

@@ -7,7 +7,7 @@
 #ifndef RB_LOCATED_PREDICT_H
 #define RB_LOCATED_PREDICT_H
 
-#include "located/set.h"
+#include "located/event_set.h"
 
 /*
  * Foresees everything of body i from `now` on and puts it into the queue. Returns how many bodies

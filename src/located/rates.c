@@ -12,7 +12,7 @@
 #include "located/account.h"
 #include "located/articulated.h"
 #include "located/external_force.h"
-#include "located/set.h"
+#include "located/event_set.h"
 #include "located/work.h"
 
 /*
@@ -210,11 +210,11 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 		const struct rb_pose pose_a = a >= 0 ? w->pose[a] : rb_arc_pose(l, held->a, t);
 		const struct rb_pose pose_b = b >= 0 ? w->pose[b] : rb_arc_pose(l, held->b, t);
 
-		if (rb_set_is_single(l, held->a, held->b)) {
+		if (rb_event_set_is_single(l, held->a, held->b)) {
 			w->contact_point[k] = rb_contact_point_poses(l, held->a, held->b, &pose_a,
 			                                             &pose_b);
 		} else {
-			const struct rb_contact_name name = rb_set_name(held);
+			const struct rb_contact_name name = rb_event_set_name(held);
 
 			w->contact_point[k] = rb_contact_point_of(l, &name, &pose_a, &pose_b);
 		}

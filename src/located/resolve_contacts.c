@@ -19,11 +19,11 @@
 #include "located/joint_stops.h"
 #include "located/rest_rates.h"
 #include "located/mechanics.h"
-#include "located/past.h"
+#include "located/piece_warm_start.h"
 #include "located/external_force.h"
-#include "located/seize.h"
+#include "located/tangential_impact.h"
 #include "located/slips.h"
-#include "located/lean.h"
+#include "located/rim_support.h"
 #include "located/event_records.h"
 #include "located/transition.h"
 #include "located/work.h"
@@ -65,7 +65,8 @@ static bool begin(struct rb_resolution *s)
 {
 	struct rb_located *l = s->l;
 
-	s->contact_point_count = rb_set_grow(l, s->t, s->slack, rb_set_lasting, &s->contact_point);
+	s->contact_point_count = rb_event_set_grow(l, s->t, s->slack, rb_event_set_lasting,
+	                                           &s->contact_point);
 	if (s->contact_point_count < 0) {
 		rb_slips_take(s, -1, SIZE_MAX / 2);
 		return false;
@@ -95,7 +96,7 @@ static bool begin(struct rb_resolution *s)
 	if (l->status != RB_OK)
 		return false;
 	for (int k = 0; k < s->contact_point_count; k++) {
-		const struct rb_held *held = rb_set_held_like(l, &s->contact_point[k]);
+		const struct rb_held *held = rb_event_set_held_like(l, &s->contact_point[k]);
 
 		s->before[k] = (struct rb_held){.a = -1};
 		if (!held)
@@ -126,13 +127,12 @@ static double drifts(const struct rb_resolution *s, const struct rb_contact_poin
 	return rb_slips_is_after_impact(s, m) ? rounds(s, m) : integrates(s, m);
 }
 
-/* True if a held contact separates or has left its features. */
+/* True if a held contact separates or has left its features, or if a body of it was moved away. */
 static bool parts(const struct rb_resolution *s, const struct rb_contact_point *m)
 {
 	const double max = drifts(s, m);
 
-	/* and if its body was moved elsewhere */
-	return rb_vec3_dot(m->velocity, m->normal) > max || rb_set_has_left(s->l, m) ||
+	return rb_vec3_dot(m->velocity, m->normal) > max || rb_event_set_has_left(s->l, m) ||
 	       m->gap > fmax(rb_drift_correct * rb_contact_point_size(s->l, m),
 	                     rb_contact_point_band(s->l, m, s->t));
 }
@@ -449,7 +449,7 @@ static bool in_closed_form(const struct rb_resolution *s, int part, const struct
 		     rb_joint_rows_hold(l, l->set[k])))
 			return false;
 	for (int k = 0; k < s->contact_point_count; k++) {
-		const struct rb_held *held = rb_set_held_like(l, &s->contact_point[k]);
+		const struct rb_held *held = rb_event_set_held_like(l, &s->contact_point[k]);
 
 		if (!held || l->cluster_of[dynamic_of(s, k)] != (int)(c - l->cluster))
 			continue;
@@ -457,7 +457,7 @@ static bool in_closed_form(const struct rb_resolution *s, int part, const struct
 		    l->model->shape[s->contact_point[k].b].kind == RB_SHAPE_SPHERE)
 			return false;
 		/* nothing would detect that a point leaves its features, or a new one */
-		if (!rb_set_is_single(l, s->contact_point[k].a, s->contact_point[k].b) &&
+		if (!rb_event_set_is_single(l, s->contact_point[k].a, s->contact_point[k].b) &&
 		    l->model->shape[s->contact_point[k].b].kind != RB_SHAPE_PLANE)
 			return false;
 		if (held->slipping && !held->straight)
@@ -661,7 +661,7 @@ static void forget_before(struct rb_resolution *s, struct pace *pace)
 		const int cluster = l->cluster_of[l->set[k]];
 
 		/* what clusters are given up for may take their room */
-		rb_past_keep(l, l->set[k], s->t);
+		rb_piece_warm_start_keep(l, l->set[k], s->t);
 		if (cluster < 0)
 			continue;
 		const struct rb_cluster *c = &l->cluster[cluster];
@@ -741,7 +741,7 @@ static bool resolve_once(struct rb_resolution *s, bool inspects, int round)
 
 	if (!begin(s))
 		return false;
-	s->hit = !inspects ? -1 : round == 0 ? find_hit(s) : rb_seize_hit(s);
+	s->hit = !inspects ? -1 : round == 0 ? find_hit(s) : rb_tangential_impact_hit(s);
 	if (inspects && round == 0 && s->hit < 0) /* it begins with none */
 		s->hit_joint = rb_joint_stops_hit(&s->joints, s->t, s->slack);
 	if (s->hit >= 0 || s->hit_joint >= 0)
@@ -753,13 +753,13 @@ static bool resolve_once(struct rb_resolution *s, bool inspects, int round)
 		rb_slips_too_many(s);
 	else
 		sample_external(s);
-	if (l->status != RB_OK || !rb_lean_solve(s) || !rb_joint_rest_decide(s)) {
+	if (l->status != RB_OK || !rb_rim_support_solve(s) || !rb_joint_rest_decide(s)) {
 		/* nothing is written: what has been put right has not happened */
 		l->world->ledger = before;
 		return false;
 	}
 	join_all(s);
-	if (round <= s->l->set_count && s->joints.count == 0 && rb_seize(s))
+	if (round <= s->l->set_count && s->joints.count == 0 && rb_tangential_impact(s))
 		return true;
 	forget_before(s, &pace);
 	record_lifts(s);

@@ -6,7 +6,7 @@
 #ifndef RB_LOCATED_RESOLVE_CONTACTS_H
 #define RB_LOCATED_RESOLVE_CONTACTS_H
 
-#include "located/set.h"
+#include "located/event_set.h"
 
 /*
  * For the set as it is, grown to all that rests on it: gives every body of it a new arc from `t`

@@ -89,7 +89,8 @@ static bool put_right(struct impact *s)
 	if (!kept)
 		return false;
 	for (int k = 0; k < s->contact_point_count; k++)
-		kept[k] = rb_set_held(l, s->contact_point[k].a, s->contact_point[k].b) != NULL;
+		kept[k] = rb_event_set_held(l, s->contact_point[k].a, s->contact_point[k].b) !=
+		          NULL;
 	rb_drift_places(&drift);
 	return true;
 }
@@ -214,7 +215,8 @@ static bool is_taken_over(const struct impact *s, int k)
 {
 	for (int i = 0; i < s->contact_point_count; i++)
 		if (i != k &&
-		    rb_set_is_shared_place(s->l, &s->contact_point[k], &s->contact_point[i]) &&
+		    rb_event_set_is_shared_place(s->l, &s->contact_point[k],
+		                                 &s->contact_point[i]) &&
 		    fabs(rb_vec3_dot(velocity_after(s, i), s->joint.contact[i].normal)) <=
 		            s->joint.contact[i].noise)
 			return true;
@@ -237,7 +239,7 @@ static double accumulation(struct impact *s, int k)
 	pose_b.spin = s->joint.body[c->b].angular;
 	const struct rb_contact_point *m = &s->contact_point[k];
 	const struct rb_contact_name name = rb_contact_name_of(m);
-	const struct rb_contact_point after = rb_set_is_single(l, m->a, m->b)
+	const struct rb_contact_point after = rb_event_set_is_single(l, m->a, m->b)
 	                                              ? rb_contact_point_poses(l, m->a, m->b,
 	                                                                       &pose_a, &pose_b)
 	                                              : rb_contact_point_of(l, &name, &pose_a,
@@ -245,12 +247,12 @@ static double accumulation(struct impact *s, int k)
 	const double target_velocity = rb_vec3_dot(velocity_after(s, k), c->normal);
 	/* the other end of a rocking body, or another link, lifts without an impulse */
 	const bool took_part = c->approach > 0 || rb_vec3_dot(c->impulse, c->normal) > 0 ||
-	                       rb_set_held_like(l, m);
+	                       rb_event_set_held_like(l, m);
 	if (!took_part || !(target_velocity > 0))
 		return -1;
 	const double closing = rb_bounces_closing(l, &after, s->t);
 	const bool bounces = closing > 0 && c->approach > 0 && c->restitution > 0 &&
-	                     c->restitution < 1 && rb_set_is_single(l, m->a, m->b);
+	                     c->restitution < 1 && rb_event_set_is_single(l, m->a, m->b);
 	if (bounces)
 		rb_bounces_note(l, &after, s->t, target_velocity, closing, c->restitution);
 	if (!rb_pair_impact_ends(l, &after, target_velocity, closing) || is_taken_over(s, k))
@@ -420,7 +422,7 @@ static void end_accumulations(struct impact *s)
 			continue;
 		any = true;
 		single = single &&
-		         rb_set_is_single(l, s->contact_point[k].a, s->contact_point[k].b);
+		         rb_event_set_is_single(l, s->contact_point[k].a, s->contact_point[k].b);
 		l->merge[l->merge_count++] = (struct rb_merge){.recorded_s = s->t + rest_s,
 		                                               .a = s->contact_point[k].a,
 		                                               .b = s->contact_point[k].b};
@@ -637,12 +639,12 @@ static double collide_once(struct rb_located *l, int a, int b, double t)
 	struct impact s = {.l = l, .t = t};
 	const rb_arena_mark here = rb_arena_here(l->arena);
 
-	rb_set_add(l, a);
-	rb_set_add(l, b);
+	rb_event_set_add(l, a);
+	rb_event_set_add(l, b);
 	/* a joint's own limit or rope is met by no pair */
 	l->come_a = a == b ? -1 : a;
 	l->come_b = a == b ? -1 : b;
-	s.contact_point_count = rb_set_grow(l, t, 0, rb_set_touching, &s.contact_point);
+	s.contact_point_count = rb_event_set_grow(l, t, 0, rb_event_set_touching, &s.contact_point);
 	if (s.contact_point_count < 0 || !build(&s))
 		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for an impact of %d bodies",
 		                    l->set_count);

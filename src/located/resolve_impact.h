@@ -3,7 +3,7 @@
 #ifndef RB_LOCATED_RESOLVE_IMPACT_H
 #define RB_LOCATED_RESOLVE_IMPACT_H
 
-#include "located/set.h"
+#include "located/event_set.h"
 
 /*
  * Everything that touches these two, together. Leaves the set, resolved (located/resolve_contacts);

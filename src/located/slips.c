@@ -123,8 +123,8 @@ static void joint_contact(struct rb_resolution *s, int k)
 	const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
 	const double speed = rb_vec3_length(slip);
 	const double rest_speed = 4 * rb_contact_point_noise(l, m) + s->slack;
-	struct rb_set_left left = {.sticks = false};
-	const bool has_left = before->a < 0 && rb_set_left_of(l, m, &left);
+	struct rb_event_set_left left = {.sticks = false};
+	const bool has_left = before->a < 0 && rb_event_set_left_of(l, m, &left);
 	const bool sticks = before->a >= 0 ? !before->slipping || before->ending : left.sticks;
 	const bool stuck = sticks && !rb_slips_is_after_impact(s, m);
 
@@ -171,7 +171,7 @@ static void share_loads(struct rb_resolution *s)
 			const double along = rb_vec3_dot(mine->normal, other->normal);
 
 			if (s->before[i].a < 0 || !rb_slips_press(s, i) ||
-			    !rb_set_is_shared_place(s->l, mine, other) ||
+			    !rb_event_set_is_shared_place(s->l, mine, other) ||
 			    !((same ? along : -along) > same_way))
 				continue;
 			const rb_vec3 half = rb_vec3_scale(0.5, s->joint.contact[i].impulse);
@@ -357,7 +357,7 @@ bool rb_slips_creep(const struct rb_resolution *s, int k, const struct rb_held *
 		friction = rb_vec3_add(friction, rb_vec3_reject(s->joint.contact[i].impulse,
 		                                                s->contact_point[i].normal));
 	return held->slipping && held->friction > 0 &&
-	       rb_set_is_slow(s->l, m, rb_vec3_dot(slip_rate(s, k), held->slip), friction);
+	       rb_event_set_is_slow(s->l, m, rb_vec3_dot(slip_rate(s, k), held->slip), friction);
 }
 
 /*
@@ -377,7 +377,7 @@ static bool stop_slow_slips(struct rb_resolution *s)
 		const double slows = -rb_vec3_dot(slip_rate(s, k), c->slip);
 		const bool slides = c->mode == RB_SOLVER_SLIDE;
 		const bool ends = slides && rb_slips_press(s, k) && c->friction > 0 && slows > 0 &&
-		                  !rb_set_is_single(s->l, m->a, m->b) &&
+		                  !rb_event_set_is_single(s->l, m->a, m->b) &&
 		                  rb_vec3_dot(slip, slip) <= 2 * slows * SLIP_ULP * DBL_EPSILON *
 		                                                     rb_contact_point_size(s->l, m);
 
@@ -396,12 +396,12 @@ static bool stop_slow_slips(struct rb_resolution *s)
 static bool slipped(const struct rb_resolution *s, int k, rb_vec3 *way)
 {
 	const struct rb_held *before = &s->before[k];
-	struct rb_set_left left;
+	struct rb_event_set_left left;
 
 	if (rb_slips_is_after_impact(s, &s->contact_point[k]))
 		return false;
 	if (before->a < 0) {
-		if (!rb_set_left_of(s->l, &s->contact_point[k], &left))
+		if (!rb_event_set_left_of(s->l, &s->contact_point[k], &left))
 			return false;
 		*way = left.slip;
 		return is_given(left.slip);

@@ -11,7 +11,7 @@
 
 #include "located/drift.h"
 #include "located/joint_rows.h"
-#include "located/set.h"
+#include "located/event_set.h"
 #include "constraint/simultaneous.h"
 
 /* State of one resolution of contacts. */

@@ -7,7 +7,7 @@
 #include "located/transition.h"
 
 #include "base/error.h"
-#include "located/set.h"
+#include "located/event_set.h"
 #include "geom/distance.h"
 
 /* Seconds until x + v s + a s^2 / 2 leaves [-half, half], outward; INFINITY: never. */
@@ -53,7 +53,7 @@ static double leaves_face(const struct rb_located *l, const struct rb_held *held
 /* Seconds in which rounding may take a body out of a plane's touching band. */
 static double keeps_in_band(const struct rb_located *l, const struct rb_held *held, double t)
 {
-	const struct rb_contact_point m = rb_set_contact_point(l, held, t);
+	const struct rb_contact_point m = rb_event_set_contact_point(l, held, t);
 	const rb_vec3 a = l->arc[held->a].acceleration, v = l->arc[held->a].velocity;
 	const double band = 0.5 * rb_contact_point_band(l, &m, t);
 	const double drift = fabs(rb_vec3_dot(v, m.normal)),
@@ -67,7 +67,7 @@ static double keeps_in_band(const struct rb_located *l, const struct rb_held *he
 /* Seconds until the slip ends under constant accelerations. */
 static double slip_ends(const struct rb_located *l, const struct rb_held *held, double t)
 {
-	const struct rb_contact_point m = rb_set_contact_point(l, held, t);
+	const struct rb_contact_point m = rb_event_set_contact_point(l, held, t);
 	const struct rb_arc *arc = &l->arc[held->a];
 	const rb_vec3 turning = l->top ? l->top[held->a].acceleration : (rb_vec3){0, 0, 0};
 	const rb_vec3 rate = rb_vec3_neg(

@@ -285,7 +285,7 @@ static void fill_numbers(struct rb_model *model)
 	const struct rb_record_def *record = &model->scene->record;
 
 	const struct rb_world_def *world = &model->scene->world;
-	const struct rb_sizes sizes = rb_scene_sizes(model->scene);
+	const struct rb_piece_scales sizes = rb_scene_sizes(model->scene);
 	bool whole;
 
 	model->duration_s = rb_world_duration(world);

@@ -17,7 +17,7 @@ double rb_ulp(double x)
  * chain of unequal masses leaves open grows along it; and at least the rounding of gaps at the
  * largest coordinate (RB_TOUCHING_ULP in step/gap).
  */
-static void choose_tolerances(const struct rb_scene *scene, struct rb_sizes *sizes)
+static void choose_tolerances(const struct rb_scene *scene, struct rb_piece_scales *sizes)
 {
 	static const double located = 1e-6;
 	const struct rb_method *const method = rb_methods[scene->world.method];
@@ -37,9 +37,9 @@ static void choose_tolerances(const struct rb_scene *scene, struct rb_sizes *siz
 		sizes->stepped_tolerance_m = fmax(by_steps * sizes->size_min_m, rounding);
 }
 
-struct rb_sizes rb_scene_sizes(const struct rb_scene *scene)
+struct rb_piece_scales rb_scene_sizes(const struct rb_scene *scene)
 {
-	struct rb_sizes sizes = {.size_min_m = (double)INFINITY};
+	struct rb_piece_scales sizes = {.size_min_m = (double)INFINITY};
 	double logs = 0;
 	int moving = 0;
 

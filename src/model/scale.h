@@ -12,14 +12,14 @@
 /* Distance to the next double, of |x|. */
 double rb_ulp(double x);
 
-struct rb_sizes {
+struct rb_piece_scales {
 	double size_min_m;       /* smallest radius or half-edge of a moving body, 0: none moves */
 	double size_mean_m;      /* geometric mean of these over moving bodies, 0: none moves */
 	double coordinate_max_m; /* largest |coordinate| or size */
 	/* m, as given, or the default of the method and of the steps that it takes */
 	double tolerance_m, stepped_tolerance_m;
 };
-struct rb_sizes rb_scene_sizes(const struct rb_scene *scene);
+struct rb_piece_scales rb_scene_sizes(const struct rb_scene *scene);
 
 /* Whether anything but their start gives bodies speed: forces, motors, motions, callbacks. */
 bool rb_scene_has_drive(const struct rb_scene *scene);

@@ -46,7 +46,7 @@ struct check {
 	struct rb_mistakes *mistakes; /* the caller's or `own` */
 	struct rb_mistakes own;
 	bool turns;
-	struct rb_sizes sizes;
+	struct rb_piece_scales sizes;
 	struct rb_parts_table *parts; /* NULL: only spheres and planes */
 };
 

@@ -16,7 +16,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "step/flow.h"
-#include "stepped/again.h"
+#include "stepped/relinearize.h"
 #include "stepped/driven_bodies.h"
 #include "stepped/force.h"
 #include "stepped/impact_pass.h"
@@ -339,7 +339,7 @@ static enum rb_status move_and_inspect(struct rb_world *world, struct rb_cohort 
 		again = false;
 		if (inspections < INSPECTIONS_MAX && (world->broadphase || world->model->joints ||
 		                                      world->stepped->solver.sprung_count > 0))
-			status = rb_again(world, cohort, inspections, &again, err);
+			status = rb_relinearize(world, cohort, inspections, &again, err);
 	}
 	return status;
 }

@@ -3,7 +3,7 @@
 #ifndef RB_STEPPED_ATTEMPT_H
 #define RB_STEPPED_ATTEMPT_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 /*
  * The rows of its bodies in the mark are those of the beginning. Residuals stand with the solver's

@@ -10,12 +10,12 @@
 #include "geom/manifold.h"
 #include "model/parts.h"
 #include "step/gap.h"
-#include "stepped/beside.h"
+#include "stepped/internal_edges.h"
 #include "stepped/pivot.h"
 #include "stepped/rolling.h"
 #include "stepped/clearance.h"
 #include "stepped/step_closing.h"
-#include "stepped/pairwise.h"
+#include "stepped/pair_motion.h"
 
 RB_FIELDS_DEFINE(rb_named_impulse_fields, struct rb_named_impulse, RB_NAMED_IMPULSE_FIELDS);
 
@@ -157,7 +157,7 @@ static size_t find_last(const struct rb_step_points *points, const struct rb_ste
 }
 
 /* Material, approach and the impulse of the step before, for a point whose place is known. */
-static void fill_point(const struct inspection *inspection, struct rb_pairwise *common,
+static void fill_point(const struct inspection *inspection, struct rb_pair_motion *common,
                        struct rb_step_point *point)
 {
 	const struct rb_step_points *points = inspection->points;
@@ -179,7 +179,7 @@ static void fill_point(const struct inspection *inspection, struct rb_pairwise *
 	point->normal_impulse = inspection->h * last->force;
 	if (point->material->friction == 0)
 		return;
-	point->friction_impulse = rb_pairwise_turned(
+	point->friction_impulse = rb_pair_motion_turned(
 		common, rb_vec3_scale(inspection->h, last->friction_impulse), point->normal);
 }
 
@@ -231,8 +231,8 @@ static bool is_held(const struct inspection *inspection, int i)
 }
 
 /*
- * Of a sphere on a finite plane, as stepped/beside has it: it comes to the border from beside, and
- * the plane is between them as long as forces do not move it through that.
+ * Of a sphere on a finite plane, as stepped/internal_edges has it: it comes to the border from
+ * beside, and the plane is between them as long as forces do not move it through that.
  */
 static bool is_beside_border(const struct inspection *inspection, struct rb_pair pair)
 {
@@ -256,14 +256,14 @@ static bool is_beside_border(const struct inspection *inspection, struct rb_pair
 	const rb_vec3 up = rb_quat_rotate(turn, (rb_vec3){0, 0, local.z < 0 ? -1 : 1});
 	const rb_vec3 low = rb_vec3_add_scaled(origin, -model->shape[pair.a].radius, up);
 	const double height = fabs(local.z) - model->shape[pair.a].radius;
-	const rb_vec3 arm_a = rb_vec3_sub(origin, rb_pairwise_center(world, pair.a));
-	const rb_vec3 arm_b = rb_vec3_sub(low, rb_pairwise_center(world, pair.b));
+	const rb_vec3 arm_a = rb_vec3_sub(origin, rb_pair_motion_center(world, pair.a));
+	const rb_vec3 arm_b = rb_vec3_sub(low, rb_pair_motion_center(world, pair.b));
 	const rb_vec3 before = rb_vec3_sub(
-		rb_pairwise_velocity(world, &world->mark, pair.a, arm_a),
-		rb_pairwise_velocity(world, &world->mark, pair.b, arm_b));
+		rb_pair_motion_velocity(world, &world->mark, pair.a, arm_a),
+		rb_pair_motion_velocity(world, &world->mark, pair.b, arm_b));
 	const rb_vec3 forced = rb_vec3_sub(
-		rb_pairwise_velocity(world, &world->state, pair.a, arm_a),
-		rb_pairwise_velocity(world, &world->state, pair.b, arm_b));
+		rb_pair_motion_velocity(world, &world->state, pair.a, arm_a),
+		rb_pair_motion_velocity(world, &world->state, pair.b, arm_b));
 	const bool by_itself = height <= tolerance ||
 	                       (is_held(inspection, pair.a) && is_held(inspection, pair.b));
 
@@ -320,7 +320,7 @@ static void inspect_plain(struct inspection *inspection, struct rb_pair pair, do
 		point->arm_b.x = -radius_b;
 	} else {
 		const rb_vec3 at = rb_world_origin_at(world, &world->state, pair.a);
-		const rb_vec3 center = rb_pairwise_center(world, pair.a);
+		const rb_vec3 center = rb_pair_motion_center(world, pair.a);
 		const rb_vec3 on_a = rb_vec3_add_scaled(at, model->shape[pair.a].radius, g.normal);
 
 		point->arm_a = rb_vec3_sub(on_a, center);
@@ -330,14 +330,14 @@ static void inspect_plain(struct inspection *inspection, struct rb_pair pair, do
 						  rb_world_origin_at(world, &world->state, pair.b),
 						  -radius_b, g.normal)
 					: rb_vec3_add_scaled(on_a, g.gap, g.normal),
-				rb_pairwise_center(world, pair.b));
+				rb_pair_motion_center(world, pair.b));
 		if (!is_ball) /* a lopsided one on a plane */
 			point->bend = rb_rolling_bend_of_ball(
 				world, pair.a, rb_vec3_sub(at, center), g.normal, inspection->h);
 		point->rolls = point->bend != 0;
 	}
-	struct rb_pairwise common = rb_pairwise_of(world, inspection->h, pair.a, pair.b,
-	                                           point->normal, point->central);
+	struct rb_pair_motion common = rb_pair_motion_of(world, inspection->h, pair.a, pair.b,
+	                                                 point->normal, point->central);
 
 	fill_point(inspection, &common, point);
 }
@@ -393,10 +393,10 @@ static void add_manifold(struct inspection *inspection, struct rb_pair pair,
 {
 	const struct rb_model *const model = inspection->world->model;
 	const bool terrain = rb_candidates_is_terrain(model, pair.b);
-	const rb_vec3 at_a = rb_pairwise_center(inspection->world, pair.a),
-		      at_b = rb_pairwise_center(inspection->world, pair.b);
-	struct rb_pairwise common = rb_pairwise_of(inspection->world, inspection->h, pair.a, pair.b,
-	                                           manifold->normal, false);
+	const rb_vec3 at_a = rb_pair_motion_center(inspection->world, pair.a),
+		      at_b = rb_pair_motion_center(inspection->world, pair.b);
+	struct rb_pair_motion common = rb_pair_motion_of(inspection->world, inspection->h, pair.a,
+	                                                 pair.b, manifold->normal, false);
 
 	for (int k = 0; k < manifold->count; k++) {
 		const rb_manifold_point *at = &manifold->point[k];
@@ -456,23 +456,24 @@ static double band_of(const struct inspection *inspection, struct rb_pair pair, 
 }
 
 /* Of the first of a pair, as the second sees it, in the step; a part of it is at `at`. */
-static struct rb_beside_motion relative(const struct inspection *inspection,
-                                        const struct rb_state *state, struct rb_pair pair,
-                                        rb_vec3 at)
+static struct rb_internal_edge_motion relative(const struct inspection *inspection,
+                                               const struct rb_state *state, struct rb_pair pair,
+                                               rb_vec3 at)
 {
 	const struct rb_world *world = inspection->world;
-	const rb_quat a = rb_pairwise_turn(world, state, pair.a, inspection->h),
-		      b = rb_pairwise_turn(world, state, pair.b, inspection->h);
-	const rb_vec3 arm = rb_quat_rotate(a, rb_vec3_sub(at, rb_pairwise_center(world, pair.a)));
+	const rb_quat a = rb_pair_motion_turn(world, state, pair.a, inspection->h),
+		      b = rb_pair_motion_turn(world, state, pair.b, inspection->h);
+	const rb_vec3 arm = rb_quat_rotate(a,
+	                                   rb_vec3_sub(at, rb_pair_motion_center(world, pair.a)));
 	const rb_vec3 then = rb_vec3_add(
-		rb_pairwise_center_after(world, state, pair.a, inspection->h), arm);
+		rb_pair_motion_center_after(world, state, pair.a, inspection->h), arm);
 	const rb_vec3 from_b = rb_quat_rotate_back(
-		b,
-		rb_vec3_sub(then, rb_pairwise_center_after(world, state, pair.b, inspection->h)));
-	const rb_vec3 was = rb_vec3_sub(at, rb_pairwise_center(world, pair.b));
+		b, rb_vec3_sub(then,
+	                       rb_pair_motion_center_after(world, state, pair.b, inspection->h)));
+	const rb_vec3 was = rb_vec3_sub(at, rb_pair_motion_center(world, pair.b));
 
-	return (struct rb_beside_motion){rb_vec3_sub(from_b, was),
-	                                 rb_quat_multiply((rb_quat){b.w, -b.x, -b.y, -b.z}, a)};
+	return (struct rb_internal_edge_motion){
+		rb_vec3_sub(from_b, was), rb_quat_multiply((rb_quat){b.w, -b.x, -b.y, -b.z}, a)};
 }
 
 static bool passes(const struct inspection *inspection, struct rb_pair pair, const rb_placed *a,
@@ -485,15 +486,15 @@ static bool passes(const struct inspection *inspection, struct rb_pair pair, con
 
 	/* of most there is none, and their motions need not be known */
 	if (manifold->faces < -world->model->stepped_tolerance_m ||
-	    !rb_beside_has_face(a, b, manifold->normal, world->model->stepped_tolerance_m))
+	    !rb_internal_edge_has_face(a, b, manifold->normal, world->model->stepped_tolerance_m))
 		return false;
-	const struct rb_beside beside = {.before = relative(inspection, before, pair, a->at),
-	                                 .forced = relative(inspection, &world->state, pair, a->at),
-	                                 .held = is_held(inspection, pair.a) &&
-	                                         is_held(inspection, pair.b),
-	                                 .tolerance = world->model->stepped_tolerance_m};
+	const struct rb_internal_edge beside = {
+		.before = relative(inspection, before, pair, a->at),
+		.forced = relative(inspection, &world->state, pair, a->at),
+		.held = is_held(inspection, pair.a) && is_held(inspection, pair.b),
+		.tolerance = world->model->stepped_tolerance_m};
 
-	return rb_beside(&beside, a, b, manifold);
+	return rb_internal_edge(&beside, a, b, manifold);
 }
 
 /* Of the tolerance, by which points may stand too high. */
@@ -547,7 +548,7 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 			if (!clue->is_close)
 				continue;
 			rb_manifold_from(&manifold, pa, pb, &s, band, fine);
-			if (rb_beside_may(&manifold, band, tolerance) &&
+			if (rb_internal_edge_may(&manifold, band, tolerance) &&
 			    passes(inspection, pair, pa, pb, &manifold))
 				continue;
 			add_manifold(inspection, pair, &manifold, slack,

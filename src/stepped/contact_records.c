@@ -272,14 +272,14 @@ enum rb_status rb_record_passed(const struct rb_cohort *cohort, double h, const 
 }
 
 enum rb_status rb_record_part(const struct rb_cohort *cohort, const struct rb_contacts *contacts,
-                              double h, struct rb_contacts *scratch, struct rb_means *means,
+                              double h, struct rb_contacts *scratch, struct rb_mean_forces *means,
                               struct rb_error *err)
 {
 	scratch->count = 0;
 	enum rb_status status = rb_contacts_join(scratch, contacts, err);
 	if (status == RB_OK)
 		status = rb_record_passed(cohort, h, NULL, scratch, err);
-	return status == RB_OK ? rb_means_add(means, scratch, h, err) : status;
+	return status == RB_OK ? rb_mean_forces_add(means, scratch, h, err) : status;
 }
 
 /*
@@ -347,7 +347,7 @@ static enum rb_status record_hits(struct rb_world *world, const struct rb_cohort
 	enum rb_status status = RB_OK;
 
 	for (size_t k = 0; k < cohort->hit_count && status == RB_OK; k++) {
-		const struct rb_hit *hit = &cohort->hit[k];
+		const struct rb_step_impact *hit = &cohort->hit[k];
 
 		if (skip && skip[hit->a])
 			continue;

@@ -6,7 +6,7 @@
 #ifndef RB_STEPPED_CONTACT_RECORDS_H
 #define RB_STEPPED_CONTACT_RECORDS_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 /*
  * Adds the impacts of a cohort's step that ended at `time` to those told: pairs that were not among
@@ -51,7 +51,7 @@ RB_CHECKED enum rb_status rb_record_passed(const struct rb_cohort *cohort, doubl
  */
 RB_CHECKED enum rb_status rb_record_part(const struct rb_cohort *cohort,
                                          const struct rb_contacts *contacts, double h_s,
-                                         struct rb_contacts *scratch, struct rb_means *means,
+                                         struct rb_contacts *scratch, struct rb_mean_forces *means,
                                          struct rb_error *err);
 /* Room among the world's events for so many more; false: no memory. */
 bool rb_record_reserve(struct rb_world *world, size_t count);

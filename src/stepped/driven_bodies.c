@@ -86,7 +86,7 @@ static rb_vec3 at_end(rb_vec3 first, rb_vec3 second)
 /* What the function does not state of its velocity at the end of the step of h. */
 static void find_end(const struct rb_world *world, int i, double h,
                      const struct rb_driven_pose *middle, const struct rb_driven_pose *end,
-                     struct rb_ride *ride)
+                     struct rb_driven_end *ride)
 {
 	const struct rb_state *state = &world->state;
 	const rb_vec3 from = rb_world_row3(state->position, i), none = {0, 0, 0};
@@ -121,10 +121,10 @@ enum rb_status rb_drive_begin(struct rb_world *world, double start, double h, st
 			return status;
 		const rb_vec3 v = rb_vec3_scale(
 			1 / h, rb_vec3_sub(pose.position, rb_world_row3(state->position, i)));
-		s->ride[k] = (struct rb_ride){.position = pose.position,
-		                              .velocity = pose.velocity,
-		                              .orientation = pose.orientation,
-		                              .spin = pose.angular_velocity};
+		s->ride[k] = (struct rb_driven_end){.position = pose.position,
+		                                    .velocity = pose.velocity,
+		                                    .orientation = pose.orientation,
+		                                    .spin = pose.angular_velocity};
 		find_end(world, i, h, &at[1], &pose, &s->ride[k]);
 		const rb_vec3 expected = rb_vec3_scale(pose.has_angular_velocity ? h : 0,
 		                                       pose.angular_velocity);

@@ -9,7 +9,7 @@
 #ifndef RB_STEPPED_DRIVEN_BODIES_H
 #define RB_STEPPED_DRIVEN_BODIES_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 /*
  * Their rows hold the pose at start_s, in the state; velocities of state and mark become those of

@@ -9,7 +9,7 @@
 #ifndef RB_STEPPED_FLIGHT_H
 #define RB_STEPPED_FLIGHT_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 struct rb_flight {
 	const struct rb_world

@@ -10,7 +10,7 @@
 #ifndef RB_STEPPED_FORCE_H
 #define RB_STEPPED_FORCE_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 RB_CHECKED enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *cohort,
                                        double start_s, double h_s, struct rb_error *err);

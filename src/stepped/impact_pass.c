@@ -96,7 +96,7 @@ void rb_impacts_release(struct rb_stepped *s)
 static enum rb_status predict(struct impacts *all, size_t point, double now, struct rb_error *err)
 {
 	RB_ASSERT_COSTLY(point < all->points->count && now >= 0 && now <= all->flight.h_s);
-	struct rb_due_queue *const queue = &all->s->due;
+	struct rb_impact_queue *const queue = &all->s->due;
 	const double t = rb_flight_touches(&all->flight, &all->points->row[point], now);
 
 	if (t == all->due_s[point]) /* it is in the queue, or never due */
@@ -106,8 +106,8 @@ static enum rb_status predict(struct impacts *all, size_t point, double now, str
 		return RB_OK;
 	/* in a crowd most of what was foreseen is foreseen anew before its time */
 	if (queue->count >= STALE_MAX + 2 * all->points->count)
-		rb_due_queue_keep(queue, all->due_s);
-	return rb_due_queue_add(queue, (struct rb_due){t, point}, err);
+		rb_impact_queue_keep(queue, all->due_s);
+	return rb_impact_queue_add(queue, (struct rb_due_impact){t, point}, err);
 }
 
 /* ---- the search ---- */
@@ -426,7 +426,7 @@ static double time_of(const struct impacts *all)
 }
 
 /* One for all points and impacts of a pair at one moment. */
-static struct rb_hit *find_hit(const struct impacts *all, const struct rb_step_point *point)
+static struct rb_step_impact *find_hit(const struct impacts *all, const struct rb_step_point *point)
 {
 	struct rb_cohort *cohort = all->cohort;
 	const double time = time_of(all);
@@ -438,24 +438,24 @@ static struct rb_hit *find_hit(const struct impacts *all, const struct rb_step_p
 	return NULL;
 }
 
-static struct rb_hit *add_hit(struct impacts *all, const struct rb_step_point *point)
+static struct rb_step_impact *add_hit(struct impacts *all, const struct rb_step_point *point)
 {
 	struct rb_cohort *cohort = all->cohort;
 
 	if (!rb_memory_reserve(&cohort->hit, &cohort->hit_capacity, cohort->hit_count + 1,
 	                       sizeof *cohort->hit))
 		return NULL;
-	struct rb_hit *hit = &cohort->hit[cohort->hit_count++];
-	*hit = (struct rb_hit){.a = point->a,
-	                       .b = point->b,
-	                       .time_s = time_of(all),
-	                       .point = rb_flight_place(&all->flight, point, all->t_s),
-	                       .normal = point->normal};
+	struct rb_step_impact *hit = &cohort->hit[cohort->hit_count++];
+	*hit = (struct rb_step_impact){.a = point->a,
+	                               .b = point->b,
+	                               .time_s = time_of(all),
+	                               .point = rb_flight_place(&all->flight, point, all->t_s),
+	                               .normal = point->normal};
 	return hit;
 }
 
 /* The pair's impulse acts in the middle of its points, each with the weight of its own. */
-static void add_impulse(const struct impacts *all, struct rb_hit *hit,
+static void add_impulse(const struct impacts *all, struct rb_step_impact *hit,
                         const struct rb_step_point *point, const struct rb_solver_contact *c)
 {
 	const double normal_impulse = rb_vec3_dot(c->impulse, c->normal);
@@ -511,7 +511,7 @@ static bool report(struct impacts *all, const struct rb_simultaneous *joint, boo
 			return false;
 		if (!(c->approach > 0))
 			continue;
-		struct rb_hit *hit = find_hit(all, point);
+		struct rb_step_impact *hit = find_hit(all, point);
 		if (!hit)
 			hit = add_hit(all, point);
 		if (!hit)
@@ -548,7 +548,7 @@ static bool target_velocity(struct impacts *all, size_t due)
 	if (all->crowd == CROWD_JOINED)
 		return true;
 	const struct rb_step_point *point = &all->points->row[due];
-	struct rb_hit *hit = add_hit(all, point);
+	struct rb_step_impact *hit = add_hit(all, point);
 	const rb_vec3 none = {0, 0, 0};
 
 	if (!hit)
@@ -592,7 +592,7 @@ static bool note_blows(struct impacts *all, const struct rb_simultaneous *joint)
 
 		if (rb_vec3_max_abs(c->impulse) == 0)
 			continue;
-		cohort->blow[cohort->blow_count++] = (struct rb_blow){
+		cohort->blow[cohort->blow_count++] = (struct rb_ledger_impact){
 			.a = point->a,
 			.b = point->b,
 			.t_s = all->t_s,
@@ -652,7 +652,7 @@ static enum rb_status predict_again(struct impacts *all, size_t point, struct rb
 	return predict(all, point, all->t_s, err);
 }
 
-static enum rb_status run_event(struct impacts *all, struct rb_due due, struct rb_error *err)
+static enum rb_status run_event(struct impacts *all, struct rb_due_impact due, struct rb_error *err)
 {
 	enum rb_status status = RB_OK;
 	bool done = false, fine;
@@ -751,7 +751,7 @@ enum rb_status rb_impacts_resolve(struct rb_world *world, struct rb_cohort *coho
 	enum rb_status status = begin(&all, err);
 	size_t left = EVENTS_MAX + EVENTS_PER_POINT * all.points->count;
 	while (status == RB_OK && s->due.count > 0 && left > 0) {
-		const struct rb_due due = rb_due_queue_next(&s->due);
+		const struct rb_due_impact due = rb_impact_queue_next(&s->due);
 
 		if (due.t_s != all.due_s[due.point]) /* it has been foreseen anew */
 			continue;

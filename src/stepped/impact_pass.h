@@ -14,7 +14,7 @@
 #ifndef RB_STEPPED_IMPACT_PASS_H
 #define RB_STEPPED_IMPACT_PASS_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 RB_CHECKED enum rb_status rb_impacts_create(struct rb_stepped *stepped,
                                             const struct rb_model *model, struct rb_error *err);

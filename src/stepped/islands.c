@@ -18,7 +18,7 @@
 #include "force/spring.h"
 #include "stepped/face.h"
 #include "stepped/pivot.h"
-#include "stepped/stiffening.h"
+#include "stepped/geometric_stiffness.h"
 #include "world/joint_state.h"
 
 /* ---- bodies ---- */
@@ -208,8 +208,9 @@ static void stiffen(struct rb_solver *solver, const struct rb_world *world, int 
 	struct rb_solver_body *const body = &solver->dense.bodies.body[i];
 
 	solver->given[i] = *body;
-	solver->stiff[i] = solver->before && rb_stiffening_add(world, solver->joint, i, solver->h_s,
-	                                                       body, &solver->tensor[i]);
+	solver->stiff[i] = solver->before &&
+	                   rb_geometric_stiffness_add(world, solver->joint, i, solver->h_s, body,
+	                                              &solver->tensor[i]);
 	if (solver->stiff[i])
 		solver->free[i] = *body;
 }

@@ -74,7 +74,7 @@ static inline bool rb_kicks_have(const struct rb_kicks *kicks, int i)
 	return kicks && kicks->count > 0 && kicks->place[i] > 0;
 }
 
-/* Where a body is after a step without rows (stepped/swing). */
+/* Where a body is after a step without rows (stepped/reduced_islands). */
 struct rb_swung {
 	/* of the group that it is the first of, in this try: members of one that has been stepped,
 	   less than 0: that needs rows; 0: it was not asked about */

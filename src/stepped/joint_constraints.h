@@ -17,12 +17,12 @@
  * this is SHAKE (Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23 (1977) 327), which neither
  * damps nor drives what swings. A bend is foreseen to be that of the step before (where impulses
  * come in halves, on a straight line through the last two, as they were measured), and found by
- * looking at the step again (stepped/again). Of a rope at right angles to all that moves the error
- * is a square, (d + x)^2 / (2 L) with d what it is off across: steps of these looks reach its root,
- * which is double, from one side alone, and grow without end on the other one. A rope that a look
- * has found farther off than the look before is not drawn back in that try.
+ * looking at the step again (stepped/relinearize). Of a rope at right angles to all that moves the
+ * error is a square, (d + x)^2 / (2 L) with d what it is off across: steps of these looks reach its
+ * root, which is double, from one side alone, and grow without end on the other one. A rope that a
+ * look has found farther off than the look before is not drawn back in that try.
  *
- * Groups that need no rows at all: stepped/swing.
+ * Groups that need no rows at all: stepped/reduced_islands.
  *
  * SHAKE's velocities are half a step late. A group that nothing but joints, springs with rows of
  * their own (spring_rows) and constant forces acts on takes its impulses in two halves, at both

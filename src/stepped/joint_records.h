@@ -8,7 +8,7 @@
 #ifndef RB_STEPPED_JOINT_RECORDS_H
 #define RB_STEPPED_JOINT_RECORDS_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 /*
  * Adds them to those told (rb_stepped's `reported`), before rb_joints_keep. Bodies with a mark in

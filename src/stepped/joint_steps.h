@@ -3,9 +3,9 @@
  * Joints from step to step: what a try begins with, how far they have drifted at its end, and what
  * of it is kept.
  *
- * A try is looked at again (stepped/again) for groups with a joint that has drifted by more than a
- * share of the tolerance: what its rows miss is added to their bends. Where that does not help, the
- * step is halved for the bodies concerned.
+ * A try is looked at again (stepped/relinearize) for groups with a joint that has drifted by more
+ * than a share of the tolerance: what its rows miss is added to their bends. Where that does not
+ * help, the step is halved for the bodies concerned.
  *
  * Owned by the method's state (rb_solver's `joint`); simulator thread. Without joints all of it
  * returns at once.
@@ -13,7 +13,7 @@
 #ifndef RB_STEPPED_JOINT_STEPS_H
 #define RB_STEPPED_JOINT_STEPS_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 /* When the state is made, or another method has had the world: free coordinates as they stand. */
 void rb_joints_start(struct rb_world *world);

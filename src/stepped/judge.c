@@ -206,7 +206,7 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 		return RB_OK;
 	if (s->bad_count > 0)
 		restore_bad(world, cohort);
-	/* depths measured by rb_again imply that the candidates held for these poses */
+	/* depths measured by rb_relinearize imply that the candidates held for these poses */
 	if (cohort->candidates == &s->candidates && !(cohort->is_measured && s->bad_count == 0) &&
 	    !rb_candidates_holds(&s->candidates, world, cohort->body, cohort->body_count)) {
 		s->candidates.valid = false;

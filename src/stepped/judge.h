@@ -3,7 +3,7 @@
 #ifndef RB_STEPPED_JUDGE_H
 #define RB_STEPPED_JUDGE_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 /*
  * Marks `bad` bodies of the cohort: not finite, of a group whose residual is too large, thrown too

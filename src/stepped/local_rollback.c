@@ -21,7 +21,7 @@
 #include "stepped/contact_records.h"
 #include "stepped/depth.h"
 #include "stepped/driven_bodies.h"
-#include "stepped/enter.h"
+#include "stepped/step_ledger.h"
 #include "stepped/joint_records.h"
 #include "stepped/joint_steps.h"
 #include "stepped/judge.h"
@@ -34,8 +34,8 @@ struct rb_local_rollback {
 	int *steps; /* owned, by body: that were taken and not taken back */
 	int *body;  /* owned: a group's, with driven ones */
 	struct rb_contacts last, before, kept; /* of a group's last step; of finished groups */
-	struct rb_contacts shown; /* for the frames: of finished groups, over the whole step */
-	struct rb_means means;    /* of the group under way */
+	struct rb_contacts shown;    /* for the frames: of finished groups, over the whole step */
+	struct rb_mean_forces means; /* of the group under way */
 	struct rb_named_impulse *impulse; /* owned: of finished groups */
 	size_t impulse_count, impulse_capacity;
 	struct rb_event_of *event; /* owned: impacts of finished groups */
@@ -95,7 +95,7 @@ void rb_local_rollback_destroy(struct rb_local_rollback *local)
 	rb_contacts_release(&local->last);
 	rb_contacts_release(&local->before);
 	rb_contacts_release(&local->kept);
-	rb_means_release(&local->means);
+	rb_mean_forces_release(&local->means);
 	rb_contacts_release(&local->shown);
 	rb_memory_free(local->impulse);
 	rb_memory_free(local->event);
@@ -230,8 +230,8 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 			s->reported.row[k], rb_stepped_is_dynamic(world, a) ? a : b};
 	}
 	if (status == RB_OK && s->tally) {
-		const struct rb_entries e = rb_enter_step(world, part, &world->mark, time - h, h,
-		                                          NULL);
+		const struct rb_entries e = rb_step_ledger_enter(world, part, &world->mark,
+		                                                 time - h, h, NULL);
 		rb_entries_add(&local->entries, 1, &e);
 	}
 	rb_joints_keep(world, part, h, NULL);
@@ -292,7 +292,7 @@ static enum rb_status resolve(struct rb_world *world, struct rb_swept_group *gro
 	local->impulse_count += points->last_count;
 	enum rb_status status = rb_contacts_join(&local->kept, &local->last, err);
 	if (status == RB_OK)
-		status = rb_means_record(&local->means, dt, &local->shown, err);
+		status = rb_mean_forces_record(&local->means, dt, &local->shown, err);
 	if (status != RB_OK)
 		return status;
 	if (s->tally) {
@@ -516,8 +516,8 @@ static enum rb_status join_contacts(struct rb_world *world, double dt, struct rb
 static void enter_all(struct rb_world *world, double start, double dt)
 {
 	const struct rb_local_rollback *local = world->stepped->local;
-	const struct rb_entries whole = rb_enter_step(world, &world->stepped->all, &local->begin,
-	                                              start, dt, local->swept.failed);
+	const struct rb_entries whole = rb_step_ledger_enter(
+		world, &world->stepped->all, &local->begin, start, dt, local->swept.failed);
 
 	rb_ledger_enter(&world->ledger, &whole);
 	for (size_t k = 0; k < local->book_count; k++)

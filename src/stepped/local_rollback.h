@@ -15,7 +15,7 @@
 
 #include <math.h>
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 /*
  * From a try over the whole of dt_s that was good for some (rb_stepped's `bad`; reaches of

@@ -12,7 +12,7 @@
 #ifndef RB_STEPPED_NETS_H
 #define RB_STEPPED_NETS_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 #include "stepped/net_solve.h"
 
 struct rb_nets {

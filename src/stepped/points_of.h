@@ -3,7 +3,7 @@
 #ifndef RB_STEPPED_POINTS_OF_H
 #define RB_STEPPED_POINTS_OF_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 /*
  * Points of each body that yields: of[first[i]] to of[first[i + 1] - 1]; first: [bodies + 3], of:

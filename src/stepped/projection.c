@@ -7,10 +7,10 @@
 #include "base/forest.h"
 #include "base/memory.h"
 #include "base/team.h"
-#include "stepped/carried.h"
-#include "stepped/dues.h"
+#include "stepped/end_points.h"
+#include "stepped/projection_impulses.h"
 #include "stepped/joint_steps.h"
-#include "stepped/lift.h"
+#include "stepped/projection_energy.h"
 #include "world/joint_state.h"
 
 /* Rounds; and by how many of the deepest overlaps a body may be moved, as one pushes the next. */
@@ -93,9 +93,9 @@ struct search {
 	unsigned char *stopped; /* by body: it is without its velocity */
 	uint32_t *pair;         /* to be looked at */
 	int wave_count, active_count, resting_count;
-	struct rb_lift lift;
-	struct rb_carried carried; /* points for pairs that are not to be looked at */
-	uint32_t *carried_pair;    /* those of a wave */
+	struct rb_projection_energy lift;
+	struct rb_end_points carried; /* points for pairs that are not to be looked at */
+	uint32_t *carried_pair;       /* those of a wave */
 	size_t carried_count;
 	bool again; /* not the first round */
 };
@@ -368,9 +368,10 @@ static size_t next_pairs(struct search *search)
 			if (search->inspected[pair])
 				continue;
 			search->inspected[pair] = 1;
-			if (rb_carried_has(&search->carried, pair)) {
+			if (rb_end_points_has(&search->carried, pair)) {
 				search->carried_pair[search->carried_count] = pair;
-				search->carried_count += rb_carried_is_near(&search->carried, pair);
+				search->carried_count += rb_end_points_is_near(&search->carried,
+				                                               pair);
 				continue;
 			}
 			search->pair[count++] = pair;
@@ -396,9 +397,9 @@ static bool add_carried(struct search *search)
 		const uint32_t pair = search->carried_pair[k];
 		const struct rb_pair of = search->cohort->candidates->pair[pair];
 
-		good = rb_carried_add(&search->carried, pair,
-		                      CHAIN_MAX * depth_from(search, of.a, of.b) + tolerance,
-		                      &search->world->stepped->closing);
+		good = rb_end_points_add(&search->carried, pair,
+		                         CHAIN_MAX * depth_from(search, of.a, of.b) + tolerance,
+		                         &search->world->stepped->closing);
 	}
 	return good;
 }
@@ -554,7 +555,7 @@ static void shift(void *user, size_t first, size_t end)
 		const struct rb_solver_body *body = &solver->dense.bodies.body[i];
 		double *const at = world->state.position + 3 * (size_t)i;
 
-		rb_lift_add(&search->lift, world, i);
+		rb_projection_energy_add(&search->lift, world, i);
 		rb_vec3_to(at, rb_vec3_add(rb_vec3_from(at), body->linear));
 		if (!world->state.spin)
 			continue;
@@ -582,17 +583,18 @@ static void lift_joined(struct search *search, int i)
 		const int other = joint->a == i ? joint->b : joint->a;
 
 		/* the world stands still */
-		rb_lift_join(&search->lift, search->world, i,
-		             other < 0 ? model->body_count : other);
+		rb_projection_energy_join(&search->lift, search->world, i,
+		                          other < 0 ? model->body_count : other);
 	}
 }
 
 /* Whoever gives no way holds the others, as what is static does. */
 static void join_lift(struct search *search, int a, int b)
 {
-	rb_lift_join(&search->lift, search->world, a, b);
+	rb_projection_energy_join(&search->lift, search->world, a, b);
 	if (search->frozen[a] || (rb_stepped_is_dynamic(search->world, b) && search->frozen[b]))
-		rb_lift_join(&search->lift, search->world, a, search->world->model->body_count);
+		rb_projection_energy_join(&search->lift, search->world, a,
+		                          search->world->model->body_count);
 }
 
 /* Positions are moved without friction. */
@@ -628,7 +630,7 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 		status = rb_solver_step(&s->solver, world, NULL, &s->closing, 1, err);
 	if (status == RB_OK) {
 		find_astray(search, max);
-		rb_lift_turn(&search->lift, world, &s->closing);
+		rb_projection_energy_turn(&search->lift, world, &s->closing);
 		rb_team_share(world->team, (size_t)search->active_count, BODIES_PER_BLOCK, shift,
 		              search);
 	}
@@ -718,10 +720,11 @@ enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *coh
 	if (status == RB_OK)
 		status = index_pairs(&search, err);
 	if (status == RB_OK)
-		status = rb_carried_begin(&search.carried, world, cohort, err);
+		status = rb_end_points_begin(&search.carried, world, cohort, err);
 	if (status != RB_OK)
 		return status;
-	status = rb_lift_begin(&search.lift, world, &cohort->points, cohort->candidates->h_s, err);
+	status = rb_projection_energy_begin(&search.lift, world, &cohort->points,
+	                                    cohort->candidates->h_s, err);
 	if (status == RB_OK)
 		find_anchored(&search);
 	search.waves_max = FIRST_WAVES;
@@ -739,11 +742,11 @@ enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *coh
 	}
 	give_velocities(&search);
 	if (status == RB_OK)
-		status = rb_lift_pay(&search.lift, world,
-		                     paying_parts * cohort->candidates->h_s <= s->solver.whole_s,
-		                     err);
+		status = rb_projection_energy_pay(
+			&search.lift, world,
+			paying_parts * cohort->candidates->h_s <= s->solver.whole_s, err);
 	if (status == RB_OK && search.lift.owes)
-		status = rb_dues_share(world, cohort, search.lift.owed, err);
+		status = rb_projection_impulses(world, cohort, search.lift.owed, err);
 	for (size_t k = 0; k < last.deep_count; k++)
 		blame(world, &last.deep[k]);
 	if (last.deep_count > 0 || s->bad_count == 0)

@@ -8,7 +8,7 @@
 #define RB_STEPPED_PROJECTION_H
 
 #include "stepped/depth.h"
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 /*
  * Overlaps of the cohort's candidates among bodies that are not bad; those that do not close are
@@ -19,8 +19,8 @@ RB_CHECKED enum rb_status rb_projection_close(struct rb_world *world, struct rb_
                                               struct rb_depths *found, struct rb_error *err);
 
 /*
- * m: what moving positions is for; a deeper overlap is looked at again, stepped/again. And what is
- * too deep for it: the try is bad.
+ * m: what moving positions is for; a deeper overlap is looked at again, stepped/relinearize. And
+ * what is too deep for it: the try is bad.
  */
 double rb_projection_max(const struct rb_world *world, const struct rb_deep *deep, double h);
 double rb_projection_lost(const struct rb_world *world, const struct rb_deep *deep, double h);

@@ -10,7 +10,7 @@
 #ifndef RB_STEPPED_SLEEP_H
 #define RB_STEPPED_SLEEP_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 RB_CHECKED enum rb_status rb_sleep_create(struct rb_sleep *sleep, const struct rb_model *model,
                                           struct rb_error *err);

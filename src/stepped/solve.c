@@ -12,7 +12,7 @@
 #include "stepped/joined_rebound.h"
 #include "stepped/second_half.h"
 #include "stepped/strategies.h"
-#include "stepped/swing.h"
+#include "stepped/reduced_islands.h"
 
 /* Rows of small groups that one block of work has at least. */
 enum { BLOCK_ROWS = 256 };
@@ -69,7 +69,7 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 
 	*solver = (struct rb_solver){.body_count = model->body_count,
 	                             .joins_arms = rb_levers_matter(model),
-	                             .swing = rb_swing_try};
+	                             .swing = rb_reduced_islands_try};
 	solver->dense.bodies.body = rb_memory_take(n, sizeof *solver->dense.bodies.body);
 	solver->free = rb_memory_take(n, sizeof *solver->free);
 	solver->parent = rb_memory_take(n, sizeof *solver->parent);

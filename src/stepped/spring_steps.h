@@ -16,7 +16,7 @@
 #ifndef RB_STEPPED_SPRING_STEPS_H
 #define RB_STEPPED_SPRING_STEPS_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 /* Forces, points and impacts of a try of h_s are known. */
 RB_CHECKED enum rb_status rb_springs_join(struct rb_world *world, const struct rb_cohort *cohort,

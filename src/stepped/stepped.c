@@ -19,7 +19,7 @@
 #include "stepped/attempt.h"
 #include "stepped/contact_records.h"
 #include "stepped/energy.h"
-#include "stepped/enter.h"
+#include "stepped/step_ledger.h"
 #include "stepped/impact_pass.h"
 #include "stepped/joint_records.h"
 #include "stepped/joint_steps.h"
@@ -164,7 +164,7 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 	rb_memory_free(stepped->part.dues);
 	rb_memory_free(stepped->all.hit);
 	rb_memory_free(stepped->part.hit);
-	rb_means_release(&stepped->means);
+	rb_mean_forces_release(&stepped->means);
 	rb_contacts_release(&stepped->part_contacts);
 	rb_contacts_release(&stepped->all.passed);
 	rb_contacts_release(&stepped->part.passed);
@@ -346,8 +346,8 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 		return status;
 	}
 	if (s->tally) {
-		const struct rb_entries e = rb_enter_step(world, &s->all, &world->mark, end - h, h,
-		                                          NULL);
+		const struct rb_entries e = rb_step_ledger_enter(world, &s->all, &world->mark,
+		                                                 end - h, h, NULL);
 		rb_ledger_enter(&world->ledger, &e);
 	}
 	rb_joints_keep(world, &s->all, h, NULL);
@@ -410,8 +410,8 @@ static enum rb_status step_locally(struct rb_world *world, double start, double 
 static enum rb_status show_means(struct rb_world *world, double dt, struct rb_error *err)
 {
 	world->shown.count = 0;
-	const enum rb_status status = rb_means_record(&world->stepped->means, dt, &world->shown,
-	                                              err);
+	const enum rb_status status = rb_mean_forces_record(&world->stepped->means, dt,
+	                                                    &world->shown, err);
 
 	rb_contacts_sort(&world->shown);
 	world->has_shown = status == RB_OK;

@@ -8,7 +8,7 @@
 #ifndef RB_STEPPED_STEPPED_INVARIANTS_H
 #define RB_STEPPED_STEPPED_INVARIANTS_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 RB_CHECKED enum rb_status rb_validate_stepped(const struct rb_world *world, struct rb_error *err);
 

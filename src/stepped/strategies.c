@@ -8,7 +8,7 @@
 #include "stepped/direct.h"
 #include "stepped/dual.h"
 #include "stepped/energy.h"
-#include "stepped/even.h"
+#include "stepped/redundant_contacts.h"
 #include "stepped/sweeper.h"
 
 /* Sweeps before factors are tried, and at most. */
@@ -461,8 +461,9 @@ static bool even_out(const struct rb_solver *solver, struct rb_sweeper *sweeper,
 
 		for (int i = 0; i < island->contact_count; i++)
 			rows->row[i].target.n = target[i];
-		const bool changed = rb_even(rows, close, solver->tolerance,
-		                             factor_share * (double)island->row_count, arena);
+		const bool changed = rb_redundant_contacts(rows, close, solver->tolerance,
+		                                           factor_share * (double)island->row_count,
+		                                           arena);
 		rb_arena_back(arena, here);
 		if (!changed)
 			break;

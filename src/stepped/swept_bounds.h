@@ -8,7 +8,7 @@
 #ifndef RB_STEPPED_SWEPT_BOUNDS_H
 #define RB_STEPPED_SWEPT_BOUNDS_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 struct rb_swept_group {
 	int first, count;        /* in `member` */

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a try has done to each body, noted while it is known, for the ledger: stepped/enter makes
- * entries of it if the step is kept. There only where the ledger is kept (rb_stepped's `tally`),
- * and nothing that is solved reads it.
+ * What a try has done to each body, noted while it is known, for the ledger: stepped/step_ledger
+ * makes entries of it if the step is kept. There only where the ledger is kept (rb_stepped's
+ * `tally`), and nothing that is solved reads it.
  *
  * Owned by the method's state; simulator thread.
  */
 #ifndef RB_STEPPED_TALLY_H
 #define RB_STEPPED_TALLY_H
 
-#include "stepped/inside.h"
+#include "stepped/stepped_state.h"
 
 enum rb_tally_kind {
 	RB_TALLY_FREE,   /* it has no points: parabolas */

@@ -24,7 +24,7 @@
 #include "base/memory.h"
 #include "base/outfile.h"
 #include "base/place.h"
-#include "sweep/told.h"
+#include "sweep/point_report.h"
 
 /* 64 MiB: a result has a few hundred bytes for each expectation, so that more is not a result. */
 static const size_t result_bytes_max = (size_t)64 << 20;
@@ -50,9 +50,9 @@ static int count_of(const char *json, const char *text)
  */
 static void explain_failure(struct rb_point *point, const char *json)
 {
-	rb_told_text(json, "error", point->reason, sizeof point->reason);
+	rb_point_report_text(json, "error", point->reason, sizeof point->reason);
 	if (!*point->reason)
-		rb_told_text(json, "reason", point->reason, sizeof point->reason);
+		rb_point_report_text(json, "reason", point->reason, sizeof point->reason);
 	const int failed = count_of(json, "\"ok\":false");
 	if (!*point->reason && failed > 0)
 		snprintf(point->reason, sizeof point->reason, "%d of %d expectations failed",
@@ -66,14 +66,14 @@ static void explain_failure(struct rb_point *point, const char *json)
 static bool take_result(struct rb_point *point, const char *json, size_t size, bool *refused)
 {
 	char status[16];
-	const char *const code = rb_told_value(json, "exit_status");
+	const char *const code = rb_point_report_value(json, "exit_status");
 
 	RB_ASSERT(json[size] == '\0');
 	if (size < 3 || *json != '{' || strcmp(json + size - 2, "}\n") != 0 || !code)
 		return false;
 	point->exit_code = atoi(code);
-	rb_told_text(json, "status", status, sizeof status);
-	rb_told_text(json, "state_hash", point->state_hash, sizeof point->state_hash);
+	rb_point_report_text(json, "status", status, sizeof status);
+	rb_point_report_text(json, "state_hash", point->state_hash, sizeof point->state_hash);
 	*refused = strcmp(status, "refused") == 0;
 	switch (point->exit_code) {
 	case 0:

@@ -15,7 +15,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "sweep/status.h"
-#include "sweep/told.h"
+#include "sweep/point_report.h"
 
 /*
  * NAME_SIZE: a column's name in HDF5 and CSV, longer texts are cut. EXPECTATIONS_MAX: bounds the
@@ -141,11 +141,11 @@ static enum rb_status take_expectations(struct rb_table *table, uint64_t row, co
 
 	RB_ASSERT(row < table->rows);
 	for (int k = 0; k < EXPECTATIONS_MAX; k++) {
-		const char *const one = rb_told_expectation(json, k);
+		const char *const one = rb_point_report_expectation(json, k);
 		char text[NAME_SIZE], name[NAME_SIZE + 16];
 		if (!one)
 			break;
-		rb_told_text(one, "text", text, sizeof text);
+		rb_point_report_text(one, "text", text, sizeof text);
 		for (int i = 0; i < 3; i++) {
 			snprintf(name, sizeof name, "%s: %s", text, parts[i]);
 			struct rb_table_column *column = column_named(table, "expectations", name);
@@ -153,7 +153,7 @@ static enum rb_status take_expectations(struct rb_table *table, uint64_t row, co
 				column = add_column(table, "expectations", name, false);
 			if (!column)
 				return no_memory(err);
-			column->numbers[row] = rb_told_number(one, parts[i]);
+			column->numbers[row] = rb_point_report_number(one, parts[i]);
 		}
 	}
 	return RB_OK;
@@ -176,7 +176,7 @@ static struct rb_table_column *measure_column(struct rb_table *table, const char
 	if (!column)
 		column = add_column(table, group, own, false);
 	if (column && !column->units) {
-		rb_told_text(json, "unit", units, sizeof units);
+		rb_point_report_text(json, "unit", units, sizeof units);
 		column->units = rb_memory_copy_text(units);
 	}
 	return column && column->units ? column : NULL;
@@ -191,21 +191,21 @@ static enum rb_status take_measures(struct rb_table *table, uint64_t row, const 
 
 	RB_ASSERT(row < table->rows);
 	for (const char *at = NULL;
-	     (at = rb_told_member(json, "results", at, name, sizeof name)) != NULL;) {
+	     (at = rb_point_report_member(json, "results", at, name, sizeof name)) != NULL;) {
 		struct rb_table_column *const column = measure_column(table, "results", name, at);
 		if (!column)
 			return no_memory(err);
-		column->numbers[row] = rb_told_number(at, "value");
+		column->numbers[row] = rb_point_report_number(at, "value");
 	}
 	for (const char *at = NULL;
-	     (at = rb_told_member(json, "probes", at, name, sizeof name)) != NULL;)
+	     (at = rb_point_report_member(json, "probes", at, name, sizeof name)) != NULL;)
 		for (int i = 0; i < 3; i++) {
 			snprintf(own, sizeof own, "%s: %s", name, parts[i]);
 			struct rb_table_column *const column = measure_column(table, "probes", own,
 			                                                      at);
 			if (!column)
 				return no_memory(err);
-			column->numbers[row] = rb_told_number(at, parts[i]);
+			column->numbers[row] = rb_point_report_number(at, parts[i]);
 		}
 	return RB_OK;
 }
@@ -219,11 +219,12 @@ static void take_numbers(struct rb_table *table, uint64_t row, const char *json)
 	RB_ASSERT(row < table->rows);
 	for (int i = 0; i < TOLD_COUNT; i++) {
 		struct rb_table_column *const column = column_named(table, "results", told[i].name);
-		const char *const from = told[i].object ? rb_told_value(json, told[i].object)
-		                                        : json;
+		const char *const from = told[i].object
+		                                 ? rb_point_report_value(json, told[i].object)
+		                                 : json;
 		RB_ASSERT(column != NULL);
 		if (from)
-			column->numbers[row] = rb_told_number(from, told[i].key);
+			column->numbers[row] = rb_point_report_number(from, told[i].key);
 	}
 }
 
