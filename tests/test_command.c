@@ -122,7 +122,7 @@ static void cameras_have_names_or_are_moved(void **state)
 	assert_wrong("camera", "the name of a camera");
 	assert_wrong("camera move 1 2", "three numbers");
 	assert_wrong("camera zoom -1", "above 0");
-	assert_wrong("camera orbit 1 2 3", "'3' is too much");
+	assert_wrong("camera orbit 1 2 3", "unexpected '3'");
 }
 
 static void words_in_quotes_hold_spaces(void **state)

@@ -170,6 +170,8 @@ static void fill_point(const struct inspection *inspection, struct rb_pair_motio
 		                    rb_vec3_cross(common->spin_b, point->arm_b)),
 			point->normal);
 	point->pair = (uint32_t)inspection->pair;
+	point->normal_impulse = 0;
+	point->friction_impulse = (rb_vec3){0, 0, 0};
 	point->from = (uint32_t)find_last(points, point);
 	if (point->from == 0)
 		return;
