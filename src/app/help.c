@@ -216,7 +216,7 @@ static void print_bash(FILE *file)
 	      "\tfor w in \"${COMP_WORDS[@]:1}\"; do\n"
 	      "\t\t[[ $w == *.lua && -f $w ]] && \"${COMP_WORDS[0]}\" \"$w\" --help "
 	      "2>/dev/null </dev/null |\n"
-	      "\t\t\tsed -n \"/^$1 of /,/^\\$/s/^  \\([A-Za-z_][A-Za-z0-9_]*\\).*/\\1/p\"\n"
+	      "\t\t\tsed -n \"/^$1[a-z ]* of /,/^\\$/s/^  \\([A-Za-z_][A-Za-z0-9_]*\\).*/\\1/p\"\n"
 	      "\tdone\n}\n"
 	      "_rbsim()\n{\n"
 	      "\tlocal word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=run "
@@ -298,7 +298,8 @@ static void print_zsh(FILE *file)
 	      "\tfor w in $words; do\n"
 	      "\t\t[[ $w == *.lua && -f $w ]] && compadd -S \"${${1:#Cameras}:+=}\" -- ${(f)\"$("
 	      "$words[1] $w --help 2>/dev/null </dev/null |\n"
-	      "\t\t\tsed -n \"/^$1 of /,/^\\$/s/^  \\([A-Za-z_][A-Za-z0-9_]*\\).*/\\1/p\")\"}\n"
+	      "\t\t\tsed -n \"/^$1[a-z ]* of /,/^\\$/s/^  "
+	      "\\([A-Za-z_][A-Za-z0-9_]*\\).*/\\1/p\")\"}\n"
 	      "\tdone\n}\n"
 	      "_arguments -S \\\n",
 	      file);

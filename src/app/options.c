@@ -158,7 +158,7 @@ const struct rb_option_row rb_option_rows[] = {
 	{"status", 0, NULL, RB_OPTION_FLAG, AT(sweep_status), VERB(SWEEP), 0, 0, false, NULL,
          "report which points are done, running, failed and missing, and run nothing"},
 	{"plan", 0, NULL, RB_OPTION_FLAG, AT(sweep_plan), VERB(SWEEP), 0, 0, false, NULL,
-         "write the plan of the sweep and run nothing"},
+         "write the plan of the sweep, print what its points will take, and run nothing"},
 	{"retry-failed", 0, NULL, RB_OPTION_FLAG, AT(retry), VERB(SWEEP), 0, 0, false, NULL,
          "run all failed points again (otherwise only those that lacked memory, disk or a program, "
          "or crashed)"},

@@ -284,9 +284,9 @@ static enum rb_status read_energy(struct quantity *quantity, double *more, struc
 /* What may have been meant: a probe, a sum over all bodies, or a body with what is asked of it. */
 static const char *hint_of(const struct quantity *quantity, char out[96])
 {
-	static const char *const sums[] = {"energy",   "kinetic_energy",
-	                                   "momentum", "potential_energy",
-	                                   "time",     "angular_momentum"};
+	static const char *const sums[] = {"energy",      "kinetic_energy", "potential_energy",
+	                                   "momentum",    "time",           "angular_momentum",
+	                                   "penetration", "max_penetration"};
 	const struct rb_reading *const reading = quantity->reading;
 	const char *const dot = strrchr(quantity->name, '.');
 	struct rb_nearest nearest = rb_nearest_to(quantity->name);
@@ -314,7 +314,8 @@ static enum rb_status read_observable(struct quantity *quantity, double *more, s
 {
 	const struct rb_hdf5_module *const module = quantity->module;
 	const uint64_t count = quantity->reading->frame_count;
-	const char *const name = quantity->name;
+	const char *const name = strcmp(quantity->name, "penetration") == 0 ? "max_penetration"
+	                                                                    : quantity->name;
 	char hint[96];
 
 	if (strcmp(name, "energy") == 0)
@@ -328,8 +329,9 @@ static enum rb_status read_observable(struct quantity *quantity, double *more, s
 		return RB_OK;
 	}
 	return RB_FAIL(err, RB_ERR_USAGE,
-	               "'%s' has no quantity '%.60s'%s (wanted: energy, momentum, a probe, "
-	               "BODY.z, .vz, .speed, or JOINT.angle, .force, and more: rbsim(1), plot)",
+	               "'%s' has no quantity '%.60s'%s (wanted: energy, momentum, "
+	               "penetration, a probe, BODY.z, .vz, .speed, or JOINT.angle, .force, and "
+	               "more: rbsim(1), plot)",
 	               quantity->file, name, hint_of(quantity, hint));
 }
 

@@ -7,11 +7,11 @@
 #include <string.h>
 
 #include "app/common.h"
-#include "app/estimate.h"
 #include "app/json.h"
 #include "app/overview.h"
 #include "app/planned.h"
 #include "app/progress.h"
+#include "app/sweep_needs.h"
 #include "base/team.h"
 #include "base/visible.h"
 #include "sweep/slurm.h"
@@ -19,32 +19,55 @@
 
 /* ---- what becomes of it ---- */
 
-/* Estimates a run with the defaults of the scene's parameters; run_s NAN: it is not known. */
-static struct rb_estimate estimate_run(const struct rb_planned *sweep)
+/* Prints what all points will take. */
+static void print_needs(const struct rb_planned *sweep, const struct rb_sweep_needs *needs)
 {
-	struct rb_estimate run = {.run_s = (double)NAN};
+	const char *const how = needs->at_least ? "at least" : "about";
+	char time[32], shortest[32], longest[32], bytes[32], run_bytes[32];
 
-	if (sweep->loaded.model && rb_estimate_run(&sweep->loaded, 1, &run, NULL))
-		run.run_s = (double)NAN;
-	return run;
+	rb_progress_duration(time, sizeof time, needs->wall_s);
+	rb_progress_duration(shortest, sizeof shortest, needs->shortest_s);
+	rb_progress_duration(longest, sizeof longest, needs->longest_s);
+	rb_print(stdout,
+	         "  time        %s %s, %d at a time: a run takes %s to %s (tried: %" PRIu64
+	         " of %" PRIu64 " points)\n",
+	         how, time, needs->jobs, shortest, longest, needs->tried, sweep->plan.count);
+	rb_print(stdout, "  memory      %s, a run at most %s, without films\n",
+	         rb_text_bytes(needs->memory_bytes, bytes),
+	         rb_text_bytes(needs->run_bytes, run_bytes));
+	if (sweep->plan.records)
+		rb_print(stdout, "  disk        %s of recordings\n",
+		         rb_text_bytes(needs->disk_bytes, bytes));
+	else
+		rb_print(stdout, "  disk        nothing is recorded\n");
 }
 
 /* Serves --plan. */
-static int tell_plan(const struct rb_planned *sweep)
+static enum rb_status tell_plan(const struct rb_planned *sweep, struct rb_error *err)
 {
 	const struct rb_plan *const plan = &sweep->plan;
-	const struct rb_estimate run = estimate_run(sweep);
+	struct rb_sweep_needs needs = {.wall_s = (double)NAN};
 	struct rb_json json = {.file = stdout};
-	char time[32], bytes[32];
 
+	if (sweep->loaded.model && (sweep->options->json || !sweep->options->quiet)) {
+		const enum rb_status status = rb_sweep_needs_take(&needs, sweep, err);
+		if (status)
+			return status;
+	}
 	if (sweep->options->json) {
 		rb_json_open(&json, NULL, '{');
 		rb_json_text(&json, "sweep", sweep->shown);
 		rb_json_text(&json, "scene", plan->scene);
 		rb_json_count(&json, "points", plan->count);
-		rb_json_number(&json, "run_seconds", run.run_s);
-		rb_json_bool(&json, "run_at_least", run.at_least);
-		rb_json_count(&json, "memory_bytes", run.memory_bytes);
+		rb_json_count(&json, "tried_points", needs.tried);
+		rb_json_count(&json, "jobs", (uint64_t)needs.jobs);
+		rb_json_number(&json, "seconds", needs.wall_s);
+		rb_json_bool(&json, "at_least", needs.at_least);
+		rb_json_number(&json, "shortest_run_seconds", needs.shortest_s);
+		rb_json_number(&json, "longest_run_seconds", needs.longest_s);
+		rb_json_count(&json, "memory_bytes", needs.memory_bytes);
+		rb_json_count(&json, "run_memory_bytes", needs.run_bytes);
+		rb_json_count(&json, "disk_bytes", needs.disk_bytes);
 		rb_json_count(&json, "exit_status", 0);
 		rb_json_close(&json, '}');
 		putchar('\n');
@@ -52,17 +75,10 @@ static int tell_plan(const struct rb_planned *sweep)
 		rb_print(stdout, "%s: %" PRIu64 " %s of %s, listed in %s/" RB_FOLDER_PLAN "\n",
 		         sweep->shown, plan->count, rb_text_plural(plan->count, "point", "points"),
 		         plan->scene, sweep->shown);
-		if (isnan(run.run_s))
-			return 0;
-		rb_progress_duration(time, sizeof time, run.run_s);
-		rb_print(
-			stdout,
-			"a run with the scene's defaults takes %s %s and %s, without recording and "
-			"films\n",
-			run.at_least ? "at least" : "about", time,
-			rb_text_bytes(run.memory_bytes, bytes));
+		if (needs.tried > 0)
+			print_needs(sweep, &needs);
 	}
-	return 0;
+	return RB_OK;
 }
 
 /* A failed point as an object. */
@@ -363,7 +379,7 @@ int rb_sweep_main(const struct rb_options *options)
 		exit_code = rb_app_refuse_scene(options, &sweep.loaded, &err);
 	} else if (!status) {
 		if (options->sweep_plan)
-			exit_code = tell_plan(&sweep);
+			status = tell_plan(&sweep, &err);
 		else if (options->sweep_status)
 			status = tell_status(&sweep, &exit_code, &err);
 		else if (options->slurm)

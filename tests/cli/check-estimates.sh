@@ -80,5 +80,21 @@ exits 0 check turning.lua --no-record --json --param n=1000 --duration 1e6
 memory=$(value memory_bytes)
 exits 0 turning.lua --no-record --json --param n=1000 --duration 2
 scene="a heap of 1000 tetrahedra" within memory "$memory" "$(value memory_bytes)" 0 0.42
-exits 0 sweep late.lua --param n=10:30:10 --plan -o late
-says out 'a run with the scene.s defaults takes .*[0-9] s and [0-9.]+ MB'
+# a sweep, for all its points: 9 runs whose bodies and time grow, of which five are tried
+cat >grow.lua <<'END'
+local n = param("n", 3, "balls")
+world { duration = 0.2 * n, gravity = {0, 0, -9.81} }
+plane { normal = {0, 0, 1} }
+for i = 1, n do sphere { radius = 0.1, position = {i, 0, 1} } end
+END
+exits 0 sweep grow.lua --param n=2:34:4 --jobs 3 --plan --json -o grow
+[ "$(value tried_points) $(value jobs) $(value points)" = "5 3 9" ] || fail "other points are tried"
+[ "$(value memory_bytes)" -eq $((3 * $(value run_memory_bytes))) ] || fail "three runs at a time take three times the memory"
+disk=$(value disk_bytes)
+awk -v a="$(value seconds)" -v b="$(value longest_run_seconds)" 'BEGIN { exit !(a >= b && b > 0) }' || fail "no time is told"
+exits 0 sweep grow -q
+scene="a sweep" within disk "$disk" "$(cat grow/*.h5 | wc -c)" 0.1 0.1
+exits 0 sweep grow.lua --param n=2 --no-record --plan -o bare
+says out '^  time +about .* 1 at a time: .*tried: 1 of 1 points'
+says out '^  memory +[0-9.]+ MB, a run at most [0-9.]+ MB'
+says out '^  disk +nothing is recorded'

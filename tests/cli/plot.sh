@@ -114,7 +114,10 @@ says err "no quantity '#4.z' .*JOINT.angle"
 
 exits 64 plot run.h5
 exits 64 plot run.h5 height
-says err "no quantity 'height' \(wanted: energy, momentum, a probe"
+says err "no quantity 'height' \(wanted: energy, momentum, penetration, a probe"
+exits 0 plot run.h5 penetration
+exits 64 plot run.h5 penetratoin
+says err "did you mean 'penetration'"
 exits 64 plot run.h5 nobody.z
 exits 64 plot run.h5 energy --against e
 says err "no quantity 'e'"

@@ -6,7 +6,7 @@ _rbsim_names()
 	local w
 	for w in "${COMP_WORDS[@]:1}"; do
 		[[ $w == *.lua && -f $w ]] && "${COMP_WORDS[0]}" "$w" --help 2>/dev/null </dev/null |
-			sed -n "/^$1 of /,/^\$/s/^  \([A-Za-z_][A-Za-z0-9_]*\).*/\1/p"
+			sed -n "/^$1[a-z ]* of /,/^\$/s/^  \([A-Za-z_][A-Za-z0-9_]*\).*/\1/p"
 	done
 }
 _rbsim()
