@@ -280,6 +280,18 @@ static void the_log_shows_the_newest_lines_from_below(void **state)
 	rb_panel_log(&screen, area, viewer);
 	assert_row(&screen, area, 3, "end");
 	assert_row(&screen, area, 0, "0123456789");
+	/* rows end behind words, and where a word is longer than a row within it */
+	say(viewer, "  film run.mp4: 12345678901 of 20");
+	rb_panel_log(&screen, area, viewer);
+	assert_row(&screen, area, 0, "  film");
+	assert_row(&screen, area, 1, "run.mp4:");
+	assert_row(&screen, area, 2, "1234567890");
+	assert_row(&screen, area, 3, "1 of 20");
+	say(viewer, "ends where a row does: ");
+	rb_panel_log(&screen, area, viewer);
+	assert_row(&screen, area, 1, "ends where");
+	assert_row(&screen, area, 2, "a row");
+	assert_row(&screen, area, 3, "does:");
 	/* what is too old to be kept is not shown */
 	for (int i = 0; i < 2 * RB_VIEWER_LOG_LINES; i++)
 		say(viewer, "again");

@@ -232,6 +232,23 @@ static const char *behind(const char *text, int count)
 }
 
 /*
+ * Where the next row of a line goes on: behind the last word that fits; within it where it is
+ * longer than a row. Spaces at the beginning of a line stay with what follows.
+ */
+static const char *next_row(const char *text, int width)
+{
+	const char *const end = behind(text, width);
+	const char *const word = text + strspn(text, " ");
+	const char *at = end;
+
+	if (*end == ' ' || !*end)
+		return end + strspn(end, " ");
+	while (at > word && at[-1] != ' ')
+		at--;
+	return at > word ? at : end;
+}
+
+/*
  * The newest lines, from the bottom up; long ones go on in the next row, where there is more than
  * one.
  */
@@ -244,16 +261,20 @@ void rb_panel_log(struct rb_screen *screen, rb_area area, const struct rb_viewer
 		const char *text =
 			there ? viewer->log[(viewer->log_count - back) % RB_VIEWER_LOG_LINES] : "";
 		int rows = 1;
-		for (const char *at = behind(text, area.width); *at; at = behind(at, area.width))
+		for (const char *at = next_row(text, area.width); *at;
+		     at = next_row(at, area.width))
 			rows++;
 		/* of one that is longer than all there is, the beginning */
 		const int first = rows < bottom ? bottom - rows : 0;
-		if (rows > bottom && back > 1)
-			text = behind(text, (rows - bottom) * area.width);
+		for (int k = bottom; back > 1 && k < rows; k++)
+			text = next_row(text, area.width);
 		for (int row = first; row < bottom; row++) {
+			const char *const next = next_row(text, area.width);
+			char shown[RB_VIEWER_LOG_SIZE];
+			snprintf(shown, sizeof shown, "%.*s", (int)(next - text), text);
 			rb_screen_text(screen, area, row,
-			               back == 1 ? RB_STYLE_PLAIN : RB_STYLE_FAINT, text);
-			text = behind(text, area.width);
+			               back == 1 ? RB_STYLE_PLAIN : RB_STYLE_FAINT, shown);
+			text = next;
 		}
 		bottom = first;
 	}
