@@ -11,6 +11,7 @@
 #include <signal.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "app/attached.h"
@@ -40,6 +41,7 @@ struct console {
 	struct rb_loaded loaded;
 	struct rb_client *client; /* NULL: no run */
 	char *recording;          /* owned; NULL: there is none */
+	bool is_older;            /* it stood there before the run of one's own was started */
 	struct rb_process child;
 	struct rb_viewer_run run;
 	struct rb_source *source;
@@ -76,7 +78,7 @@ static enum rb_status open_source(struct console *c, struct rb_error *err)
 
 	if (c->client)
 		return rb_source_of_run(&c->source, c->client, c->recording, model, err);
-	if (c->recording)
+	if (c->recording && !c->is_older)
 		return rb_source_of_recording(&c->source, c->recording, model, err);
 	return RB_FAIL(err, RB_ERR_INPUT,
 	               "the run was over before it could be watched, and made no recording");
@@ -163,6 +165,9 @@ static enum rb_status load_recording(struct console *c, const char *path, struct
  */
 static enum rb_status start_run(struct console *c, bool again, struct rb_error *err)
 {
+	struct stat before, after;
+	const bool was = c->recording && stat(c->recording, &before) == 0;
+
 	rb_client_close(c->client);
 	c->client = NULL;
 	rb_process_release(&c->child);
@@ -170,6 +175,8 @@ static enum rb_status start_run(struct console *c, bool again, struct rb_error *
 	                                         err);
 	if (!status)
 		status = rb_process_connect(&c->child, &c->client, err);
+	c->is_older = was && !c->client && stat(c->recording, &after) == 0 &&
+	              before.st_ino == after.st_ino && before.st_dev == after.st_dev;
 	return status;
 }
 
@@ -178,7 +185,7 @@ static enum rb_status start_again(struct console *c, struct rb_error *err)
 {
 	enum rb_status status = start_run(c, true, err);
 
-	if (status || (!c->client && !c->recording))
+	if (status || (!c->client && (!c->recording || c->is_older)))
 		return status;
 	if (c->client)
 		return load_run(c, err);

@@ -454,7 +454,7 @@ static void take_key(struct desk *desk, const struct rb_input_key *key)
 
 /*
  * Logs the lines of the run's standard error; what redraws itself there, such as a progress bar,
- * comes line by line. Closed: it is not listened to any more.
+ * comes line by line, and tabs are spaces. Closed: it is not listened to any more.
  */
 static void hear(struct desk *desk)
 {
@@ -467,7 +467,7 @@ static void hear(struct desk *desk)
 		for (ssize_t i = 0; i < size; i++) {
 			const bool ends = bytes[i] == '\n' || bytes[i] == '\r';
 			if (!ends && desk->heard_size < sizeof desk->heard - 1)
-				desk->heard[desk->heard_size++] = bytes[i];
+				desk->heard[desk->heard_size++] = bytes[i] == '\t' ? ' ' : bytes[i];
 			if (!ends || desk->heard_size == 0)
 				continue;
 			desk->heard[desk->heard_size] = '\0';

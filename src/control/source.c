@@ -63,6 +63,7 @@ struct rb_source {
 	struct rb_reader *reader; /* NULL: not there yet */
 	ino_t inode;              /* of the file that the reader of a run has opened */
 	dev_t device;
+	char started[32]; /* when the run was, as its recording has it; "": not known */
 	struct rows rows;
 	struct rb_frame frame; /* that came through the socket */
 	bool has_frame;        /* and is whole */
@@ -301,8 +302,7 @@ static void close_recording(struct rb_source *source)
 
 /*
  * Opens the recording of a run, which comes into being with its first frame; fails silently until
- * it does. Until then an older one may stand under its name, which is not that of a run that goes
- * on; one that was left by a killed run says that it is, and is then found to be replaced.
+ * it does. Until then an older one may stand under its name, and stays there if the run is killed.
  */
 static void open_late(struct rb_source *source)
 {
@@ -322,7 +322,8 @@ static void open_late(struct rb_source *source)
 	source->inode = file.st_ino;
 	source->device = file.st_dev;
 	const struct rb_reading *const reading = source->module->reader_reading(source->reader);
-	if (source->client && strcmp(reading->status, "running") != 0)
+	if ((source->client && strcmp(reading->status, "running") != 0) ||
+	    (*source->started && strcmp(reading->started, source->started) != 0))
 		close_recording(source);
 }
 
@@ -477,6 +478,24 @@ static void ask(struct rb_source *source, bool *changed)
 		take_timeline(source, lines);
 }
 
+/* Asks the run when it was started, by which its recording is known. */
+static void ask_start(struct rb_source *source)
+{
+	static const char key[] = "started ";
+	const char *lines;
+	size_t size;
+
+	if (rb_client_request(source->client, "hello", answer_s, &lines, &size, NULL))
+		return;
+	for (const char *line = lines; line && *line; line += *line == '\n') {
+		const size_t length = strcspn(line, "\n");
+		if (strncmp(line, key, sizeof key - 1) == 0)
+			snprintf(source->started, sizeof source->started, "%.*s",
+			         (int)(length - (sizeof key - 1)), line + sizeof key - 1);
+		line += length;
+	}
+}
+
 enum rb_status rb_source_of_run(struct rb_source **source, struct rb_client *client,
                                 const char *recording, const struct rb_model *model,
                                 struct rb_error *err)
@@ -489,6 +508,7 @@ enum rb_status rb_source_of_run(struct rb_source **source, struct rb_client *cli
 	(*source)->client = client;
 	(*source)->was_run = true;
 	(*source)->status.is_run = true;
+	ask_start(*source);
 	return rb_source_refresh(*source, rb_clock_now_ns(), true, &changed, err);
 }
 

@@ -121,3 +121,21 @@ kill -0 "$run" || fail "leaving an attached run has ended it"
 exits 0 ctl "$address" quit
 until_true gone
 given_back
+
+# a recording that is not of the run, as an older one under its name, is not taken for what a killed run has left
+exits 0 s.lua -o older.h5
+"$RBSIM" long.lua -o a.h5 --listen sock -q &
+run=$!
+until_true test -f a.h5
+mv older.h5 a.h5
+enters 'clear'
+enters "$own attach sock"
+sees 'newest frames'
+kill -s KILL "$run"
+sees 'the run has ended'
+sees 'sock: ended'
+sees 'frame [0-9]+ of 6000000'
+shows 'sock: complete' && fail "an older recording is shown"
+types q
+sees '^ready> *$'
+given_back
