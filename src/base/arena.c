@@ -9,6 +9,7 @@
 #include "base/arena.h"
 
 #include <stdint.h>
+#include <string.h>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -92,6 +93,9 @@ void *rb_arena_take(struct rb_arena *arena, size_t count, size_t size)
 		overflow->used += bytes;
 	}
 	RB_ASSERT_COSTLY((uintptr_t)taken % ALIGNMENT == 0);
+	/* what was here may be what is wanted: whoever reads it unset is to get NaN, or -1 */
+	if (RB_IS_CHECKED_BUILD)
+		memset(taken, 0xff, bytes);
 	RB_ASSERT_COSTLY(arena->used <= arena->size);
 	const size_t total = total_used(arena);
 	if (total > arena->high_water)
