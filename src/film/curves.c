@@ -82,7 +82,8 @@ static double value_at(const struct rb_plot_def *plot, const struct rb_frame *fr
 	case RB_PLOT_POTENTIAL_ENERGY:
 		return potential;
 	default:
-		return frame->probes ? frame->probes[plot->quantity] : (double)NAN;
+		return plot->quantity < frame->probe_count ? frame->probes[plot->quantity]
+		                                           : (double)NAN;
 	}
 }
 
