@@ -115,6 +115,14 @@ static void apply(struct rb_camera_def *camera, const struct rb_films_wish *wish
 	camera->video = png ? NULL : wish->output;
 }
 
+/* px, between `count` cells, of which each is to have a pixel of `size`; `gap`, or what fits. */
+static int fitting(int gap, int size, int count)
+{
+	const int room = count > 1 ? (size - count) / (count - 1) : gap;
+
+	return room < 0 ? 0 : room < gap ? room : gap;
+}
+
 /*
  * Divides the picture of a film among its cameras: rows of one height, in each of which all have
  * one width, with a narrow gap between them.
@@ -122,13 +130,14 @@ static void apply(struct rb_camera_def *camera, const struct rb_films_wish *wish
 static bool divide(struct film *film, const struct rb_scene *scene, const struct rb_film_def *def)
 {
 	const int width = film->camera.size_px[0], height = film->camera.size_px[1];
-	const int gap = height / 240;
-	int cell = 0;
+	int gap = fitting(height / 240, height, def->row_count), cell = 0;
 
 	film->cells = rb_memory_take((size_t)def->cell_count, sizeof *film->cells);
 	if (!film->cells)
 		return false;
 	film->cell_count = def->cell_count;
+	for (int r = 0; r < def->row_count; r++)
+		gap = fitting(gap, width, def->columns[r]);
 	for (int r = 0; r < def->row_count; r++) {
 		const int columns = def->columns[r];
 		const int top = (height + gap) * r / def->row_count;

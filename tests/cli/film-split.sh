@@ -66,6 +66,16 @@ END
 exits 0 render split.h5 -q --with cameras.lua
 [ -s with/4.png ] || fail "no film of a file of cameras"
 
+# gaps follow the height, and take no room that cells need: it was a bug message
+cat >narrow.lua <<'END'
+world { duration = 0.25, frame_rate = 4 }
+sphere { radius = 1 }
+camera { name = "one", size = {16, 16}, position = {0, -6, 0}, samples = 1 }
+film { rows = {{"one", "one", "one", "one", "one", "one", "one", "one"}}, size = {16, 2400}, png = "narrow/%d.png", fps = 4 }
+END
+exits 0 narrow.lua -q
+[ -s narrow/1.png ] || fail "no film of narrow cells"
+
 cat >wrong.lua <<'END'
 world { duration = 1 }
 sphere { radius = 1 }
