@@ -267,6 +267,16 @@ static bool may_not_fit(const struct rb_joint_rows *rows)
 	return set && holds;
 }
 
+/* Is there a velocity that joints do not allow? What stands is not to be moved by its rounding. */
+static bool is_off(const struct rb_joint_rows *rows)
+{
+	bool off = false;
+
+	for (int k = 0; k < rows->count; k++)
+		off = off || (rows->row[k].drive < 0 && rows->row[k].velocity != 0);
+	return off;
+}
+
 void rb_joint_drives_fit(struct rb_joint_rows *rows, double t, struct rb_pose *pose)
 {
 	struct rb_located *l = rows->l;
@@ -288,7 +298,9 @@ void rb_joint_drives_fit(struct rb_joint_rows *rows, double t, struct rb_pose *p
 		kept[at] = *mode;
 		*mode = part < RB_JOINT_DRIVES ? RB_DRIVE_LOW : RB_STOP_OPEN;
 	}
-	rb_joint_rows_correct(rows, t, pose, true);
+	rb_joint_rows_fill(rows, t);
+	if (is_off(rows))
+		rb_joint_rows_correct(rows, t, pose, true);
 	for (size_t at = 0; at < count; at++)
 		*mode_of(rows, rows->joint[at / RB_JOINT_PARTS_HELD],
 		         (int)(at % RB_JOINT_PARTS_HELD)) = kept[at];
