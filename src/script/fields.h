@@ -15,4 +15,10 @@ bool rb_call_tried(const struct rb_call *call, const char *key); /* right or wro
 /* Pushes the value of a key, nil where there is none; its type. */
 int rb_call_push(const struct rb_call *call, const char *key);
 
+/*
+ * Pushes the list at `key`, and returns its length; -1 with nothing pushed when there is none, or a
+ * mistake was noted because it is no list.
+ */
+int rb_call_push_list(struct rb_call *call, const char *key, const char *of, int most);
+
 #endif
