@@ -17,7 +17,7 @@ static struct rb_camera_def camera_of(double from_s, double to_s, double fps, do
 
 static struct rb_schedule schedule_of(double from_s, double to_s, double fps, double speed)
 {
-	return (struct rb_schedule){from_s, to_s, fps, speed};
+	return (struct rb_schedule){.from_s = from_s, .to_s = to_s, .fps = fps, .speed = speed};
 }
 
 static void a_camera_without_wishes_takes_a_picture_of_every_frame_to_the_bit(void **state)
@@ -104,6 +104,29 @@ static void a_film_without_end_has_a_number_of_pictures(void **state)
 	assert_true(rb_schedule_count(&endless) > (uint64_t)1 << 52);
 }
 
+static void a_film_whose_speed_varies_has_the_times_that_were_made_for_it(void **state)
+{
+	static const double times[] = {1, 1.25, 1.5, 2.5, 2.75};
+	struct rb_camera_def camera = camera_of(1, (double)INFINITY, 4, 1), other = {0};
+
+	(void)state;
+	camera.speed_varies = true;
+	camera.picture_s = times;
+	camera.picture_count = 5;
+	rb_camera_take_speed(&other, &camera);
+	other.fps = 4;
+	const struct rb_schedule schedule = rb_schedule_of(&other, 60, 3);
+	assert_int_equal(rb_schedule_count(&schedule), 5);
+	for (uint64_t k = 0; k < 5; k++)
+		assert_true(rb_schedule_time(&schedule, k) == times[k]);
+	assert_true(rb_schedule_step(&schedule) == 0.25);
+	assert_true(rb_schedule_speed(&schedule, 1) == 1);
+	assert_true(rb_schedule_speed(&schedule, 1.3) == 1);
+	assert_true(rb_schedule_speed(&schedule, 1.5) == 4);
+	assert_true(rb_schedule_speed(&schedule, 2.4) == 4);
+	assert_true(rb_schedule_speed(&schedule, 2.75) == 1); /* of the last interval */
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -113,6 +136,7 @@ int main(void)
 		cmocka_unit_test(the_camera_ends_with_the_run_and_no_picture_is_later),
 		cmocka_unit_test(a_moment_is_one_picture_and_a_camera_after_the_end_takes_none),
 		cmocka_unit_test(a_film_without_end_has_a_number_of_pictures),
+		cmocka_unit_test(a_film_whose_speed_varies_has_the_times_that_were_made_for_it),
 	};
 
 	return cmocka_run_group_tests_name("schedule", tests, NULL, NULL);

@@ -391,6 +391,11 @@ struct rb_camera_def {
 	double near, far;  /* m; NAN: chosen from the scene */
 	int size_px[2];
 	double fps, speed, from_s, to_s; /* fps NAN: the frame rate; to_s INFINITY: the end */
+	bool speed_varies;               /* the speed is that of a function, `speed` is 1 */
+	int speed_function;
+	/* of such a film that is made: the times of its pictures, borrowed from who makes it */
+	const double *picture_s;
+	uint64_t picture_count;
 	double background[3];            /* background[0] NAN: the sky */
 	struct rb_light_def lights[RB_CAMERA_LIGHTS_MAX];
 	int light_count; /* -1: the default lights */

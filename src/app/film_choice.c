@@ -103,8 +103,10 @@ static void apply(struct rb_camera_def *camera, const struct rb_films_wish *wish
 		camera->to_s = wish->to_s;
 	if (!isnan(wish->fps))
 		camera->fps = wish->fps;
-	if (!isnan(wish->speed))
+	if (!isnan(wish->speed)) {
 		camera->speed = wish->speed;
+		camera->speed_varies = false;
+	}
 	for (int i = 0; wish->size_px[0] > 0 && i < 2; i++)
 		camera->size_px[i] = wish->size_px[i];
 	if (!wish->output)
@@ -153,7 +155,7 @@ static bool divide(struct film *film, const struct rb_scene *scene, const struct
 			part->camera.size_px[0] = right > left ? right - left : 1;
 			part->camera.size_px[1] = bottom > top ? bottom - top : 1;
 			part->camera.fps = film->camera.fps;
-			part->camera.speed = film->camera.speed;
+			rb_camera_take_speed(&part->camera, &film->camera);
 			part->camera.from_s = film->camera.from_s;
 			part->camera.to_s = film->camera.to_s;
 		}
@@ -177,16 +179,44 @@ static void frame_start(const struct rb_films *films, struct rb_camera_def *came
 	       label);
 }
 
-/* Adds a camera, or a film of several; false: memory is out. */
-static bool add(struct rb_films *films, const struct rb_camera_def *camera,
-                const struct rb_film_def *def, int number, const struct rb_films_wish *wish)
+/* Asks for the times of the pictures, where the speed is a function. */
+static enum rb_status list_pictures(struct rb_films *films, struct film *film,
+                                    const struct rb_films_wish *wish, struct rb_error *err)
+{
+	struct rb_camera_def *const camera = &film->camera;
+	const struct rb_schedule schedule = rb_schedule_of(camera, films->loaded->model->frame_rate,
+	                                                   wish->end_s);
+
+	if (!camera->speed_varies)
+		return RB_OK;
+	const enum rb_status status = rb_script_pictures(
+		films->loaded->script, camera, schedule.fps, schedule.to_s, &film->picture_s,
+		&camera->picture_count, err);
+	camera->picture_s = film->picture_s;
+	return status;
+}
+
+void rb_film_choice_forget(struct film *film)
+{
+	rb_memory_free(film->cells);
+	rb_memory_free(film->picture_s);
+	*film = (struct film){0};
+}
+
+/* Adds a camera, or a film of several. */
+static enum rb_status add(struct rb_films *films, const struct rb_camera_def *camera,
+                          const struct rb_film_def *def, int number,
+                          const struct rb_films_wish *wish, struct rb_error *err)
 {
 	struct film *const film = &films->film[films->count++];
 
 	film->camera = *camera;
 	apply(&film->camera, wish);
+	const enum rb_status status = list_pictures(films, film, wish, err);
+	if (status)
+		return status;
 	if (def && !divide(film, &films->loaded->scene, def))
-		return false;
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare films: out of memory");
 	/* one picture shows what it would in the film */
 	film->from_s = wish->still ? camera->from_s : film->camera.from_s;
 	film->to_s = wish->still ? camera->to_s : film->camera.to_s;
@@ -202,10 +232,9 @@ static bool add(struct rb_films *films, const struct rb_camera_def *camera,
 		rb_log(RB_LOG_WARNING,
 		       "%s begins at %.9g s, after the end at %.9g s: it makes no film",
 		       film->label, film->schedule.from_s, wish->end_s);
-		rb_memory_free(film->cells);
-		*film = (struct film){0};
+		rb_film_choice_forget(film);
 		films->count--;
-		return true;
+		return RB_OK;
 	}
 	for (int c = 0; c < rb_film_camera_count(film); c++) {
 		struct rb_camera_def *const one = rb_film_camera(film, c);
@@ -214,14 +243,14 @@ static bool add(struct rb_films *films, const struct rb_camera_def *camera,
 			frame_start(films, one, film->label);
 		films->shoots |= rb_camera_has_functions(one);
 	}
-	return true;
+	return RB_OK;
 }
 
 enum rb_status rb_film_choice(struct rb_films *films, const struct rb_films_wish *wish,
                               struct rb_error *err)
 {
 	const struct rb_scene *const scene = &films->loaded->scene;
-	const enum rb_status status = check_names(scene, wish->names, err);
+	enum rb_status status = check_names(scene, wish->names, err);
 	char known[160];
 
 	if (status)
@@ -230,24 +259,23 @@ enum rb_status rb_film_choice(struct rb_films *films, const struct rb_films_wish
 	                             sizeof *films->film);
 	if (!films->film)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare films: out of memory");
-	bool held = true;
-	for (int i = 0; i < scene->camera_count; i++) {
+	for (int i = 0; i < scene->camera_count && !status; i++) {
 		const struct rb_camera_def *const camera = &scene->cameras[i];
 		const bool has_output = camera->png || camera->video || wish->output;
 		if (has_output && (!wish->names || is_named(wish->names, camera->name)))
-			held &= add(films, camera, NULL, i, wish);
+			status = add(films, camera, NULL, i, wish, err);
 	}
-	for (int i = 0; i < scene->film_count; i++) {
+	for (int i = 0; i < scene->film_count && !status; i++) {
 		const struct rb_film_def *const def = &scene->films[i];
 		if (!wish->names || is_named(wish->names, def->camera.name))
-			held &= add(films, &def->camera, def, i, wish);
+			status = add(films, &def->camera, def, i, wish, err);
 	}
-	if (scene->camera_count == 0 && wish->fallback && wish->output) {
+	if (!status && scene->camera_count == 0 && wish->fallback && wish->output) {
 		const struct rb_camera_def camera = rb_steer_default(films->loaded->model);
-		held &= add(films, &camera, NULL, 0, wish);
+		status = add(films, &camera, NULL, 0, wish, err);
 	}
-	if (!held)
-		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare films: out of memory");
+	if (status)
+		return status;
 	if (wish->output && films->count == 0)
 		return RB_FAIL(err, RB_ERR_USAGE, "option '--camera' chooses no camera");
 	if (wish->output && films->count > 1) {

@@ -34,11 +34,14 @@ struct rb_films_wish rb_films_wish_of_run(const struct rb_loaded *loaded,
 
 /*
  * Fills films->film with the chosen cameras; films->loaded is set. RB_ERR_USAGE: a camera that is
- * not there, more than can be filmed at once, or several for one output; RB_ERR_MEMORY. The list is
- * released with rb_memory_free, after failures too.
+ * not there, more than can be filmed at once, or several for one output; RB_ERR_SCENE: from a
+ * function of a camera; RB_ERR_MEMORY. Each film is released with rb_film_choice_forget, and the
+ * list with rb_memory_free, after failures too.
  */
 RB_CHECKED enum rb_status rb_film_choice(struct rb_films *films, const struct rb_films_wish *wish,
                                          struct rb_error *err);
+/* Releases what one film has from here, and leaves it zeroed. */
+void rb_film_choice_forget(struct film *film);
 /* RB_ERR_USAGE: a film would replace the recording; RB_ERR_SCENE: two films have one name. */
 RB_CHECKED enum rb_status rb_film_choice_check_outputs(const struct rb_films *films,
                                                        const struct rb_films_wish *wish,

@@ -116,8 +116,11 @@ enum rb_status rb_films_one_camera(struct rb_camera_def *camera, struct rb_loade
 	if (!status)
 		*camera = films.film[0].camera;
 	const bool divided = !status && films.film[0].cell_count > 0;
+	camera->speed_varies = false; /* its pictures are chosen by time */
+	camera->picture_s = NULL;
+	camera->picture_count = 0;
 	for (int i = 0; i < films.count; i++)
-		rb_memory_free(films.film[i].cells);
+		rb_film_choice_forget(&films.film[i]);
 	rb_memory_free(films.film);
 	if (divided)
 		return RB_FAIL(err, RB_ERR_USAGE,
@@ -199,7 +202,7 @@ void rb_films_destroy(struct rb_films *films)
 	rb_frame_release(&films->last);
 	rb_between_release(&films->between);
 	for (int i = 0; films->film && i < films->count; i++)
-		rb_memory_free(films->film[i].cells);
+		rb_film_choice_forget(&films->film[i]);
 	rb_memory_free(films->switched);
 	rb_steering_release(&films->steering);
 	rb_memory_free(films->film);

@@ -37,8 +37,9 @@ struct rb_take {
 	/* how times are written: chosen once, so that they look the same in all pictures */
 	struct rb_unit_def time_unit;
 	int time_decimals, time_digits; /* behind and before the point */
-	char speed[64];                 /* "" at true speed */
-	double largest_energy;          /* J, of those seen so far */
+	struct rb_schedule schedule;
+	char speed[64];        /* "" at true speed */
+	double largest_energy; /* J, of those seen so far */
 };
 
 /* Unit and decimals of the time: enough to distinguish two pictures. */
@@ -50,9 +51,7 @@ static void choose_time_format(struct rb_take *take)
 		{"ms", 1e-3},     {"\xc2\xb5s", 1e-6}, {"ns", 1e-9}};
 	/* a run of hours is still told in seconds, one of weeks in days, one of decades in years */
 	static const double least[] = {3e8, 1e6, 0.1, 0.1e-3, 0.1e-6, 0};
-	const struct rb_schedule schedule = rb_schedule_of(take->camera, take->model->frame_rate,
-	                                                   take->model->duration_s);
-	const double end = schedule.to_s, step = schedule.speed / schedule.fps;
+	const double end = take->schedule.to_s, step = rb_schedule_step(&take->schedule);
 	int u = 0;
 
 	while (u < 5 && end < least[u])
@@ -67,11 +66,13 @@ static void choose_time_format(struct rb_take *take)
 	take->time_digits = whole < 10 ? 1 : 1 + (int)fmin(floor(log10(whole)), 15);
 }
 
-/* Text for slow and fast motion; none at true speed. */
-static void choose_speed_text(struct rb_take *take)
+/* Text for slow and fast motion at a moment; none at true speed. */
+static void choose_speed_text(struct rb_take *take, double time_s)
 {
-	const double speed = take->camera->speed, slower = 1 / speed;
+	const double speed = rb_schedule_speed(&take->schedule, time_s), slower = 1 / speed;
+	const bool varies = take->schedule.picture_s != NULL;
 
+	take->speed[0] = '\0';
 	if (speed == 1)
 		return;
 	/* in a unit that was asked for, and in large ones: how much of it a second of film shows */
@@ -79,6 +80,8 @@ static void choose_speed_text(struct rb_take *take)
 	    take->time_unit.size > 1)
 		snprintf(take->speed, sizeof take->speed, "%.6g %s/s", speed / take->time_unit.size,
 		         take->time_unit.name);
+	else if (varies) /* few digits, which do not flicker */
+		snprintf(take->speed, sizeof take->speed, "%.2g\xc3\x97 speed", speed);
 	else if (slower > 1 && fabs(slower - nearbyint(slower)) < 1e-9 * slower && slower < 1e9)
 		snprintf(take->speed, sizeof take->speed, "1/%.0f speed", slower);
 	else
@@ -99,8 +102,8 @@ enum rb_status rb_take_create(struct rb_take **take, const struct rb_model *mode
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare a camera: out of memory");
 	t->model = model;
 	t->camera = camera;
+	t->schedule = rb_schedule_of(camera, model->frame_rate, model->duration_s);
 	choose_time_format(t);
-	choose_speed_text(t);
 	enum rb_status status = rb_trails_init(&t->trails, model, camera, err);
 	if (!status && rb_take_writes(camera))
 		status = rb_overlay_create(&t->overlay, camera->size_px[0], camera->size_px[1],
@@ -290,6 +293,7 @@ static void write_texts(struct rb_take *take, const struct rb_frame *frame,
 		rb_overlay_write(take->overlay, picture, RB_OVERLAY_TOP_LEFT, 0,
 		                 take->model->scene->world.title);
 	if (wanted & RB_OVERLAY_TIME) {
+		choose_speed_text(take, frame->time_s);
 		print_time(take, frame->time_s, time);
 		rb_overlay_write(take->overlay, picture, RB_OVERLAY_BOTTOM_LEFT, 0, time);
 	}

@@ -20,7 +20,9 @@ struct rb_schedule rb_schedule_of(const struct rb_camera_def *camera, double fra
 	return (struct rb_schedule){.from_s = camera->from_s,
 	                            .to_s = fmin(camera->to_s, end_s),
 	                            .fps = isnan(camera->fps) ? frame_rate : camera->fps,
-	                            .speed = camera->speed};
+	                            .speed = camera->speed,
+	                            .picture_s = camera->picture_s,
+	                            .picture_count = camera->picture_count};
 }
 
 uint64_t rb_schedule_count(const struct rb_schedule *schedule)
@@ -29,6 +31,8 @@ uint64_t rb_schedule_count(const struct rb_schedule *schedule)
 	const double per_second = schedule->fps / schedule->speed; /* pictures, of simulated time */
 
 	RB_ASSERT(schedule->fps > 0 && schedule->speed > 0);
+	if (schedule->picture_s)
+		return schedule->picture_count;
 	if (!(from <= to))
 		return 0;
 	const double steps = (to - from) * per_second;
@@ -49,7 +53,48 @@ double rb_schedule_time(const struct rb_schedule *schedule, uint64_t picture)
 	const double since = (double)picture * schedule->speed / schedule->fps;
 
 	RB_ASSERT(schedule->fps > 0 && schedule->speed > 0);
+	if (schedule->picture_s) {
+		RB_ASSERT(picture < schedule->picture_count);
+		return schedule->picture_s[picture];
+	}
 	return fmin(schedule->from_s + since, schedule->to_s);
+}
+
+double rb_schedule_step(const struct rb_schedule *schedule)
+{
+	double step = schedule->picture_count > 1 ? (double)INFINITY
+	                                          : schedule->speed / schedule->fps;
+
+	for (uint64_t k = 1; k < schedule->picture_count; k++)
+		step = fmin(step, schedule->picture_s[k] - schedule->picture_s[k - 1]);
+	return step;
+}
+
+double rb_schedule_speed(const struct rb_schedule *schedule, double time_s)
+{
+	const double *const at = schedule->picture_s;
+	uint64_t low = 0, high = schedule->picture_count;
+
+	if (high < 2)
+		return schedule->speed;
+	/* the picture at or before it that has one after it */
+	while (low + 1 < high - 1) {
+		const uint64_t middle = low + (high - 1 - low) / 2;
+		if (at[middle] <= time_s)
+			low = middle;
+		else
+			high = middle + 1;
+	}
+	return (at[low + 1] - at[low]) * schedule->fps;
+}
+
+void rb_camera_take_speed(struct rb_camera_def *camera, const struct rb_camera_def *from)
+{
+	camera->speed = from->speed;
+	camera->speed_varies = from->speed_varies;
+	camera->speed_function = from->speed_function;
+	camera->picture_s = from->picture_s;
+	camera->picture_count = from->picture_count;
 }
 
 bool rb_camera_has_functions(const struct rb_camera_def *camera)
@@ -99,7 +144,7 @@ unsigned rb_schedule_fields(const struct rb_camera_def *camera, const struct rb_
 	unsigned fields = RB_FIELD_POSITION | RB_FIELD_ORIENTATION;
 
 	fields |= rb_camera_arrow_fields(camera);
-	if (fabs(step - nearbyint(step)) > noise * step ||
+	if (camera->speed_varies || fabs(step - nearbyint(step)) > noise * step ||
 	    fabs(first - nearbyint(first)) > noise * first)
 		fields |= RB_FIELD_VELOCITY | RB_FIELD_ANGULAR_VELOCITY | RB_FIELD_EVENTS;
 	return fields;

@@ -15,6 +15,9 @@
 struct rb_schedule {
 	double from_s, to_s; /* simulated, of the first picture; none is later than to_s */
 	double fps, speed;   /* pictures per second of film; simulated seconds in one of film */
+	/* times of the pictures instead, borrowed from the camera: [picture_count]; NULL: none */
+	const double *picture_s;
+	uint64_t picture_count;
 };
 
 /* Of a camera over a run of `frame_rate` that ends at `end_s`. */
@@ -30,6 +33,12 @@ uint64_t rb_schedule_count(const struct rb_schedule *schedule);
  * speed 1 and the fps of the recording pictures fall on frames to the bit; never later than to_s.
  */
 double rb_schedule_time(const struct rb_schedule *schedule, uint64_t picture);
+/* The least time between two pictures, s; of a single one what `speed` says. */
+double rb_schedule_step(const struct rb_schedule *schedule);
+/* Simulated seconds in a second of film, at a moment. */
+double rb_schedule_speed(const struct rb_schedule *schedule, double time_s);
+/* Gives a camera the speed of another. */
+void rb_camera_take_speed(struct rb_camera_def *camera, const struct rb_camera_def *from);
 /* Whether it has functions of time, which are asked for each of its pictures. */
 bool rb_camera_has_functions(const struct rb_camera_def *camera);
 /* RB_FIELD_* that its arrows need. */

@@ -32,6 +32,7 @@ enum rb_row_type {
 	RB_ROW_BODY,        /* int: a body or its name */
 	RB_ROW_FUNCTION,    /* int: the script's number of it */
 	RB_ROW_SOURCE,      /* struct rb_camera_vector: a vector, a body or a function */
+	RB_ROW_RATE,        /* read by hand: a number or a function */
 	RB_ROW_INERTIA,     /* rb_mat3: three numbers or three rows of them */
 	RB_ROW_LIST,        /* by hand */
 	RB_ROW_NAMES,       /* by hand: a text or a list of texts */

@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "math/vec3.h"
+#include "flow/schedule.h"
 #include "script/body_calls.h"
 #include "script/fields.h"
 #include "script/marks.h"
@@ -190,6 +191,26 @@ static void read_units(struct rb_call *call, struct rb_camera_def *def)
 	lua_pop(call->L, 1);
 }
 
+/* Reads `speed`: a number, or a function of time. */
+static void read_speed(struct rb_call *call, struct rb_camera_def *def)
+{
+	struct rb_row row = *rb_row_find(call->table, "speed", NULL);
+
+	row.type = RB_ROW_NUMBER;
+	const int type = rb_call_push(call, row.key);
+	if (type == LUA_TFUNCTION) {
+		def->speed_function = rb_script_keep_function(call->L, -1);
+		def->speed_varies = true;
+	} else if (type == LUA_TNUMBER) {
+		(void)rb_call_value(call, &row, -1, &def->speed);
+	} else if (type != LUA_TNIL) {
+		char found[80];
+		rb_call_mistake(call, "'speed' must be a number or a function (got %s)",
+		                rb_describe(call->L, -1, found));
+	}
+	lua_pop(call->L, 1);
+}
+
 bool rb_camera_is_numbered(const char *pattern)
 {
 	int numbers = 0;
@@ -301,6 +322,7 @@ static int l_camera(lua_State *L)
 	def.line = call.line;
 	def.file = call.script->source;
 	rb_call_read(&call, &def);
+	read_speed(&call, &def);
 	read_lights(&call, &def);
 	rb_marks_read(&call, &def);
 	read_units(&call, &def);
@@ -384,6 +406,7 @@ static int l_film(lua_State *L)
 	def->line = call.line;
 	def->file = call.script->source;
 	rb_call_read(&call, def);
+	read_speed(&call, def);
 	check_outputs(&call, def);
 	if (!rb_call_tried(&call, "png") && !rb_call_tried(&call, "video"))
 		rb_call_mistake(&call, "needs 'video' or 'png'");
@@ -394,7 +417,7 @@ static int l_film(lua_State *L)
 	if (!rb_call_given(&call, "fps"))
 		def->fps = first->fps;
 	if (!rb_call_given(&call, "speed"))
-		def->speed = first->speed;
+		rb_camera_take_speed(def, first);
 	if (!rb_call_given(&call, "from"))
 		def->from_s = first->from_s;
 	if (!rb_call_given(&call, "to"))

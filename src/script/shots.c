@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 #include "script/shots.h"
 
+#include <float.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include <lauxlib.h>
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "math/vec3.h"
 #include "script/call.h"
 #include "script/functions.h"
@@ -22,7 +25,8 @@ struct request {
 	bool direction; /* a vector without length is none */
 	double time_s;
 	rb_vec3 value;
-	char *text; /* [RB_CAMERA_TEXT_SIZE]: where a text goes; NULL: a vector is wanted */
+	char *text;     /* [RB_CAMERA_TEXT_SIZE]: where a text goes; NULL: a vector is wanted */
+	double *number; /* where a positive number goes, the same */
 };
 
 /* Copies the text that the function has returned; a number is one, too. Cut between characters. */
@@ -53,6 +57,13 @@ static int serve(lua_State *L)
 	lua_call(L, 1, 1);
 	if (request->text)
 		return take_text(L, request);
+	if (request->number) {
+		*request->number = lua_type(L, -1) == LUA_TNUMBER ? lua_tonumber(L, -1) : 0;
+		if (!(*request->number > 0 && isfinite(*request->number)))
+			return rb_function_refuse(L, request->function, request->key,
+			                          "a positive number", -1);
+		return 0;
+	}
 	const bool vector = rb_vector_numbers(L, -1, 3, numbers, NULL);
 	if (vector)
 		request->value = rb_vec3_from(numbers);
@@ -148,5 +159,112 @@ enum rb_status rb_script_shot(struct rb_script *script, const struct rb_model *m
 	script->phase = phase;
 	script->frame = NULL;
 	script->frame_model = NULL;
+	return status;
+}
+
+/* Asks for the speed at a moment. */
+static enum rb_status ask_speed(struct rb_script *script, const struct rb_camera_def *camera,
+                                double time_s, double *speed, struct rb_error *err)
+{
+	struct request request = {.key = "speed",
+	                          .function = camera->speed_function,
+	                          .time_s = time_s,
+	                          .number = speed};
+	struct rb_error own;
+	const enum rb_status status = ask(script, &request, &own);
+
+	return status ? tell(camera, &request, status, &own, err) : RB_OK;
+}
+
+/* The mean speed over one picture, by the method of Runge and Kutta. */
+static enum rb_status mean_speed(struct rb_script *script, const struct rb_camera_def *camera,
+                                 const double span[2], double fps, double *mean,
+                                 struct rb_error *err)
+{
+	static const double ahead[4] = {0, 0.5, 0.5, 1}, weight[4] = {1, 2, 2, 1};
+	enum rb_status status = RB_OK;
+	double speed = 0;
+
+	*mean = 0;
+	for (int k = 0; k < 4 && !status; k++) {
+		/* there may be nothing that the function can say of what is behind the end */
+		const double time_s = fmin(span[0] + ahead[k] * speed / fps, span[1]);
+
+		status = ask_speed(script, camera, time_s, &speed, err);
+		*mean += weight[k] * speed;
+	}
+	*mean /= 6;
+	return status;
+}
+
+static enum rb_status refuse_speed(const struct rb_camera_def *camera, double time_s,
+                                   const char *what, struct rb_error *err)
+{
+	const struct request request = {.key = "speed", .time_s = time_s};
+	struct rb_error own;
+
+	return tell(camera, &request, RB_FAIL(&own, RB_ERR_SCENE, "the speed %s", what), &own, err);
+}
+
+/*
+ * Speeds are summed, not times: where they are whole numbers or the like, pictures fall on frames
+ * to the bit, as those of a constant speed do.
+ */
+static enum rb_status list_pictures(struct rb_script *script, const struct rb_camera_def *camera,
+                                    double fps, double to_s, double **picture_s, uint64_t *count,
+                                    struct rb_error *err)
+{
+	enum { PICTURES_MAX = 1000000 }; /* four hours of film, and a second to ask for them */
+	const double from_s = camera->from_s;
+	enum rb_status status = RB_OK;
+	double sum = 0, time_s = from_s;
+	size_t capacity = 0, made = 0;
+
+	while (!status && time_s <= to_s) {
+		/* what rounding of times and of as many sums can make of the end */
+		const double noise = 8 * DBL_EPSILON *
+		                     (fabs(to_s) + fabs(from_s) + sum / fps * (double)(made + 1));
+		double mean = 0;
+
+		if (made == PICTURES_MAX)
+			return refuse_speed(camera, time_s, "makes more than a million pictures",
+			                    err);
+		if (!rb_memory_reserve(picture_s, &capacity, made + 1, sizeof **picture_s))
+			return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare a film: out of memory");
+		(*picture_s)[made++] = time_s;
+		*count = made;
+		status = mean_speed(script, camera, (const double[]){time_s, to_s}, fps, &mean,
+		                    err);
+		sum += mean;
+		const double next_s = from_s + sum / fps;
+		time_s = next_s > to_s && next_s - to_s <= noise ? to_s : next_s;
+		if (!status && !(time_s > (*picture_s)[made - 1])) {
+			if (time_s == to_s)
+				break;
+			return refuse_speed(camera, time_s, "is too small to come any further",
+			                    err);
+		}
+	}
+	return status;
+}
+
+enum rb_status rb_script_pictures(struct rb_script *script, const struct rb_camera_def *camera,
+                                  double fps, double to_s, double **picture_s, uint64_t *count,
+                                  struct rb_error *err)
+{
+	const enum rb_script_phase phase = script->phase;
+
+	RB_ASSERT(camera->speed_varies && isfinite(to_s));
+	*picture_s = NULL;
+	*count = 0;
+	script->phase = RB_PHASE_LOOK;
+	const enum rb_status status = list_pictures(script, camera, fps, to_s, picture_s, count,
+	                                            err);
+	script->phase = phase;
+	if (status) {
+		rb_memory_free(*picture_s);
+		*picture_s = NULL;
+		*count = 0;
+	}
 	return status;
 }

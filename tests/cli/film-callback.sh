@@ -49,3 +49,49 @@ for method in located stepped; do
 done
 cat measured
 [ -z "${failed:-}" ] || fail "pictures are off"
+
+# A speed that is a function of time: pictures stand where the integral of its inverse says, end with the film, and are the same
+# from the recording and in a film of several; the speed of the command line replaces it. What is no speed is told.
+cat >speed.lua <<'END2'
+world { duration = 2, frame_rate = 8 }
+sphere { name = "s", radius = 1, velocity = {1, 0, 0} }
+local function look(name, speed, more)
+	local def = { name = name, position = {0, -9, 0}, size = {32, 32}, fps = 8, samples = 1, speed = speed, png = name .. "/%d.png",
+		text = function(t) print(string.format("%s %.17g", name, t)) return "" end }
+	for key, value in pairs(more or {}) do def[key] = value end
+	camera(def)
+end
+look("one", function(t) return 1 end)
+look("slow", function(t) return t < 1 and 0.25 or 1 end, {overlay = "time", size = {240, 64}})
+look("grows", function(t) return 1 + t end, {from = 0.5, to = 1.5})
+film { name = "both", rows = {{"slow", "grows"}}, size = {64, 32}, png = "both/%d.png" }
+END2
+exits 0 speed.lua
+cat >times.py <<'END2'
+import math
+def times(name):
+    return sorted({float(line.split()[1]) for line in open("err") if line.startswith(name + " ")})
+assert times("one") == [k / 8 for k in range(17)], "frames are met to the bit"
+slow = times("slow")
+assert slow[:32] == [k / 32 for k in range(32)] and slow[-1] <= 2, "a quarter of the speed"
+assert all(abs(b - a - 1 / 8) < 1e-15 for a, b in zip(slow[32:], slow[33:])), "the whole speed"
+assert all(min(abs(t - 1.5 * math.exp(k / 8) + 1) for t in times("grows")) < 1e-5 for k in range(5)), "t' = 1 + t"
+END2
+python3 times.py || fail "pictures stand at other times"
+[ "$(ls slow | wc -l)" = 40 ] && [ "$(ls grows | wc -l)" = 5 ] && [ "$(ls both | wc -l)" = 40 ] || fail "not as many pictures"
+mkdir again && cp -r one slow grows both again
+exits 0 render speed.h5 --force -q
+for name in one slow grows both; do
+	diff -r "$name" "again/$name" || fail "$name is another film from the recording"
+done
+exits 0 render speed.h5 --camera slow --speed 1 -o plain/%d.png
+[ "$(ls plain | wc -l)" = 17 ] || fail "the speed of the command line does not hold"
+for wrong in "0" "'fast'" "0/0" "error('no')"; do
+	echo "world { duration = 1 } sphere { radius = 1 } camera { name = 'c', png = 'c/%d.png', speed = function(t) return $wrong end }" >wrong.lua
+	exits 65 wrong.lua -q
+	says err "^wrong.lua:1: .* \(camera 'c', speed at t = 0 s\)"
+done
+echo "world { duration = 1 } sphere { radius = 1 } camera { speed = 'fast' } camera { speed = 0 }" >wrong.lua
+exits 65 wrong.lua
+says err "'speed' must be a number or a function \(got the text 'fast'\)"
+says err "'speed' must be positive \(got 0\)"
