@@ -356,11 +356,13 @@ struct rb_caption_def {
 };
 
 /* A diagram of a quantity against time. */
-enum { RB_PLOT_ENERGY = -3, RB_PLOT_KINETIC_ENERGY, RB_PLOT_POTENTIAL_ENERGY };
+enum rb_plot_of { RB_PLOT_PROBE, RB_PLOT_WORLD, RB_PLOT_BODY, RB_PLOT_JOINT };
 enum { RB_CAMERA_PLOTS_MAX = 4 };
 struct rb_plot_def {
 	const char *name;
-	int quantity; /* a probe's place in the scene, or RB_PLOT_* */
+	enum rb_plot_of of;
+	int subject; /* a probe's or joint's place in the scene, a body's id */
+	int part;    /* flow/quantity: of the world, the body or the joint */
 	/* shares of the picture's width and height; the same shares of the diagram lie at `at` */
 	double at[2], size[2];
 };

@@ -1,13 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The rotation of a body since the first frame is told as a vector, its axis times the angle
- * (rx, ry, rz). As the logarithm of a rotation it is known but for whole turns about its axis; of
- * these it takes the one nearest to the frame before. So it grows on while a body spins about an
- * axis that keeps its direction, if it turns less than half a turn from frame to frame.
- *
- * Roll, pitch and yaw are those of z-y'-x'': the body is turned by yaw about z, then by pitch about
- * its new y, then by roll about its new x; at a pitch of a quarter turn only their sum is known.
- */
 #include "app/quantity.h"
 
 #include <math.h>
@@ -16,48 +7,9 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "math/quat.h"
+#include "flow/quantity.h"
 #include "math/vec3.h"
-#include "model/joint_type.h"
 #include "script/nearest.h"
-
-#define TURN 6.28318530717958647693
-
-/* What is shown of the column. */
-enum shown { AXIS, LENGTH, ROTATION, ANGLE, ROLL, PITCH, YAW };
-
-/* What of a body can be told, behind its name and a point. */
-#define COLUMN(member) offsetof(struct rb_frame, member)
-#define VECTOR(x, y, z, length, column, units)                                    \
-	{x, AXIS, 0, COLUMN(column), units}, {y, AXIS, 1, COLUMN(column), units}, \
-		{z, AXIS, 2, COLUMN(column), units},                              \
-	{                                                                         \
-		length, LENGTH, 0, COLUMN(column), units                          \
-	}
-static const struct {
-	const char *name;
-	enum shown shown;
-	int axis;
-	size_t column; /* of struct rb_frame */
-	const char *units;
-} parts[] = {
-	{"x", AXIS, 0, COLUMN(position), "m"},
-	{"y", AXIS, 1, COLUMN(position), "m"},
-	{"z", AXIS, 2, COLUMN(position), "m"},
-	VECTOR("vx", "vy", "vz", "speed", velocity, "m/s"),
-	VECTOR("wx", "wy", "wz", "spin", angular_velocity, "rad/s"),
-	VECTOR("ax", "ay", "az", "acceleration", acceleration, "m/s^2"),
-	VECTOR("fx", "fy", "fz", "force", force, "N"),
-	VECTOR("tx", "ty", "tz", "torque", torque, "N m"),
-	{"rx", ROTATION, 0, COLUMN(orientation), "rad"},
-	{"ry", ROTATION, 1, COLUMN(orientation), "rad"},
-	{"rz", ROTATION, 2, COLUMN(orientation), "rad"},
-	{"angle", ANGLE, 0, COLUMN(orientation), "rad"},
-	{"roll", ROLL, 0, COLUMN(orientation), "rad"},
-	{"pitch", PITCH, 0, COLUMN(orientation), "rad"},
-	{"yaw", YAW, 0, COLUMN(orientation), "rad"},
-};
-enum { PART_COUNT = sizeof parts / sizeof *parts };
 
 /* One quantity that is read. */
 struct quantity {
@@ -86,125 +38,39 @@ static bool find_body(const struct rb_reading *reading, const char *text, int *b
 {
 	const char *const dot = strrchr(text, '.');
 
-	if (!dot)
-		return false;
-	for (int k = 0; k < PART_COUNT; k++)
-		for (int i = 0; i < reading->body_count; i++) {
-			char number[16];
-			const char *const name = label_of(reading, reading->id[i], number);
-			if (strcmp(dot + 1, parts[k].name) != 0 ||
-			    strlen(name) != (size_t)(dot - text) ||
-			    strncmp(name, text, (size_t)(dot - text)) != 0)
-				continue;
-			*body = i;
-			*part = k;
-			return true;
-		}
+	*part = dot ? rb_body_part_named(dot + 1) : -1;
+	for (int i = 0; *part >= 0 && i < reading->body_count; i++) {
+		char number[16];
+		const char *const name = label_of(reading, reading->id[i], number);
+		if (strlen(name) != (size_t)(dot - text) ||
+		    strncmp(name, text, (size_t)(dot - text)) != 0)
+			continue;
+		*body = i;
+		return true;
+	}
 	return false;
-}
-
-/* The rotation q as axis times angle, of all that differ by whole turns nearest to `before`. */
-static rb_vec3 rotation_near(rb_quat q, rb_vec3 before)
-{
-	const rb_vec3 v = {q.x, q.y, q.z};
-	const double sine = rb_vec3_length(v);
-
-	if (!(sine > 0)) {
-		/* whole turns about an axis that is not known but from before */
-		const double length = rb_vec3_length(before);
-		const double turns = round(length / TURN);
-
-		return length > 0 ? rb_vec3_scale(turns * TURN / length, before) : before;
-	}
-	const rb_vec3 axis = rb_vec3_scale(1 / sine, v);
-	const double angle = 2 * atan2(sine, q.w);
-	const double along = rb_vec3_dot(before, axis);
-
-	return rb_vec3_scale(angle + TURN * round((along - angle) / TURN), axis);
-}
-
-static double clamp_unit(double x)
-{
-	return fmax(-1, fmin(1, x));
-}
-
-/* What is shown of an orientation; `turn` goes on from frame to frame. */
-static double of_orientation(const double *from, int part, rb_quat first, rb_vec3 *turn)
-{
-	const rb_quat q = rb_quat_from(from);
-	const rb_quat back = {first.w, -first.x, -first.y, -first.z};
-
-	switch (parts[part].shown) {
-	case ROLL:
-		return atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y));
-	case PITCH:
-		return asin(clamp_unit(2 * (q.w * q.y - q.z * q.x)));
-	case YAW:
-		return atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z));
-	default:
-		*turn = rotation_near(rb_quat_multiply(q, back), *turn);
-		if (parts[part].shown == ANGLE)
-			return rb_vec3_length(*turn);
-		return parts[part].axis == 0 ? turn->x : parts[part].axis == 1 ? turn->y : turn->z;
-	}
 }
 
 /* Reads a part of a body at all frames. */
 static enum rb_status read_body(struct quantity *quantity, int body, int part, struct rb_error *err)
 {
-	rb_quat first = rb_quat_identity;
-	rb_vec3 turn = {0};
+	struct rb_quantity_turn turn = {0};
 	struct rb_frame frame;
 
-	quantity->units = parts[part].units;
+	quantity->units = rb_body_part_units(part);
 	for (uint64_t row = 0; row < quantity->reading->frame_count; row++) {
 		const enum rb_status status = quantity->module->reader_frame(quantity->reader, row,
 		                                                             &frame, err);
 		if (status)
 			return status;
-		const double *from;
-		memcpy(&from, (const char *)&frame + parts[part].column, sizeof from);
-		if (!from)
+		if (!rb_body_part_value(part, &frame, body, &turn, &quantity->values[row]))
 			return RB_FAIL(err, RB_ERR_INPUT, "'%s' does not record what '%s' needs",
-			               quantity->file, parts[part].name);
-		if (parts[part].shown == AXIS) {
-			quantity->values[row] = from[3 * body + parts[part].axis];
-			continue;
-		}
-		if (parts[part].shown == LENGTH) {
-			quantity->values[row] = rb_vec3_length(rb_vec3_from(from + 3 * body));
-			continue;
-		}
-		if (row == 0)
-			first = rb_quat_from(from + 4 * body);
-		quantity->values[row] = of_orientation(from + 4 * body, part, first, &turn);
+			               quantity->file, quantity->name);
 	}
 	return RB_OK;
 }
 
 /* ---- joints ---- */
-
-/* What is known of a joint, behind its name and a point. NULL units: of its angle or its way. */
-#define JOINT_VECTOR(x, y, z, length, column, units)                        \
-	{x, 3, 0, COLUMN(column), units}, {y, 3, 1, COLUMN(column), units}, \
-		{z, 3, 2, COLUMN(column), units},                           \
-	{                                                                   \
-		length, 3, -1, COLUMN(column), units                        \
-	}
-static const struct {
-	const char *name;
-	int width, axis; /* axis -1: the length of a vector */
-	size_t column;   /* of struct rb_frame */
-	const char *units;
-} joint_parts[] = {
-	{"angle", 1, 0, COLUMN(joint_value), "rad"},
-	{"way", 1, 0, COLUMN(joint_value), "m"},
-	{"length", 1, 0, COLUMN(joint_value), "m"},
-	{"speed", 1, 0, COLUMN(joint_speed), NULL},
-	JOINT_VECTOR("fx", "fy", "fz", "force", joint_force, "N"),
-	JOINT_VECTOR("tx", "ty", "tz", "torque", joint_torque, "N m"),
-};
-enum { JOINT_PART_COUNT = sizeof joint_parts / sizeof *joint_parts };
 
 /*
  * Takes "NAME.angle" or "joint#K.angle" apart; false: it is not of that form, or there is no such
@@ -215,20 +81,18 @@ static bool find_joint(const struct rb_reading *reading, const char *text, int *
 	const char *const dot = strrchr(text, '.');
 	const size_t size = dot ? (size_t)(dot - text) : 0;
 
-	for (int p = 0; dot && p < JOINT_PART_COUNT; p++)
-		for (int k = 0; k < reading->joint_count; k++) {
-			char number[24];
-			const char *const name = reading->joint_names[k];
+	*part = dot ? rb_joint_part_named(dot + 1) : -1;
+	for (int k = 0; *part >= 0 && k < reading->joint_count; k++) {
+		char number[24];
+		const char *const name = reading->joint_names[k];
 
-			snprintf(number, sizeof number, "joint#%d", k);
-			if (strcmp(dot + 1, joint_parts[p].name) != 0 ||
-			    !((strlen(name) == size && strncmp(name, text, size) == 0) ||
-			      (strlen(number) == size && strncmp(number, text, size) == 0)))
-				continue;
-			*joint = k;
-			*part = p;
-			return true;
-		}
+		snprintf(number, sizeof number, "joint#%d", k);
+		if (!((strlen(name) == size && strncmp(name, text, size) == 0) ||
+		      (strlen(number) == size && strncmp(number, text, size) == 0)))
+			continue;
+		*joint = k;
+		return true;
+	}
 	return false;
 }
 
@@ -236,29 +100,18 @@ static bool find_joint(const struct rb_reading *reading, const char *text, int *
 static enum rb_status read_joint(struct quantity *quantity, int joint, int part,
                                  struct rb_error *err)
 {
-	const struct rb_coordinate_words *words = rb_joint_words(
-		quantity->reading->joint_kind[joint]);
 	struct rb_frame frame;
 
-	quantity->units = joint_parts[part].units;
-	if (!quantity->units)
-		quantity->units = words->name ? words->rate_unit : "m/s";
+	quantity->units = rb_joint_part_units(part, quantity->reading->joint_kind[joint]);
 	for (uint64_t row = 0; row < quantity->reading->frame_count; row++) {
 		const enum rb_status status = quantity->module->reader_frame(quantity->reader, row,
 		                                                             &frame, err);
-		const double *from;
-
 		if (status)
 			return status;
-		memcpy(&from, (const char *)&frame + joint_parts[part].column, sizeof from);
-		if (!from)
+		if (!rb_joint_part_value(part, &frame, joint, &quantity->values[row]))
 			return RB_FAIL(err, RB_ERR_INPUT,
 			               "'%s' does not record joints (see 'fields' of record)",
 			               quantity->file);
-		from += (size_t)joint_parts[part].width * (size_t)joint;
-		quantity->values[row] = joint_parts[part].axis < 0
-		                                ? rb_vec3_length(rb_vec3_from(from))
-		                                : from[joint_parts[part].axis];
 	}
 	return RB_OK;
 }

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "flow/quantity.h"
 #include "flow/schedule.h"
 
 enum { POINTS_MAX = 4096 }; /* of a curve; when full, every second one is dropped */
@@ -25,6 +26,7 @@ struct rb_curves {
 	const struct rb_camera_def *camera;
 	struct rb_overlay *overlay; /* owned */
 	double from_s, to_s;
+	struct rb_quantity_turn turn[RB_CAMERA_PLOTS_MAX];
 	uint64_t seen, stride;
 	int count;
 	double time_s[POINTS_MAX], value[RB_CAMERA_PLOTS_MAX][POINTS_MAX];
@@ -69,22 +71,46 @@ void rb_curves_destroy(struct rb_curves *curves)
 }
 
 /* The value of a quantity at a frame; NAN: the frame does not have it. */
-static double value_at(const struct rb_plot_def *plot, const struct rb_frame *frame)
+static double value_at(struct rb_curves *curves, int p, const struct rb_frame *frame)
 {
-	const double kinetic = frame->numbers.kinetic_energy;
-	const double potential = frame->numbers.potential_energy;
+	const struct rb_plot_def *const plot = &curves->camera->plots[p];
+	double value = (double)NAN;
+	bool has = true;
+	int body;
 
-	switch (plot->quantity) {
-	case RB_PLOT_ENERGY:
-		return kinetic + potential;
-	case RB_PLOT_KINETIC_ENERGY:
-		return kinetic;
-	case RB_PLOT_POTENTIAL_ENERGY:
-		return potential;
-	default:
-		return plot->quantity < frame->probe_count ? frame->probes[plot->quantity]
-		                                           : (double)NAN;
+	switch (plot->of) {
+	case RB_PLOT_PROBE:
+		return plot->subject < frame->probe_count ? frame->probes[plot->subject]
+		                                          : (double)NAN;
+	case RB_PLOT_WORLD:
+		return rb_world_part_value(plot->part, frame);
+	case RB_PLOT_BODY:
+		body = curves->model->index_of[plot->subject];
+		has = body < frame->body_count &&
+		      rb_body_part_value(plot->part, frame, body, &curves->turn[p], &value);
+		break;
+	case RB_PLOT_JOINT:
+		has = rb_joint_part_value(plot->part, frame, plot->subject, &value);
+		break;
 	}
+	return has ? value : (double)NAN;
+}
+
+static const char *units_of(const struct rb_curves *curves, const struct rb_plot_def *plot)
+{
+	const struct rb_scene *const scene = curves->model->scene;
+
+	switch (plot->of) {
+	case RB_PLOT_PROBE:
+		return scene->probes[plot->subject].units;
+	case RB_PLOT_WORLD:
+		return rb_world_part_units(plot->part);
+	case RB_PLOT_BODY:
+		return rb_body_part_units(plot->part);
+	case RB_PLOT_JOINT:
+		return rb_joint_part_units(plot->part, scene->joints[plot->subject].kind);
+	}
+	return "";
 }
 
 static void thin_out(struct rb_curves *curves)
@@ -102,6 +128,11 @@ static void thin_out(struct rb_curves *curves)
 
 void rb_curves_add(struct rb_curves *curves, const struct rb_frame *frame)
 {
+	double now[RB_CAMERA_PLOTS_MAX];
+
+	/* rotations are followed from frame to frame, whether these have a point or not */
+	for (int p = 0; p < curves->camera->plot_count; p++)
+		now[p] = value_at(curves, p, frame);
 	if (frame->time_s < curves->from_s || frame->time_s > curves->to_s)
 		return;
 	if (curves->seen % curves->stride == 0 && curves->count == POINTS_MAX)
@@ -110,7 +141,7 @@ void rb_curves_add(struct rb_curves *curves, const struct rb_frame *frame)
 		return;
 	curves->time_s[curves->count] = frame->time_s;
 	for (int p = 0; p < curves->camera->plot_count; p++)
-		curves->value[p][curves->count] = value_at(&curves->camera->plots[p], frame);
+		curves->value[p][curves->count] = now[p];
 	curves->count++;
 }
 
@@ -200,9 +231,7 @@ static void write_axes(struct rb_curves *curves, int p, const struct axes *box, 
                        double high, struct rb_pixmap *picture)
 {
 	const struct rb_plot_def *const plot = &curves->camera->plots[p];
-	const char *const units = plot->quantity >= 0
-	                                  ? curves->model->scene->probes[plot->quantity].units
-	                                  : "J";
+	const char *const units = units_of(curves, plot);
 	char text[120];
 
 	snprintf(text, sizeof text, units && *units ? "%.60s (%.31s)" : "%.60s", plot->name, units);

@@ -10,6 +10,7 @@
 #include <math.h>
 
 #include "base/error.h"
+#include "flow/quantity.h"
 
 /* 2^53: beyond that a double does not tell numbers of pictures apart. */
 static const double count_max = 9007199254740992.0;
@@ -108,7 +109,7 @@ bool rb_camera_has_functions(const struct rb_camera_def *camera)
 	return has;
 }
 
-unsigned rb_camera_arrow_fields(const struct rb_camera_def *camera)
+unsigned rb_camera_mark_fields(const struct rb_camera_def *camera)
 {
 	static const unsigned needed[RB_VECTORS_COUNT] = {
 		[RB_ARROWS_VELOCITY] = RB_FIELD_VELOCITY,
@@ -124,6 +125,14 @@ unsigned rb_camera_arrow_fields(const struct rb_camera_def *camera)
 	for (int kind = 0; kind < RB_VECTORS_COUNT; kind++)
 		if (camera->vectors & 1u << kind)
 			fields |= needed[kind];
+	for (int k = 0; k < camera->plot_count; k++) {
+		const struct rb_plot_def *const plot = &camera->plots[k];
+
+		if (plot->of == RB_PLOT_JOINT)
+			fields |= RB_FIELD_JOINTS;
+		if (plot->of == RB_PLOT_BODY)
+			fields |= rb_body_part_field(plot->part);
+	}
 	return fields;
 }
 
@@ -143,7 +152,7 @@ unsigned rb_schedule_fields(const struct rb_camera_def *camera, const struct rb_
 	const double noise = 1e-12;
 	unsigned fields = RB_FIELD_POSITION | RB_FIELD_ORIENTATION;
 
-	fields |= rb_camera_arrow_fields(camera);
+	fields |= rb_camera_mark_fields(camera);
 	if (camera->speed_varies || fabs(step - nearbyint(step)) > noise * step ||
 	    fabs(first - nearbyint(first)) > noise * first)
 		fields |= RB_FIELD_VELOCITY | RB_FIELD_ANGULAR_VELOCITY | RB_FIELD_EVENTS;

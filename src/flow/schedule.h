@@ -41,8 +41,8 @@ double rb_schedule_speed(const struct rb_schedule *schedule, double time_s);
 void rb_camera_take_speed(struct rb_camera_def *camera, const struct rb_camera_def *from);
 /* Whether it has functions of time, which are asked for each of its pictures. */
 bool rb_camera_has_functions(const struct rb_camera_def *camera);
-/* RB_FIELD_* that its arrows need. */
-unsigned rb_camera_arrow_fields(const struct rb_camera_def *camera);
+/* RB_FIELD_* that its arrows and diagrams need. */
+unsigned rb_camera_mark_fields(const struct rb_camera_def *camera);
 /*
  * RB_FIELD_* that pictures need; between frames also velocities, spins and impacts, which tell how
  * bodies go there.

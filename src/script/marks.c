@@ -2,11 +2,13 @@
 #include "script/marks.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <lauxlib.h>
 
 #include "base/error.h"
+#include "flow/quantity.h"
 #include "script/fields.h"
 #include "script/nearest.h"
 #include "script/values.h"
@@ -277,28 +279,81 @@ static bool read_frame(lua_State *L, struct rb_plot_def *plot)
 	return right;
 }
 
-/* Finds what a plot shows; false: a mistake was noted. */
+/* Whether the text before its last point is this name, or this kind of thing by its number. */
+static bool is_subject(const char *text, size_t size, const char *name, const char *kind,
+                       int number)
+{
+	char numbered[32];
+
+	snprintf(numbered, sizeof numbered, "%s#%d", kind, number);
+	return (name && strlen(name) == size && memcmp(name, text, size) == 0) ||
+	       (strlen(numbered) == size && memcmp(numbered, text, size) == 0);
+}
+
+/* Finds a part of a body or a joint; false: there is none of that name. */
+static bool find_part(const struct rb_scene *scene, struct rb_plot_def *plot)
+{
+	const char *const dot = strrchr(plot->name, '.');
+	const size_t size = dot ? (size_t)(dot - plot->name) : 0;
+
+	plot->of = RB_PLOT_BODY;
+	plot->part = dot ? rb_body_part_named(dot + 1) : -1;
+	for (int k = 0; plot->part >= 0 && k < scene->body_count; k++) {
+		plot->subject = k;
+		if (is_subject(plot->name, size, scene->bodies[k].name, "", k))
+			return true;
+	}
+	plot->of = RB_PLOT_JOINT;
+	plot->part = dot ? rb_joint_part_named(dot + 1) : -1;
+	for (int k = 0; plot->part >= 0 && k < scene->joint_count; k++) {
+		plot->subject = k;
+		if (is_subject(plot->name, size, scene->joints[k].name, "joint", k) &&
+		    rb_joint_part_is_of(plot->part, scene->joints[k].kind))
+			return true;
+	}
+	return false;
+}
+
+/* Finds what a plot shows; false: a mistake was noted. The scene's own names go first. */
 static bool find_quantity(struct rb_call *call, struct rb_plot_def *plot)
 {
-	static const char *const own[] = {"energy", "kinetic_energy", "potential_energy"};
 	const struct rb_scene *const scene = call->script->scene;
 	struct rb_nearest nearest = rb_nearest_to(plot->name);
-	char hint[96];
+	const char *const dot = strrchr(plot->name, '.');
+	char hint[96], meant[RB_MEASURE_NAME_MAX * 4];
 
+	plot->of = RB_PLOT_PROBE;
 	for (int k = 0; k < scene->probe_count; k++) {
-		plot->quantity = k;
+		plot->subject = k;
 		if (strcmp(scene->probes[k].name, plot->name) == 0)
 			return true;
 		rb_nearest_offer(&nearest, scene->probes[k].name, strlen(scene->probes[k].name));
 	}
-	for (int k = 0; k < 3; k++) {
-		plot->quantity = RB_PLOT_ENERGY + k;
-		if (strcmp(own[k], plot->name) == 0)
+	plot->of = RB_PLOT_WORLD;
+	plot->part = rb_world_part_named(plot->name);
+	if (plot->part >= 0)
+		return true;
+	for (int k = 0; rb_world_part_name(k); k++)
+		rb_nearest_offer(&nearest, rb_world_part_name(k), strlen(rb_world_part_name(k)));
+	rb_sandbox_charge(call->L, (uint64_t)scene->body_count + (uint64_t)scene->joint_count);
+	if (find_part(scene, plot)) {
+		if (plot->of != RB_PLOT_BODY || !scene->bodies[plot->subject].is_static)
 			return true;
-		rb_nearest_offer(&nearest, own[k], strlen(own[k]));
+		rb_call_mistake(call, "'plots': the body of '%.60s' never moves", plot->name);
+		return false;
 	}
-	rb_call_mistake(call, "'plots': no probe is named '%.60s' so far%s", plot->name,
-	                rb_nearest_hint(&nearest, hint));
+	for (int k = 0; dot && k < scene->body_count; k++) {
+		const char *const name = scene->bodies[k].name;
+		const int size = name ? snprintf(meant, sizeof meant, "%s%s", name, dot) : -1;
+
+		if (size > 0 && size < (int)sizeof meant && rb_body_part_named(dot + 1) >= 0)
+			rb_nearest_offer(&nearest, meant, (size_t)size);
+	}
+	rb_call_mistake(call,
+	                "'plots': there is no probe or quantity '%.60s' so far%s "
+	                "(wanted: a probe, energy, momentum, BODY.z, .vz, .speed, JOINT.angle, "
+	                ".force, and more)",
+	                plot->name, rb_nearest_hint(&nearest, hint));
 	return false;
 }
 
@@ -322,10 +377,11 @@ static void read_plots(struct rb_call *call, struct rb_camera_def *def)
 		if (table)
 			lua_pop(L, 1);
 		if (!placed || !plot->name)
-			rb_call_mistake(call,
-			                "'plots' must be names of probes, or {NAME, at = {x, y}, "
-			                "size = {w, h}} with shares in [0, 1] (got %s at %d)",
-			                rb_describe(L, -1, found), i + 1);
+			rb_call_mistake(
+				call,
+				"'plots' must be names of quantities, or {NAME, at = {x, y}, "
+				"size = {w, h}} with shares in [0, 1] (got %s at %d)",
+				rb_describe(L, -1, found), i + 1);
 		else
 			def->plot_count += find_quantity(call, plot);
 		lua_pop(L, 1);

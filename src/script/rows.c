@@ -260,12 +260,11 @@ static const struct rb_row camera_rows[] = {
          "left corner"},
 	{"plots", RB_ROW_LIST, 0, 0, HAND, NULL, "none", "",
          "up to 4 diagrams of a quantity against the time of the film, which grow with it: names "
-         "of "
-         "probes, energy, kinetic_energy or potential_energy, each also as {NAME, at = {x, y}, "
-         "size "
-         "= {w, h}} in shares of the picture, at as for text; default: {0.3, 0.25} large, one "
-         "above "
-         "the other from the lower right corner"},
+         "of probes, or of what rbsim plot knows: energy, kinetic_energy, potential_energy, "
+         "momentum, angular_momentum, collisions, contacts, max_penetration, BODY.z, BODY.speed, "
+         "JOINT.angle and the like; each also as {NAME, at = {x, y}, size = {w, h}} in shares of "
+         "the picture, at as for text; default: {0.3, 0.25} large, one above the other from the "
+         "lower right corner"},
 	{"vectors", RB_ROW_FLAGS, 0, 0, HAND,
          "velocity, contact, joint, spring, angular_velocity, acceleration, momentum, force",
          "none", "",

@@ -21,6 +21,14 @@ look("line", {{"line", at = {0, 1}, size = {0.5, 0.5}}})
 look("half", {{"half", at = {0, 1}, size = {0.5, 0.5}}})
 look("more", {"energy", "kinetic_energy", "line"}, {from = 0.5, speed = 0.5, to = 1})
 END
+cat >>plots.lua <<'END'
+local b = sphere { name = "b", visible = false, radius = 0.1, mass = 2, position = {5, 0, 0}, velocity = {0, 0, 1}, angular_velocity = {0, 4, 0},
+	forces = {{vector = {0, 0, 4}}} }
+local c = sphere { name = "c", visible = false, radius = 0.1, position = {5, 9, 0}, angular_velocity = {0, 0, 3} }
+joint { name = "turns", kind = "hinge", a = c, at = {5, 9, 0}, axis = {0, 0, 1}, visible = false }
+look("parts", {"b.z", "b.az", "b.angle", "turns.angle"})
+look("sums", {"momentum", "#1.speed", "joint#0.speed", "collisions"})
+END
 exits 0 plots.lua -q
 cat >look.py <<'END'
 import subprocess
@@ -40,12 +48,21 @@ assert 36 <= max(begun) <= 44, f"at a quarter of the run the curve ends at {max(
 tops = [sum(whole[x]) / len(whole[x]) for x in range(10, 150)]
 slope = (tops[-1] - tops[0]) / (len(tops) - 1)
 assert slope < -0.3 and all(abs(tops[k] - tops[0] - slope * k) < 1.5 for k in range(len(tops))), "no straight line"
+def alone(name, number):  # points of the diagram of that number from below
+    return {x: [y for y in ys if 0.73 < y / H + 0.2625 * number < 0.98] for x, ys in curve(name).items()}
+for name in "parts", "sums":
+    for number in range(3):
+        assert len([x for x, ys in alone(name + "/8", number).items() if ys]) > 80, f"{name}: diagram {number} has no curve"
+z = {x: sum(ys) / len(ys) for x, ys in alone("parts/8", 0).items() if ys}
+at = sorted(z)
+slopes = [(z[at[k + 8]] - z[at[k]]) / 8 for k in (6, len(at) - 16)]
+assert slopes[1] < 2 * slopes[0] < 0, f"z = t + t^2 rises ever faster: {slopes}"
 assert max(curve("half/8")) < 85, "a curve where there is no number"
 END
 python3 look.py || fail "the pictures are wrong"
-mkdir again && mv line half more again
+mkdir again && mv line half more parts sums again
 exits 0 render plots.h5 -q
-for name in line/3 half/8 more/0 more/2; do
+for name in line/3 half/8 more/0 more/2 parts/8 sums/7; do
 	cmp "$name.png" "again/$name.png" || fail "$name.png is another one from the recording"
 done
 
@@ -57,10 +74,21 @@ camera { plots = {"heigt"} }
 camera { plots = "height" }
 camera { plots = {{"height", at = {2, 0}}} }
 camera { plots = {5} }
+sphere { name = "ball", radius = 1, position = {9, 0, 0} }
+sphere { name = "rock", radius = 1, position = {-9, 0, 0}, static = true }
+joint { name = "bar", kind = "rod", a = "ball", at_b = {9, 0, 9} }
+camera { plots = {"bal.vx"} }
+camera { plots = {"ball.vq"} }
+camera { plots = {"rock.z"} }
+camera { plots = {"bar.angle"} }
 camera { plots = {"height", "height", "height", "height", "height"} }
 END
 exits 65 wrong.lua
-says err "wrong.lua:4: camera: 'plots': no probe is named 'heigt' so far \(did you mean 'height'\?\)"
-for line in 5 6 7 8; do
+says err "wrong.lua:4: camera: 'plots': there is no probe or quantity 'heigt' so far \(did you mean 'height'\?\)"
+says err "wrong.lua:11: .* quantity 'bal.vx' so far \(did you mean 'ball.vx'\?\)"
+says err "wrong.lua:12: .* quantity 'ball.vq'"
+says err "wrong.lua:13: .* the body of 'rock.z' never moves"
+says err "wrong.lua:14: .* quantity 'bar.angle'"
+for line in 5 6 7 15; do
 	says err "wrong.lua:$line: camera: 'plots' must be"
 done
