@@ -426,9 +426,9 @@ static void errors_of_c_functions_have_their_place(void **state)
 	must_fail("\ntable.concat({{}})",
 	          "t.lua:2: invalid value (table) at index 1 in table for 'concat'");
 	must_fail("\n('x'):match('(')", "t.lua:2: unfinished capture");
-	must_fail("error({})", "(error object is a table value)");
+	must_fail("error({})", ":1: (error object is a table value)");
 	must_fail("error(setmetatable({}, { __tostring = function() return 'mine' end }))", "mine");
-	must_fail("error()", "(error object is a nil value)");
+	must_fail("error()", ":1: (error object is a nil value)");
 }
 
 static void an_undefined_global_is_nil_in_a_stored_scene(void **state)

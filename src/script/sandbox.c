@@ -423,9 +423,27 @@ void rb_sandbox_release(struct rb_sandbox *sandbox)
 	*sandbox = (struct rb_sandbox){0};
 }
 
-/* Replaces an error object at index 1 that is no text by one. */
+/* Pushes "scene.lua:12: " of the innermost function of Lua that runs, or "". */
+static void push_where(lua_State *L)
+{
+	lua_Debug at;
+
+	for (int level = 0; lua_getstack(L, level, &at); level++) {
+		luaL_where(L, level);
+		if (lua_rawlen(L, -1) > 0)
+			return;
+		lua_pop(L, 1);
+	}
+	lua_pushliteral(L, "");
+}
+
+/*
+ * Replaces an error object at index 1 that is no text by one with the place, which Lua puts
+ * into texts only.
+ */
 static void error_to_text(lua_State *L)
 {
+	push_where(L);
 	if (luaL_getmetafield(L, 1, "__tostring") != LUA_TNIL) {
 		lua_pop(L, 1);
 		luaL_tolstring(L, 1, NULL);
@@ -435,6 +453,7 @@ static void error_to_text(lua_State *L)
 	} else {
 		lua_pushfstring(L, "(error object is a %s value)", luaL_typename(L, 1));
 	}
+	lua_concat(L, 2);
 	lua_replace(L, 1);
 }
 
