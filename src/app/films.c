@@ -298,11 +298,11 @@ enum rb_status rb_films_start(struct rb_films *films, struct rb_ring *ring,
 	return status;
 }
 
-/* A camera of a film; those of a film of several are not steered. */
+/* A camera of a film. */
 static struct rb_steering_film steered(const struct rb_films *films, int number, int cell)
 {
 	return (struct rb_steering_film){films->loaded, rb_film_camera(&films->film[number], cell),
-	                                 number};
+	                                 number, cell};
 }
 
 /* The shots of a film's cameras at one of its pictures. */
@@ -409,17 +409,27 @@ enum rb_status rb_films_switch(struct rb_films *films, double time_s, bool on, s
 	return status;
 }
 
+/* Whether a command means what has this name; one without a name means all. */
+static bool is_meant(const struct rb_player_aim *aim, const char *name)
+{
+	return !aim->camera[0] || (name && strcmp(name, aim->camera) == 0);
+}
+
 enum rb_status rb_films_steer(struct rb_films *films, double time_s,
                               const struct rb_player_aim *aim, struct rb_error *err)
 {
 	enum rb_status status = RB_OK;
 
 	for (int i = 0; i < rb_films_count(films) && !status; i++) {
-		const char *const name = films->film[i].camera.name;
-		if (!works(films, &films->film[i]) || films->film[i].cell_count > 0 ||
-		    (aim->camera[0] && (!name || strcmp(name, aim->camera) != 0)))
-			continue;
-		status = rb_steering_add(&films->steering, i, time_s, aim, err);
+		struct film *const film = &films->film[i];
+		const bool whole = is_meant(aim, film->camera.name);
+
+		for (int c = 0; works(films, film) && c < rb_film_camera_count(film) && !status;
+		     c++) {
+			const struct rb_steering_film of = steered(films, i, c);
+			if (whole || is_meant(aim, of.camera->name))
+				status = rb_steering_add(&films->steering, &of, time_s, aim, err);
+		}
 	}
 	return status;
 }

@@ -19,11 +19,12 @@
 #include "math/vec3.h"
 #include "script/shots.h"
 
-enum { LIMIT_FILM = 1, LIMIT_COUNT };
+enum { LIMIT_FILM = 1, LIMIT_CELL, LIMIT_COUNT };
 
 #define STEERING_FIELDS(X)                                                     \
 	X(double, time_s, , "s", "of the frame before it", RB_FINITE)          \
 	X(int, film, , "", "whose camera", RB_UP_TO(LIMIT_FILM))               \
+	X(int, cell, , "", "which of its cameras", RB_UP_TO(LIMIT_CELL))       \
 	X(enum rb_camera_action, action, , "", "what it does",                 \
 	  RB_WITHIN(RB_CAMERA_MOVE, RB_CAMERA_ZOOM))                           \
 	X(double, vector, [3], "m, rad", "as of struct rb_command", RB_FINITE) \
@@ -42,21 +43,27 @@ void rb_steering_release(struct rb_steering *steering)
 	*steering = (struct rb_steering){0};
 }
 
-enum rb_status rb_steering_add(struct rb_steering *steering, int film, double time_s,
-                               const struct rb_player_aim *aim, struct rb_error *err)
+enum rb_status rb_steering_add(struct rb_steering *steering, const struct rb_steering_film *film,
+                               double time_s, const struct rb_player_aim *aim, struct rb_error *err)
 {
-	RB_ASSERT(film >= 0);
+	RB_ASSERT(film->number >= 0);
 	if (!rb_memory_reserve(&steering->row, &steering->capacity, steering->count + 1,
 	                       sizeof *steering->row))
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot move a camera: out of memory");
 	steering->row[steering->count++] = (struct rb_steering_row){
 		.time_s = time_s,
-		.film = film,
+		.film = film->number,
+		.cell = film->cell,
 		.action = aim->action,
 		.vector = {aim->vector[0], aim->vector[1], aim->vector[2]},
 		.factor = aim->factor,
 	};
 	return RB_OK;
+}
+
+static bool is_of(const struct rb_steering_row *row, const struct rb_steering_film *film)
+{
+	return row->film == film->number && row->cell == film->cell;
 }
 
 /* The camera as it stands at a moment, without what its functions say. */
@@ -66,7 +73,7 @@ static const struct rb_camera_def *camera_at(const struct rb_steering *steering,
 	const struct rb_camera_def *camera = film->camera;
 
 	for (size_t k = 0; k < steering->count; k++)
-		if (steering->row[k].film == film->number && steering->row[k].is_made &&
+		if (is_of(&steering->row[k], film) && steering->row[k].is_made &&
 		    steering->row[k].made_s <= time_s)
 			camera = &steering->row[k].camera;
 	return camera;
@@ -108,7 +115,7 @@ enum rb_status rb_steering_advance(struct rb_steering *steering,
 		struct rb_steering_row *const row = &steering->row[k];
 		struct rb_frame_shot shot = {.camera = film->number};
 
-		if (row->film != film->number || row->is_made || !(row->time_s < frame->time_s))
+		if (!is_of(row, film) || row->is_made || !(row->time_s < frame->time_s))
 			continue;
 		const struct rb_camera_def *const before = camera_at(steering, film, frame->time_s);
 		row->camera = *before;
@@ -163,7 +170,8 @@ enum rb_status rb_steering_shot(const struct rb_steering *steering,
 
 void rb_steering_pack(struct rb_steering *steering, int film_count, struct rb_pack *pack)
 {
-	const int limit[LIMIT_COUNT] = {[LIMIT_FILM] = film_count - 1};
+	const int limit[LIMIT_COUNT] = {
+		[LIMIT_FILM] = film_count - 1, [LIMIT_CELL] = RB_FILM_CELLS_MAX - 1};
 	size_t count = steering ? steering->count : 0;
 
 	rb_pack_count(pack, &count, INT32_MAX, rb_fields_bytes(steering_fields()));

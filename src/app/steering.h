@@ -18,17 +18,18 @@ struct rb_steering {
 	size_t count, capacity;
 };
 
-/* Whose camera: its number among the films, and as the scene has it. */
+/* Whose camera: the film's number, which of its cameras, and as the scene has it. */
 struct rb_steering_film {
 	struct rb_loaded *loaded;
 	const struct rb_camera_def *camera;
-	int number;
+	int number, cell;
 };
 
 void rb_steering_release(struct rb_steering *steering);
 
 /* A movement between the frame of `time_s` and the next one. */
-RB_CHECKED enum rb_status rb_steering_add(struct rb_steering *steering, int film, double time_s,
+RB_CHECKED enum rb_status rb_steering_add(struct rb_steering *steering,
+                                          const struct rb_steering_film *film, double time_s,
                                           const struct rb_player_aim *aim, struct rb_error *err);
 
 /* Makes the movements of a film that were asked for before this frame. */

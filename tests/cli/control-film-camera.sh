@@ -115,3 +115,30 @@ malformed 'film main turn 0' 'move, orbit or zoom'
 malformed 'film main' "'on', 'off', or move"
 scene 'camera { png = "free/%d.png" }' >free.lua
 refuses free.lua 'film zoom 2' "has no 'position'"
+
+# cameras in a film of several are moved by their own name, all of them by the film's; after a checkpoint, too
+camera_alone() { echo "camera { name = \"$1\", position = {$2}, look_at = {$3}, size = {64, 48} }"; }
+split()
+{
+	scene "$(camera_alone main "$1" "$2"; camera_alone side "$3" "$4")"
+	echo "film { name = \"both\", rows = {{\"main\", \"side\"}}, size = {128, 48}, png = \"$5/%d.png\" }"
+}
+split '0, -4, 1' '0, 0, 1' '4, 0, 1' '0, 0, 1' both >split.lua
+exits 0 split.lua --no-record
+rm -rf plain && mv both plain
+moves()
+{
+	rm -rf both there
+	echo "at 0.5 film $1" >commands
+	exits 0 split.lua --no-record --commands commands
+	split "$2" "$3" "$4" "$5" there >t.lua
+	exits 0 t.lua --no-record
+	alike both plain 0 10 || fail "film $1: something has changed before it"
+	alike both there 11 20 || fail "film $1: the cameras do not stand where they should"
+}
+moves 'side zoom 2' '0, -4, 1' '0, 0, 1' '2, 0, 1' '0, 0, 1'
+moves 'both zoom 2' '0, -2, 1' '0, 0, 1' '2, 0, 1' '0, 0, 1'
+moves 'move 1 0 2' '1, -2, 1' '1, 2, 1' '2, 1, 1' '-2, 1, 1'
+echo "at 0.5 film sid zoom 2" >commands
+"$RBSIM" split.lua --no-record --force --commands commands >out 2>err </dev/null
+says out "'film': no camera 'sid' makes one \(did you mean 'side'\?\)"
