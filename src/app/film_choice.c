@@ -95,6 +95,28 @@ static enum rb_status check_names(const struct rb_scene *scene, const char *name
 	return RB_OK;
 }
 
+/*
+ * Gives a camera a picture of another size. The edges of a frustum belong to the shape of its own
+ * picture: in one of another shape two of them move outwards, so that nothing is drawn longer than
+ * it is or cut off.
+ */
+static void resize(struct rb_camera_def *camera, int width, int height)
+{
+	double *const f = camera->frustum;
+	const double wider = ((double)width / height) /
+	                     ((double)camera->size_px[0] / camera->size_px[1]);
+	const int low = wider > 1 ? 0 : 2; /* left and right, or bottom and top */
+	const double middle = 0.5 * (f[low] + f[low + 1]);
+	const double half = 0.5 * (f[low + 1] - f[low]) * (wider > 1 ? wider : 1 / wider);
+
+	if (camera->has_frustum && wider != 1) {
+		f[low] = middle - half;
+		f[low + 1] = middle + half;
+	}
+	camera->size_px[0] = width;
+	camera->size_px[1] = height;
+}
+
 static void apply(struct rb_camera_def *camera, const struct rb_films_wish *wish)
 {
 	if (!isnan(wish->from_s))
@@ -107,8 +129,8 @@ static void apply(struct rb_camera_def *camera, const struct rb_films_wish *wish
 		camera->speed = wish->speed;
 		camera->speed_varies = false;
 	}
-	for (int i = 0; wish->size_px[0] > 0 && i < 2; i++)
-		camera->size_px[i] = wish->size_px[i];
+	if (wish->size_px[0] > 0)
+		resize(camera, wish->size_px[0], wish->size_px[1]);
 	if (!wish->output)
 		return;
 	const char *const dot = strrchr(wish->output, '.');
@@ -152,8 +174,8 @@ static bool divide(struct film *film, const struct rb_scene *scene, const struct
 			part->camera = scene->cameras[def->cells[cell]];
 			part->at_px[0] = left;
 			part->at_px[1] = top;
-			part->camera.size_px[0] = right > left ? right - left : 1;
-			part->camera.size_px[1] = bottom > top ? bottom - top : 1;
+			resize(&part->camera, right > left ? right - left : 1,
+			       bottom > top ? bottom - top : 1);
 			part->camera.fps = film->camera.fps;
 			rb_camera_take_speed(&part->camera, &film->camera);
 			part->camera.from_s = film->camera.from_s;

@@ -55,7 +55,9 @@ const struct rb_command_row rb_commands[RB_COMMAND_KIND_COUNT] = {
 		{"film", "on|off|[CAMERA] move X Y Z|orbit DEGREES DEGREES|zoom FACTOR",
                  RB_NEEDS_RUN,
                  "draw the pictures of the run's films, or skip them; move the camera of one "
-                 "from the next frame on, as 'camera' moves that of a view"},
+                 "from the next frame on, as 'camera' moves that of a view; a film of several by "
+                 "its "
+                 "name, one of its cameras by its own"},
 	[RB_COMMAND_CHECKPOINT] =
 		{"checkpoint", "", RB_NEEDS_RUN,
                  "write a checkpoint beside the recording, from which --resume continues"},

@@ -214,8 +214,8 @@ static const struct rb_row camera_rows[] = {
          "of an orthographic picture, from the lower to the upper edge, instead of fov"},
 	{"frustum", RB_ROW_NUMBERS, 0, 6, AT(rb_camera_def, frustum), NULL, "none", "m",
          "{left, right, bottom, top, near, far}: edges of the picture at the distance near, of an "
-         "orthographic one at any distance; "
-         "excludes fov, height, near and far"},
+         "orthographic one at any distance; widened in pictures of another shape than size, by "
+         "film or --size; excludes fov, height, near and far"},
 	{"near", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, near), NULL,
          "chosen for each picture", "m", "nothing nearer is drawn"},
 	{"far", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, far), NULL, "unlimited", "m",

@@ -20,12 +20,15 @@ look("moves", {80, 48}, {position = function(t) return {t, -5, 2} end, text = fu
 look("rides", {80, 48}, {mount = a, offset = {0, -3, 0}, level = true, look_at = b})
 look("third", {53, 32}, {position = {0, -6, 1}, projection = "orthographic", height = 5})
 camera { name = "sees all", size = {53, 32}, fps = 4, samples = 1, png = "all/%d.png" }
+look("cone", {106, 32}, {position = {0, -6, 1}, frustum = {-1.5, 2.5, -1, 1, 5, 99}})
+look("wide", {53, 32}, {position = {0, -6, 1}, frustum = {-1.5, 2.5, -2, 2, 5, 99}})
+film { rows = {{"cone", "cone", "cone"}}, size = {159, 32}, png = "cones/%d.png", fps = 4 }
 film { name = "big", rows = {{"front"}, {"moves", "rides"}}, size = {160, 96}, fps = 4, png = "big/%d.png" }
 film { rows = {{"third", "sees all", "third"}}, size = {159, 32}, png = "late/%d.png", video = "late.mp4", fps = 4 }
 END
 exits 0 split.lua
 says err "film +big/%d.png, film 'big': 5 pictures"
-says err "film +late.mp4 and late.*, film 2: 5 pictures"
+says err "film +late.mp4 and late.*, film 3: 5 pictures"
 cat >look.py <<'END'
 import subprocess
 def picture(name, width, height):
@@ -40,6 +43,8 @@ for k in range(5):
     third = picture(f"third/{k}", 53, 32)
     assert part(late, 0, 0, 53, 32) == third and part(late, 53, 0, 53, 32) == picture(f"all/{k}", 53, 32), f"a part at {k}"
     assert part(late, 106, 0, 53, 32) == third, f"one camera in two parts at {k}"
+    cone = part(picture(f"cones/{k}", 159, 32), 0, 0, 53, 32)
+    assert cone == picture(f"wide/{k}", 53, 32), "a frustum is drawn out to another shape"
     assert part(big, 0, 0, 160, 48) == picture(f"front/{k}", 160, 48), f"the upper row at {k}"
     assert part(big, 0, 48, 80, 48) == picture(f"moves/{k}", 80, 48), f"functions at {k}"
     assert part(big, 80, 48, 80, 48) == picture(f"rides/{k}", 80, 48), f"a mounted camera at {k}"
@@ -56,7 +61,7 @@ pixels() { ffmpeg -v error -i "$1" -f md5 - </dev/null; }
 exits 64 render split.h5 --camera big --contact-sheet -o sheet.png
 says err "a film of several cameras has no contact sheet"
 exits 64 render split.h5 -o x.mp4
-says err "there are 7 cameras: choose one with --camera \(there are front, moves, rides, third, sees all, big\)"
+says err "there are 10 cameras: choose one with --camera \(there are front, moves, rides, third, sees all, cone, wide, big\)"
 exits 0 split.lua --help
 says out '^  big$'
 cat >cameras.lua <<'END'
