@@ -107,25 +107,29 @@ enum rb_status rb_films_create(struct rb_films **films, struct rb_loaded *loaded
 	return status;
 }
 
-enum rb_status rb_films_one_camera(struct rb_camera_def *camera, struct rb_loaded *loaded,
+enum rb_status rb_films_one_camera(struct rb_camera_def *camera, struct rb_film_cell **cells,
+                                   int *cell_count, struct rb_loaded *loaded,
                                    const struct rb_films_wish *wish, struct rb_error *err)
 {
 	struct rb_films films = {.loaded = loaded};
 	const enum rb_status status = rb_film_choice(&films, wish, err);
 
-	if (!status)
+	*cells = NULL;
+	*cell_count = 0;
+	if (!status) {
 		*camera = films.film[0].camera;
-	const bool divided = !status && films.film[0].cell_count > 0;
-	camera->speed_varies = false; /* its pictures are chosen by time */
-	camera->picture_s = NULL;
-	camera->picture_count = 0;
+		camera->speed_varies = false; /* its pictures are chosen by time */
+		camera->picture_s = NULL;
+		camera->picture_count = 0;
+		*cells = films.film[0].cells;
+		*cell_count = films.film[0].cell_count;
+		films.film[0].cells = NULL;
+	}
+	for (int c = 0; c < *cell_count; c++)
+		rb_camera_take_speed(&(*cells)[c].camera, camera);
 	for (int i = 0; i < films.count; i++)
 		rb_film_choice_forget(&films.film[i]);
 	rb_memory_free(films.film);
-	if (divided)
-		return RB_FAIL(err, RB_ERR_USAGE,
-		               "a film of several cameras has no contact sheet: --camera chooses "
-		               "one of them");
 	return status;
 }
 

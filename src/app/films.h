@@ -27,9 +27,10 @@ RB_CHECKED enum rb_status rb_films_create(struct rb_films **films, struct rb_loa
                                           const struct rb_films_wish *wish, struct rb_error *err);
 /*
  * The one camera that is wished for, changed as wished, without looking at outputs; errors as
- * above.
+ * above. Of a film of several `*cells` are the caller's, for rb_memory_free; else NULL and 0.
  */
 RB_CHECKED enum rb_status rb_films_one_camera(struct rb_camera_def *camera,
+                                              struct rb_film_cell **cells, int *cell_count,
                                               struct rb_loaded *loaded,
                                               const struct rb_films_wish *wish,
                                               struct rb_error *err);

@@ -330,30 +330,48 @@ static enum rb_status make_films(struct render *render, struct rb_error *err)
 	return status ? status : film(render, err);
 }
 
+/* Where a camera without a position stands for the whole sheet. */
+static enum rb_status frame_one(const struct render *render, const struct rb_camera_def *span,
+                                struct rb_camera_def *camera, struct rb_error *err)
+{
+	camera->from_s = span->from_s;
+	camera->to_s = span->to_s;
+	return camera->framed ? rb_films_frame_camera(camera, render->loaded.model, render->module,
+	                                              render->reader, "the camera", err)
+	                      : RB_OK;
+}
+
 /* Makes a contact sheet. */
 static enum rb_status sheet(struct render *render, struct rb_error *err)
 {
-	const struct rb_camera_def *chosen;
 	struct rb_camera_def camera;
-	enum rb_status status = rb_films_one_camera(&camera, &render->loaded, &render->wish, err);
-	chosen = &camera;
+	struct rb_film_cell *cells;
+	int cell_count;
+	enum rb_status status = rb_films_one_camera(&camera, &cells, &cell_count, &render->loaded,
+	                                            &render->wish, err);
+	if (status)
+		return status;
 	const struct rb_sheet sheet = {
 		.loaded = &render->loaded,
 		.module = render->module,
 		.reader = render->reader,
-		.camera = chosen,
+		.camera = &camera,
+		.cells = cells,
+		.cell_count = cell_count,
 		.path = render->options->output,
 		.replace = render->options->force,
 	};
 
-	if (status)
-		return status;
 	camera.to_s = fmin(camera.to_s, render->end_s);
 	camera.from_s = fmin(camera.from_s, camera.to_s);
-	if (camera.framed && rb_films_frame_camera(&camera, render->loaded.model, render->module,
-	                                           render->reader, "the camera", err))
-		return RB_ERR_INPUT;
-	return rb_sheet_make(&sheet, &render->sheet_bytes, err);
+	for (int c = 0; c < cell_count && !status; c++)
+		status = frame_one(render, &camera, &cells[c].camera, err);
+	if (cell_count == 0)
+		status = frame_one(render, &camera, &camera, err);
+	if (!status)
+		status = rb_sheet_make(&sheet, &render->sheet_bytes, err);
+	rb_memory_free(cells);
+	return status;
 }
 
 /* ---- telling ---- */

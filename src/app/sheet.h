@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A contact sheet: pictures of one camera at even steps through a recording, with their times, in
- * one PNG.
+ * A contact sheet: pictures of a camera, or of a film of several, at even steps through a
+ * recording, with their times, in one PNG.
  */
 #ifndef RB_APP_SHEET_H
 #define RB_APP_SHEET_H
@@ -14,6 +14,8 @@ struct rb_sheet {
 	const struct rb_hdf5_module *module;
 	struct rb_reader *reader;
 	const struct rb_camera_def *camera; /* with from_s and to_s within the recording */
+	const struct rb_film_cell *cells;   /* [cell_count] of a film, which `camera` is then */
+	int cell_count;                     /* 0: it is one camera */
 	const char *path;
 	bool replace;
 };
