@@ -67,7 +67,9 @@ static void add_force(struct rb_call *part)
 		   neither = !has_direction && !has_magnitude;
 	if (has_vector ? !neither : !both && !(has_torque && neither)) {
 		rb_call_mistake(part,
-		                "needs 'vector', or 'direction' and 'magnitude', or 'torque'");
+		                has_vector ? "'vector' excludes 'direction' and 'magnitude'"
+		                           : "needs 'vector', or 'direction' and 'magnitude', or "
+		                             "'torque'");
 	} else if (both) {
 		const bool right = rb_call_value(part, rb_row_find(table, "direction", NULL), -2,
 		                                 &direction);

@@ -14,7 +14,16 @@
 #include "script/values.h"
 #include "script/vector.h"
 
-/* Reads `trails`: bodies by handle. */
+/* Id of the body that the value at the top of the stack is or names; -1: it is none. */
+static int take_body(lua_State *L)
+{
+	char hint[96];
+
+	return lua_type(L, -1) == LUA_TSTRING ? rb_body_named(L, lua_tostring(L, -1), hint)
+	                                      : rb_handle_id(L, -1);
+}
+
+/* Reads `trails`: bodies, or their names. */
 static void read_trails(struct rb_call *call, struct rb_camera_def *def)
 {
 	const int count = rb_call_push_list(call, "trails", "bodies", RB_CAMERA_TRAILS_MAX);
@@ -22,7 +31,7 @@ static void read_trails(struct rb_call *call, struct rb_camera_def *def)
 
 	for (int i = 0; i < count; i++) {
 		lua_rawgeti(call->L, -1, i + 1);
-		def->trails[i] = rb_handle_id(call->L, -1);
+		def->trails[i] = take_body(call->L);
 		if (def->trails[i] < 0)
 			rb_call_mistake(call, "'trails' must be a list of bodies (got %s at %d)",
 			                rb_describe(call->L, -1, found), i + 1);
@@ -57,10 +66,10 @@ static void read_labels(struct rb_call *call, struct rb_camera_def *def)
 	for (int i = 0; i < count; i++) {
 		struct rb_label_def *const label = &def->labels[i];
 		lua_rawgeti(L, -1, i + 1);
-		label->body = rb_handle_id(L, -1);
+		label->body = take_body(L);
 		if (label->body < 0 && lua_type(L, -1) == LUA_TTABLE && lua_rawlen(L, -1) == 2) {
 			lua_rawgeti(L, -1, 1);
-			label->body = rb_handle_id(L, -1);
+			label->body = take_body(L);
 			lua_rawgeti(L, -2, 2);
 			label->text = take_text(call, "labels", wanted, i + 1);
 			lua_pop(L, 2);
@@ -181,7 +190,7 @@ static bool read_arrows(lua_State *L, struct rb_arrows_def *arrows)
 			right = count > 0 && count <= RB_CAMERA_TRAILS_MAX;
 			for (lua_Unsigned k = 0; right && k < count; k++) {
 				lua_rawgeti(L, -1, (lua_Integer)k + 1);
-				arrows->bodies[k] = rb_handle_id(L, -1);
+				arrows->bodies[k] = take_body(L);
 				right = arrows->bodies[k] >= 0;
 				lua_pop(L, 1);
 			}

@@ -248,9 +248,10 @@ static const struct rb_row camera_rows[] = {
 	{"units", RB_ROW_TABLE, 0, 0, HAND, NULL, "by size", "",
          "in which the overlay tells lengths and times: {length = \"AU\", time = \"d\"}"},
 	{"trails", RB_ROW_LIST, 0, 0, HAND, NULL, "none", "",
-         "a list of bodies whose paths since the start are drawn, at most 64"},
+         "a list of bodies, or their names, whose paths since the start are drawn, at most 64"},
 	{"labels", RB_ROW_LIST, 0, 0, HAND, NULL, "none", "",
-         "a list of bodies whose names are written above them, at most 64; {body, \"TEXT\"} for "
+         "a list of bodies, or their names, that are written above them, at most 64; {body, "
+         "\"TEXT\"} for "
          "another text"},
 	{"text", RB_ROW_TEXT, 0, 0, HAND, NULL, "none", "",
          "written over the picture: a text, a function of t that returns one, or a list of up to 8 "

@@ -90,3 +90,22 @@ camera { name = "c", position = {0, -9, 0}, text = function(t) return t < 0.5 an
 END
 exits 65 late.lua
 grep -q "late.lua:3: 'text' must return a text (got nothing) (camera 'c', text at t = 0.5 s)" err || fail "$(cat err)"
+
+# bodies by their names are those by their handles
+cat >names.lua <<'END'
+world { duration = 0.5, frame_rate = 4 }
+local a = sphere { name = "a", radius = 0.5, velocity = {0, 0, 2} }
+local b = box { name = "b", size = {1, 1, 1}, position = {2, 0, 0}, velocity = {1, 0, 0} }
+for name, of in pairs { handles = {a = a, b = b}, names = {a = "a", b = "b"} } do
+	camera { name = name, position = {0, -8, 0}, size = {96, 64}, samples = 1, png = name .. "/%d.png", trails = {of.a, of.b},
+		labels = {of.a, {of.b, "box"}}, vectors = {{"velocity", bodies = {of.b}}} }
+end
+END
+exits 0 names.lua -q
+for k in 0 1 2; do
+	[ "$(ffmpeg -v error -i names/$k.png -f md5 - </dev/null)" = "$(ffmpeg -v error -i handles/$k.png -f md5 - </dev/null)" ] ||
+		fail "names of bodies are not their handles in picture $k"
+done
+echo 'world { duration = 1 } sphere { name = "a", radius = 1 } camera { trails = {"b"} }' >wrong.lua
+exits 65 wrong.lua
+says err "'trails' must be a list of bodies \(got the text 'b' at 1\)"

@@ -100,3 +100,7 @@ for rest in 1e151 1e160 1e300; do
 	says err "hard.lua:2: 'a' moves at 0 m/s and gets 1e.${rest#1e} m/s.2 at t = 0 s"
 done
 exits 0 hard.lua --method located --no-record -p rest=1e140
+
+echo 'world { duration = 1 } sphere { radius = 1, forces = {{vector = {1, 0, 0}, direction = {1, 0, 0}}} }' >both.lua
+exits 65 both.lua
+says err "forces\[1\]: 'vector' excludes 'direction' and 'magnitude'"
