@@ -211,10 +211,12 @@ static enum rb_status list_pictures(struct rb_films *films, struct film *film,
 
 	if (!camera->speed_varies)
 		return RB_OK;
-	const enum rb_status status = rb_script_pictures(
-		films->loaded->script, camera, schedule.fps, schedule.to_s, &film->picture_s,
-		&camera->picture_count, err);
-	camera->picture_s = film->picture_s;
+	struct rb_picture_times times = {.fps = schedule.fps, .to_s = schedule.to_s};
+	const enum rb_status status = rb_script_pictures(films->loaded->script, camera, &times,
+	                                                 err);
+	film->picture_s = times.picture_s;
+	camera->picture_s = times.picture_s;
+	camera->picture_count = times.count;
 	return status;
 }
 

@@ -318,3 +318,34 @@ struct rb_player_status rb_player_status(struct rb_player *player)
 	pthread_mutex_unlock(&player->lock);
 	return status;
 }
+
+/* ---- films ---- */
+
+static void consider(struct rb_player_movable *movable, const char *name, bool late)
+{
+	if (name)
+		rb_nearest_offer(&movable->nearest, name, strlen(name));
+	if (movable->name[0] && (!name || strcmp(name, movable->name) != 0))
+		return;
+	movable->found = true;
+	movable->early |= !late;
+}
+
+void rb_player_consider_films(struct rb_player_movable *movable, const struct rb_scene *scene)
+{
+	const struct rb_camera_def *const cameras = scene->cameras;
+
+	for (int i = 0; i < scene->camera_count; i++)
+		if (cameras[i].png || cameras[i].video)
+			consider(movable, cameras[i].name, cameras[i].framed);
+	for (int i = 0; i < scene->film_count; i++) {
+		const struct rb_film_def *const film = &scene->films[i];
+		bool late = false;
+
+		for (int c = 0; c < film->cell_count; c++)
+			late |= cameras[film->cells[c]].framed;
+		consider(movable, film->camera.name, late);
+		for (int c = 0; c < film->cell_count; c++)
+			consider(movable, cameras[film->cells[c]].name, late);
+	}
+}

@@ -15,6 +15,7 @@
 #include <rbsim/frame.h>
 
 #include "control/command.h"
+#include "script/nearest.h"
 
 struct rb_player;
 
@@ -101,5 +102,15 @@ bool rb_player_aim(struct rb_player *player, const struct rb_player_aim *aim);
 bool rb_player_take_aim(struct rb_player *player,
                         struct rb_player_aim *aim); /* False: none waits. */
 struct rb_player_status rb_player_status(struct rb_player *player);
+
+/* What a movement may be for: the films of a scene and the cameras that make them. */
+struct rb_player_movable {
+	const char *name;  /* that is asked for, "": any */
+	bool found, early; /* the latter: one whose film is drawn during the run */
+	struct rb_nearest nearest;
+};
+
+/* Fills the rest by the cameras and films of a scene; `name` and `nearest` are set. */
+void rb_player_consider_films(struct rb_player_movable *movable, const struct rb_scene *scene);
 
 #endif

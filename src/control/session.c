@@ -446,61 +446,25 @@ static enum rb_status no_body(struct line *line, const char *name)
 	               rb_nearest_hint(&nearest, hint));
 }
 
-/* What a movement may be for: the films of a scene and the cameras that make them. */
-struct movable {
-	const char *name; /* that is asked for, "": any */
-	int films;
-	bool found, early; /* the latter: one whose film is drawn during the run */
-	struct rb_nearest nearest;
-};
-
-static void consider(struct movable *movable, const char *name, bool late)
-{
-	if (name)
-		rb_nearest_offer(&movable->nearest, name, strlen(name));
-	if (movable->name[0] && (!name || strcmp(name, movable->name) != 0))
-		return;
-	movable->found = true;
-	movable->early |= !late;
-}
-
-static void consider_all(struct movable *movable, const struct rb_scene *scene)
-{
-	for (int i = 0; i < scene->camera_count; i++) {
-		const struct rb_camera_def *const camera = &scene->cameras[i];
-		if (!camera->png && !camera->video)
-			continue;
-		movable->films++;
-		consider(movable, camera->name, camera->framed);
-	}
-	for (int i = 0; i < scene->film_count; i++) {
-		const struct rb_film_def *const film = &scene->films[i];
-		bool late = false;
-
-		movable->films++;
-		for (int c = 0; c < film->cell_count; c++)
-			late |= scene->cameras[film->cells[c]].framed;
-		consider(movable, film->camera.name, late);
-		for (int c = 0; c < film->cell_count; c++)
-			consider(movable, scene->cameras[film->cells[c]].name, late);
-	}
-}
-
 /*
  * Queues a movement of a film's camera for the simulator's thread. Only for cameras whose film is
  * drawn during the run.
  */
 static enum rb_status move_film(const struct line *line, const struct rb_command *command)
 {
-	struct movable movable = {.name = command->text, .nearest = rb_nearest_to(command->text)};
+	struct rb_player_movable movable = {.name = command->text,
+	                                    .nearest = rb_nearest_to(command->text)};
 	struct rb_player_aim aim = {.action = command->action, .factor = command->number};
 	char hint[96];
 
-	consider_all(&movable, line->session->info->scene);
-	if (!command->text[0] && movable.films != 1)
+	const struct rb_scene *const scene = line->session->info->scene;
+	int films = scene->film_count;
+	for (int i = 0; i < scene->camera_count; i++)
+		films += scene->cameras[i].png || scene->cameras[i].video;
+	rb_player_consider_films(&movable, scene);
+	if (!command->text[0] && films != 1)
 		return RB_FAIL(line->err, RB_ERR_USAGE,
-		               "'film': %d cameras make films; name the one to move",
-		               movable.films);
+		               "'film': %d cameras make films; name the one to move", films);
 	if (!movable.found)
 		return RB_FAIL(line->err, RB_ERR_USAGE, "'film': no camera '%.60s' makes one%s",
 		               command->text, rb_nearest_hint(&movable.nearest, hint));

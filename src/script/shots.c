@@ -211,11 +211,10 @@ static enum rb_status refuse_speed(const struct rb_camera_def *camera, double ti
  * to the bit, as those of a constant speed do.
  */
 static enum rb_status list_pictures(struct rb_script *script, const struct rb_camera_def *camera,
-                                    double fps, double to_s, double **picture_s, uint64_t *count,
-                                    struct rb_error *err)
+                                    struct rb_picture_times *times, struct rb_error *err)
 {
 	enum { PICTURES_MAX = 1000000 }; /* four hours of film, and a second to ask for them */
-	const double from_s = camera->from_s;
+	const double from_s = camera->from_s, to_s = times->to_s, fps = times->fps;
 	enum rb_status status = RB_OK;
 	double sum = 0, time_s = from_s;
 	size_t capacity = 0, made = 0;
@@ -229,16 +228,17 @@ static enum rb_status list_pictures(struct rb_script *script, const struct rb_ca
 		if (made == PICTURES_MAX)
 			return refuse_speed(camera, time_s, "makes more than a million pictures",
 			                    err);
-		if (!rb_memory_reserve(picture_s, &capacity, made + 1, sizeof **picture_s))
+		if (!rb_memory_reserve(&times->picture_s, &capacity, made + 1,
+		                       sizeof *times->picture_s))
 			return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare a film: out of memory");
-		(*picture_s)[made++] = time_s;
-		*count = made;
+		times->picture_s[made++] = time_s;
+		times->count = made;
 		status = mean_speed(script, camera, (const double[]){time_s, to_s}, fps, &mean,
 		                    err);
 		sum += mean;
 		const double next_s = from_s + sum / fps;
 		time_s = next_s > to_s && next_s - to_s <= noise ? to_s : next_s;
-		if (!status && !(time_s > (*picture_s)[made - 1])) {
+		if (!status && !(time_s > times->picture_s[made - 1])) {
 			if (time_s == to_s)
 				break;
 			return refuse_speed(camera, time_s, "is too small to come any further",
@@ -249,22 +249,20 @@ static enum rb_status list_pictures(struct rb_script *script, const struct rb_ca
 }
 
 enum rb_status rb_script_pictures(struct rb_script *script, const struct rb_camera_def *camera,
-                                  double fps, double to_s, double **picture_s, uint64_t *count,
-                                  struct rb_error *err)
+                                  struct rb_picture_times *times, struct rb_error *err)
 {
 	const enum rb_script_phase phase = script->phase;
 
-	RB_ASSERT(camera->speed_varies && isfinite(to_s));
-	*picture_s = NULL;
-	*count = 0;
+	RB_ASSERT(camera->speed_varies && isfinite(times->to_s));
+	times->picture_s = NULL;
+	times->count = 0;
 	script->phase = RB_PHASE_LOOK;
-	const enum rb_status status = list_pictures(script, camera, fps, to_s, picture_s, count,
-	                                            err);
+	const enum rb_status status = list_pictures(script, camera, times, err);
 	script->phase = phase;
 	if (status) {
-		rb_memory_free(*picture_s);
-		*picture_s = NULL;
-		*count = 0;
+		rb_memory_free(times->picture_s);
+		times->picture_s = NULL;
+		times->count = 0;
 	}
 	return status;
 }

@@ -27,11 +27,15 @@ RB_CHECKED enum rb_status rb_script_shot(struct rb_script *script, const struct 
 /*
  * Times of the pictures of a camera whose speed is a function: one after the other, each later by
  * the mean of the function over the time between them, divided by fps; from `from_s` on, none later
- * than `to_s`. Handles show the start. `*picture_s` is the caller's: [*count], for rb_memory_free.
+ * than `to_s`. Handles show the start. `picture_s` is the caller's: [count], for rb_memory_free.
  */
+struct rb_picture_times {
+	double fps, to_s;
+	double *picture_s;
+	uint64_t count;
+};
 RB_CHECKED enum rb_status rb_script_pictures(struct rb_script *script,
-                                             const struct rb_camera_def *camera, double fps,
-                                             double to_s, double **picture_s, uint64_t *count,
-                                             struct rb_error *err);
+                                             const struct rb_camera_def *camera,
+                                             struct rb_picture_times *times, struct rb_error *err);
 
 #endif
