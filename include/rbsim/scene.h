@@ -398,7 +398,7 @@ struct rb_camera_def {
 	/* of such a film that is made: the times of its pictures, borrowed from who makes it */
 	const double *picture_s;
 	uint64_t picture_count;
-	double background[3];            /* background[0] NAN: the sky */
+	double background[3]; /* background[0] NAN: the sky */
 	struct rb_light_def lights[RB_CAMERA_LIGHTS_MAX];
 	int light_count; /* -1: the default lights */
 	bool shadows;

@@ -21,7 +21,7 @@ struct film {
 	struct rb_film_cell *cells;  /* owned: [cell_count]; of a film of several cameras */
 	int cell_count;
 	double *picture_s; /* owned, NULL: the speed is constant */
-	char label[80]; /* "camera 'main'", for messages */
+	char label[80];    /* "camera 'main'", for messages */
 	struct rb_schedule schedule;
 	uint64_t next;       /* the next picture to compute a shot for */
 	bool late;           /* made from the recording after the run */

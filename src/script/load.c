@@ -606,8 +606,7 @@ static enum rb_status load(struct rb_script *script, struct rb_error *err)
 	warn_of_empty_groups(script);
 	/* what films of the recording show between frames, and their arrows */
 	for (int i = 0; i < scene->camera_count && !scene->record.fields_given; i++)
-		scene->record.fields |= RB_FIELD_EVENTS |
-		                        rb_camera_mark_fields(&scene->cameras[i]);
+		scene->record.fields |= RB_FIELD_EVENTS | rb_camera_mark_fields(&scene->cameras[i]);
 	script->expects = rb_memory_take(count, sizeof *script->expects);
 	if (!script->expects)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory", scene->file);
