@@ -2,20 +2,20 @@
 /*
  * Redundant contacts: bodies that touch at more points than there are degrees of freedom (a box on
  * four corners) have normal impulses that are determined only up to the null space of the map from
- * impulses to wrenches. Gauss-Seidel leaves the component in the null space at whatever the order
- * of rows has made of it; where contacts slide, that would turn a symmetric box.
+ * impulses to wrenches. Gauss-Seidel leaves a component in the null space that depends on the order
+ * of rows; where contacts slide, that would turn a symmetric box.
  *
  * Of all normal impulses p with the same wrenches A p the one of least norm is the projection of p
- * on the row space of A. It is spanned here by modified Gram-Schmidt with at most one
+ * on the row space of A. The row space is spanned here by modified Gram-Schmidt with at most one
  * reorthogonalization ("twice is enough": Giraud, Langou, Rozloznik 2005) on the rows of A, six per
- * dynamic body.
- * Cheaper than an SVD, and a row that is dependent is recognized on the way. Where the projection
- * would make impulses negative, those of the least norm that are not are found by their active set:
- * the span takes products over what bears alone, and says of the others which of them would help.
- * They depend on nothing but the wrenches, so on no order, nor on which corner had borne nothing.
+ * dynamic body. It is cheaper than an SVD, and detects dependent rows on the way. Where the
+ * projection would make impulses negative, the non-negative ones of least norm are found by an
+ * active-set method: inner products of the span are over the active impulses alone, and the slopes
+ * at the others show which of them would reduce the norm. The result depends only on the wrenches,
+ * not on the order of rows, nor on which corner had no impulse before.
  *
- * Where joints hold bodies, A is seen through them: its rows are what motions that the joints allow
- * make of the gaps. Forces of the joints are then found anew (strategies).
+ * Where joints connect bodies, the rows of A are the gap velocities that motions allowed by the
+ * joints produce. Forces of the joints are then computed anew (strategies).
  */
 #include "stepped/redundant_contacts.h"
 
@@ -26,8 +26,8 @@
 #include "stepped/wrench_span.h"
 
 /*
- * A friction impulse counts as sliding from this share of mu p on, since after scaling to the
- * cone's edge its length is there only up to rounding.
+ * A friction impulse counts as sliding from this fraction of mu p on, since after scaling to the
+ * cone's edge its length is exact only up to rounding.
  */
 static const double at_edge = 1 - 1e-9;
 
@@ -41,8 +41,8 @@ static bool slides(const struct rb_constraint *row)
 }
 
 /*
- * Whether a contact bears something, or could: its gap is closed, up to `tolerance`, m/s. One that
- * is open bears nothing in any solution.
+ * Whether a contact has an impulse, or could have one: its gap is closed up to `tolerance`, m/s. An
+ * open one has none in any solution.
  */
 static bool may_bear(const struct rb_row_system *rows, const struct rb_constraint *row,
                      double tolerance)
@@ -54,9 +54,9 @@ static bool may_bear(const struct rb_row_system *rows, const struct rb_constrain
 	       tolerance;
 }
 
-/* Where joints hand loads on: all of them, if one slides; returns their number. */
-static int take_joined(const struct rb_row_system *rows, double tolerance,
-                       struct rb_constraint **taken)
+/* With joints, which transmit loads: selects all rows if one slides; returns their number. */
+static int select_with_joints(const struct rb_row_system *rows, double tolerance,
+                              struct rb_constraint **selected)
 {
 	int count = 0;
 	bool slide = false;
@@ -65,17 +65,17 @@ static int take_joined(const struct rb_row_system *rows, double tolerance,
 		if (!may_bear(rows, &rows->row[k], tolerance))
 			continue;
 		slide = slide || slides(&rows->row[k]);
-		taken[count++] = &rows->row[k];
+		selected[count++] = &rows->row[k];
 	}
 	return slide && count > 1 ? count : 0;
 }
 
 /*
- * Rows that may bear something of those pairs that have several rows and slide at one of them;
- * returns their number.
+ * Selects, of pairs that have several rows and slide at one of them, the rows that may have an
+ * impulse; returns their number.
  */
-static int take_rows(const struct rb_row_system *rows, double tolerance,
-                     struct rb_constraint **taken)
+static int select_sliding_pairs(const struct rb_row_system *rows, double tolerance,
+                                struct rb_constraint **selected)
 {
 	int count = 0;
 
@@ -88,26 +88,26 @@ static int take_rows(const struct rb_row_system *rows, double tolerance,
 			slide = slide || slides(&rows->row[end]);
 		for (int i = k; i < end && slide && end - k > 1; i++)
 			if (may_bear(rows, &rows->row[i], tolerance))
-				taken[count++] = &rows->row[i];
+				selected[count++] = &rows->row[i];
 	}
 	return count;
 }
 
 /*
- * Cost of a pass in multiplications per n^3 if all rows are connected: span_loads takes about 1.5 n
- * vectors (six per body, four points per face), each orthogonalized against up to n units by two
- * products of n, twice.
+ * Cost of a pass in multiplications per n^3 if all rows are connected: rb_wrench_span_loads takes
+ * about 1.5 n vectors (six per body, four points per face), each orthogonalized against up to n
+ * units by two products of n, twice.
  */
-static const double multiplications = 6;
+static const double cost_per_cube = 6;
 
-/* ---- what is determined ---- */
+/* ---- determinate pairs ---- */
 
 /*
- * A pair whose points are few enough, and far enough apart, that what they do to a body says how
- * much each of them bears: this share of their distances is the least by which three are beside a
- * line, or two beside a normal. Below it they stay with the rest; decides cost only.
+ * The impulses of a pair are determinate if its points are few and far enough apart: this fraction
+ * of their distances is the least distance of a third point from the line of two others, or of two
+ * from a common normal. Below it they stay among the redundant ones; affects cost only.
  */
-static const double clear_share = 0x1p-10;
+static const double distinct_share = 0x1p-10;
 
 static bool same_normal(const struct rb_constraint *x, const struct rb_constraint *y)
 {
@@ -120,121 +120,123 @@ static bool is_dynamic(const struct rb_row_system *rows, int body)
 	return rows->bodies.body[body].inverse_mass != 0;
 }
 
-static bool is_determined(const struct rb_row_system *rows, struct rb_constraint *const *taken,
+static bool is_determined(const struct rb_row_system *rows, struct rb_constraint *const *selected,
                           int first, int end)
 {
-	const struct rb_constraint *const row = taken[first];
-	const bool of_a = is_dynamic(rows, row->a);
-	rb_vec3 way[2];
+	const struct rb_constraint *const row = selected[first];
+	const bool use_a = is_dynamic(rows, row->a);
+	rb_vec3 direction[2];
 
 	if (end - first > 3)
 		return false;
 	for (int i = first + 1; i < end; i++) {
-		const rb_vec3 d = of_a ? rb_vec3_sub(taken[i]->arm_a, row->arm_a)
-		                       : rb_vec3_sub(taken[i]->arm_b, row->arm_b);
+		const rb_vec3 d = use_a ? rb_vec3_sub(selected[i]->arm_a, row->arm_a)
+		                        : rb_vec3_sub(selected[i]->arm_b, row->arm_b);
 
-		way[i - first - 1] = rb_vec3_reject(d, row->normal);
-		if (!same_normal(taken[i], row) ||
-		    !(rb_vec3_length(way[i - first - 1]) > clear_share * rb_vec3_length(d)))
+		direction[i - first - 1] = rb_vec3_reject(d, row->normal);
+		if (!same_normal(selected[i], row) || !(rb_vec3_length(direction[i - first - 1]) >
+		                                        distinct_share * rb_vec3_length(d)))
 			return false;
 	}
 	return end - first < 3 ||
-	       rb_vec3_length(rb_vec3_cross(way[0], way[1])) >
-	               clear_share * rb_vec3_length(way[0]) * rb_vec3_length(way[1]);
+	       rb_vec3_length(rb_vec3_cross(direction[0], direction[1])) >
+	               distinct_share * rb_vec3_length(direction[0]) * rb_vec3_length(direction[1]);
 }
 
-/* Rows of one pair, first to end; `alone`: what is open of it is open of no other. */
-struct touch {
+/* Rows of one pair, [first, end); `isolated`: its null space is independent of other pairs. */
+struct pair {
 	int first, end;
-	bool alone;
+	bool isolated;
 };
 
 /*
- * One after the other, pairs are alone of which one body has no other: what leaves that body as it
- * is leaves the other one, too. Those that are determined are left out, of the rest `alone` is set,
- * by row. Returns the number of rows left.
+ * Marks pairs as isolated, one after the other, if one of their bodies has no other pair left:
+ * impulses in the null space of that body have no effect on the other one, either. Drops the
+ * isolated pairs that are determinate, and sets `isolated` of the remaining rows, by row. Returns
+ * their number; -1: no memory.
  */
-static int without_determined(const struct rb_row_system *rows, struct rb_constraint **taken, int n,
-                              unsigned char *alone, struct rb_arena *arena)
+static int drop_determined(const struct rb_row_system *rows, struct rb_constraint **selected, int n,
+                           unsigned char *isolated, struct rb_arena *arena)
 {
-	struct touch *const touch = rb_arena_take(arena, (size_t)n, sizeof *touch);
-	int touches = 0, max = 0, left = 0;
+	struct pair *const pair = rb_arena_take(arena, (size_t)n, sizeof *pair);
+	int pair_count = 0, max = 0, remaining = 0;
 	bool any = true;
 
 	for (int i = 0; i < n; i++) {
-		max = taken[i]->a > max ? taken[i]->a : max;
-		max = taken[i]->b > max ? taken[i]->b : max;
+		max = selected[i]->a > max ? selected[i]->a : max;
+		max = selected[i]->b > max ? selected[i]->b : max;
 	}
-	int *const pairs = rb_arena_take(arena, (size_t)max + 1, sizeof *pairs);
-	if (!touch || !pairs)
+	int *const pairs_of = rb_arena_take(arena, (size_t)max + 1, sizeof *pairs_of);
+	if (!pair || !pairs_of)
 		return -1;
 	for (int i = 0; i < n; i++)
-		pairs[taken[i]->a] = pairs[taken[i]->b] = 0;
+		pairs_of[selected[i]->a] = pairs_of[selected[i]->b] = 0;
 	for (int i = 0, end; i < n; i = end) {
 		end = i + 1;
-		while (end < n && rb_wrench_span_goes_on(taken, end))
+		while (end < n && rb_wrench_span_continues_pair(selected, end))
 			end++;
-		touch[touches++] = (struct touch){i, end, false};
-		pairs[taken[i]->a]++;
-		pairs[taken[i]->b]++;
+		pair[pair_count++] = (struct pair){i, end, false};
+		pairs_of[selected[i]->a]++;
+		pairs_of[selected[i]->b]++;
 	}
 	while (any) {
 		any = false;
-		for (int k = 0; k < touches; k++) {
-			const struct rb_constraint *const row = taken[touch[k].first];
+		for (int k = 0; k < pair_count; k++) {
+			const struct rb_constraint *const row = selected[pair[k].first];
 
-			if (touch[k].alone || !((pairs[row->a] == 1 && is_dynamic(rows, row->a)) ||
-			                        (pairs[row->b] == 1 && is_dynamic(rows, row->b))))
+			if (pair[k].isolated ||
+			    !((pairs_of[row->a] == 1 && is_dynamic(rows, row->a)) ||
+			      (pairs_of[row->b] == 1 && is_dynamic(rows, row->b))))
 				continue;
-			touch[k].alone = any = true;
-			pairs[row->a]--;
-			pairs[row->b]--;
+			pair[k].isolated = any = true;
+			pairs_of[row->a]--;
+			pairs_of[row->b]--;
 		}
 	}
-	for (int k = 0; k < touches; k++) {
-		const bool out = touch[k].alone &&
-		                 is_determined(rows, taken, touch[k].first, touch[k].end);
+	for (int k = 0; k < pair_count; k++) {
+		const bool dropped = pair[k].isolated &&
+		                     is_determined(rows, selected, pair[k].first, pair[k].end);
 
-		for (int i = touch[k].first; i < touch[k].end && !out; i++) {
-			alone[left] = touch[k].alone;
-			taken[left++] = taken[i];
+		for (int i = pair[k].first; i < pair[k].end && !dropped; i++) {
+			isolated[remaining] = pair[k].isolated;
+			selected[remaining++] = selected[i];
 		}
 	}
-	return left;
+	return remaining;
 }
 
-/* ---- pushes ---- */
+/* ---- impulses ---- */
 
 /*
- * What slides adds across the normal for each unit along it; zero for what does not. What bears
- * nothing yet is going to do so against its slip.
+ * Friction impulse per unit of the normal impulse of a row that slides; zero if it does not. One
+ * without an impulse yet will have friction against its slip.
  */
-static rb_vec3 following(const struct rb_row_system *rows, const struct rb_constraint *row)
+static rb_vec3 sliding_friction(const struct rb_row_system *rows, const struct rb_constraint *row)
 {
-	rb_vec3 way = {0, 0, 0};
+	rb_vec3 direction = {0, 0, 0};
 
 	if (slides(row))
-		way = rb_vec3_reject(row->impulse.t, row->normal);
+		direction = rb_vec3_reject(row->impulse.t, row->normal);
 	else if (row->impulse.n == 0 && row->friction > 0)
-		way = rb_vec3_neg(
+		direction = rb_vec3_neg(
 			rb_vec3_reject(rb_constraint_velocity(&rows->bodies, row), row->normal));
-	const double length = rb_vec3_length(way);
-	return length > 0 ? rb_vec3_scale(row->friction / length, way) : (rb_vec3){0, 0, 0};
+	const double length = rb_vec3_length(direction);
+	return length > 0 ? rb_vec3_scale(row->friction / length, direction) : (rb_vec3){0, 0, 0};
 }
 
 /*
- * Sets the normal impulse of a row, and what follows it across; friction that does not slide stays
- * within the cone. Returns the largest change of velocity in m/s that this makes at the contact.
+ * Sets the normal impulse of a row, and its sliding friction in proportion; friction that does not
+ * slide stays within the cone. Returns the largest change of velocity, m/s, that this makes at the
+ * contact.
  */
-static double put(const struct rb_row_system *rows, struct rb_constraint *row, rb_vec3 follows,
-                  double normal_impulse)
+static double set_impulse(const struct rb_row_system *rows, struct rb_constraint *row,
+                          rb_vec3 friction_per_normal, double normal_impulse)
 {
 	RB_ASSERT_COSTLY(row->impulse.n >= 0 && normal_impulse >= 0);
-	const rb_vec3 friction_impulse = rb_vec3_max_abs(follows) > 0
-	                                         ? rb_vec3_scale(normal_impulse, follows)
-	                                         : rb_constraint_within(row->impulse.t,
-	                                                                row->friction *
-	                                                                        normal_impulse);
+	const rb_vec3 friction_impulse =
+		rb_vec3_max_abs(friction_per_normal) > 0
+			? rb_vec3_scale(normal_impulse, friction_per_normal)
+			: rb_constraint_within(row->impulse.t, row->friction * normal_impulse);
 	const rb_vec3 change = rb_vec3_add_scaled(rb_vec3_sub(friction_impulse, row->impulse.t),
 	                                          normal_impulse - row->impulse.n, row->normal);
 
@@ -252,17 +254,20 @@ static bool share_a_body(const struct rb_row_system *rows, const struct rb_const
 	       ((x->b == y->a || x->b == y->b) && rows->bodies.body[x->b].inverse_mass != 0);
 }
 
-/* Rows that bodies connect, as trees: nothing of one is orthogonalized against another. */
-static void connect(const struct rb_row_system *rows, struct rb_constraint *const *taken,
-                    const unsigned char *alone, int n, int *parent)
+/*
+ * Rows connected by dynamic bodies, as trees of a union-find: rows of different trees are
+ * orthogonal.
+ */
+static void connect(const struct rb_row_system *rows, struct rb_constraint *const *selected,
+                    const unsigned char *isolated, int n, int *parent)
 {
 	for (int i = 0; i < n; i++) {
-		const bool same = rb_wrench_span_goes_on(taken, i);
+		const bool same = rb_wrench_span_continues_pair(selected, i);
 
 		parent[i] = same ? rb_forest_root(parent, i - 1) : i;
-		for (int k = 0; k < i && !same && !alone[i]; k++) {
-			if (alone[k] || rb_wrench_span_goes_on(taken, k) ||
-			    !share_a_body(rows, taken[i], taken[k]))
+		for (int k = 0; k < i && !same && !isolated[i]; k++) {
+			if (isolated[k] || rb_wrench_span_continues_pair(selected, k) ||
+			    !share_a_body(rows, selected[i], selected[k]))
 				continue;
 			const int other = rb_forest_root(parent, k),
 				  own = rb_forest_root(parent, i);
@@ -273,27 +278,31 @@ static void connect(const struct rb_row_system *rows, struct rb_constraint *cons
 	}
 }
 
-/* What a pass works on: [n] all of these, `store` [n][n]. */
+/* A pass over n rows; arrays are [n], `basis` [n][n]. */
 struct pass {
 	const struct rb_row_system *rows;
-	struct rb_constraint **part; /* the connected rows under way */
-	const rb_vec3 *follows;      /* of all: what slides adds for each unit along the normal */
-	int *place;                  /* theirs among all */
-	double *store, *scratch, *on, *normal_impulse, *wanted, *even;
-	double *response, *small; /* [n][n], [n][n + 1] */
-	double *missing;          /* m/s: of velocities to their targets */
-	unsigned char *barred;    /* it was on to no purpose */
+	struct rb_constraint **component; /* connected rows that are being solved */
+	/* of all rows: sliding friction per unit of normal impulse */
+	const rb_vec3 *friction_per_normal;
+	int *index; /* their indices among all rows */
+	double *basis, *scratch, *active, *normal_impulse, *goal, *least_norm;
+	double *response, *equations; /* [n][n], [n][n + 1] */
+	double *velocity_error;       /* m/s: target minus gap velocity */
+	unsigned char *blocked;       /* became active without a step of nonzero length */
 	struct rb_wrench_span_part *parts;
 	bool joined;
-	double max; /* multiplications that are left */
+	double max; /* multiplications remaining */
 	struct rb_arena *arena;
 };
 
-/* m/s: what a unit of the second row, with what follows it, makes of the gap of the first. */
+/*
+ * m/s: gap velocity of the first row per unit of the second one's normal impulse, with its sliding
+ * friction.
+ */
 static double response_of(const struct pass *pass, int i, int k)
 {
-	const struct rb_constraint *const x = pass->part[i], *const y = pass->part[k];
-	const rb_vec3 unit = rb_vec3_add(y->normal, pass->follows[pass->place[k]]);
+	const struct rb_constraint *const x = pass->component[i], *const y = pass->component[k];
+	const rb_vec3 unit = rb_vec3_add(y->normal, pass->friction_per_normal[pass->index[k]]);
 	const int of[2] = {x->a, x->b}, by[2] = {y->a, y->b};
 	const rb_vec3 arm_of[2] = {rb_constraint_arm_a(x), rb_constraint_arm_b(x)};
 	const rb_vec3 arm_by[2] = {rb_constraint_arm_a(y), rb_constraint_arm_b(y)};
@@ -315,28 +324,31 @@ static double response_of(const struct pass *pass, int i, int k)
 	return sum;
 }
 
-/* Solves the `count` equations of `small`, in the last column; false: one depends on the others. */
-static bool solve_small(double *small, int count)
+/*
+ * Solves the `count` equations of `equations`, whose last column is the right-hand side; false:
+ * they are singular.
+ */
+static bool eliminate(double *equations, int count)
 {
 	const int width = count + 1;
 
 	for (int k = 0; k < count; k++) {
-		double *const row = small + (size_t)k * (size_t)width;
+		double *const row = equations + (size_t)k * (size_t)width;
 		double size = 0;
 		int pivot = k;
 
 		for (int i = 0; i < count; i++)
 			size = fmax(size, fabs(row[i]));
 		for (int i = k + 1; i < count; i++)
-			if (fabs(small[(size_t)i * (size_t)width + (size_t)k]) >
-			    fabs(small[(size_t)pivot * (size_t)width + (size_t)k]))
+			if (fabs(equations[(size_t)i * (size_t)width + (size_t)k]) >
+			    fabs(equations[(size_t)pivot * (size_t)width + (size_t)k]))
 				pivot = i;
 		if (pivot != k)
-			rb_wrench_span_swap(row, small + (size_t)pivot * (size_t)width, width);
+			rb_wrench_span_swap(row, equations + (size_t)pivot * (size_t)width, width);
 		if (!(fabs(row[k]) > RB_WRENCH_SPAN_OWN_SHARE * size))
 			return false;
 		for (int i = 0; i < count; i++) {
-			double *const other = small + (size_t)i * (size_t)width;
+			double *const other = equations + (size_t)i * (size_t)width;
 			const double share = i == k ? 0 : other[k] / row[k];
 
 			for (int c = k; share != 0 && c < width; c++)
@@ -347,11 +359,12 @@ static bool solve_small(double *small, int count)
 }
 
 /*
- * Shares of the units of a span for which gaps close as they do now, friction that slides going
- * with the normal impulses; false: friction leaves it open. Solutions for the same wrenches of the
- * normals alone would be undone by what follows them, and come to an end slowly.
+ * Coefficients of the span's units for which gap velocities stay as they are now, with sliding
+ * friction proportional to the normal impulses; false: friction leaves them indeterminate.
+ * Projecting the normal impulses alone would be undone by the friction that follows them, and
+ * converge slowly.
  */
-static bool shares_of(struct pass *pass, const struct rb_wrench_span *span)
+static bool coefficients_with_friction(struct pass *pass, const struct rb_wrench_span *span)
 {
 	const int n = span->n, count = span->count, width = count + 1;
 
@@ -359,124 +372,127 @@ static bool shares_of(struct pass *pass, const struct rb_wrench_span *span)
 		const double *const unit = span->unit + (size_t)c * (size_t)n;
 		const struct rb_wrench_span_part whole = {0, n};
 		const struct rb_wrench_span_part part = c < count ? span->part[c] : whole;
-		const double *const of = c < count ? unit : pass->normal_impulse;
+		const double *const load = c < count ? unit : pass->normal_impulse;
 
-		/* what the unit, or all that there is and is missing, makes of each gap */
+		/* gap velocity due to the unit, or to the present impulses plus the error */
 		for (int i = 0; i < n; i++) {
-			double sum = c < count ? 0 : pass->missing[i];
+			double sum = c < count ? 0 : pass->velocity_error[i];
 
 			for (int k = part.first; k < part.end; k++)
-				sum += pass->on[k] * of[k] *
+				sum += pass->active[k] * load[k] *
 				       pass->response[(size_t)i * (size_t)n + (size_t)k];
 			pass->scratch[i] = sum;
 		}
 		for (int r = 0; r < count; r++)
-			pass->small[(size_t)r * (size_t)width + (size_t)c] = rb_wrench_span_dot(
+			pass->equations[(size_t)r * (size_t)width + (size_t)c] = rb_wrench_span_dot(
 				span, span->unit + (size_t)r * (size_t)n, pass->scratch,
 				span->part[r]);
 	}
-	return solve_small(pass->small, count);
+	return eliminate(pass->equations, count);
 }
 
 /*
- * On what is on: normal impulses of the least norm of those that do the same; on the others: what
- * the least norm would gain by them, as slopes.
+ * For active rows: the normal impulses of least norm with the same effect; for the others: the
+ * slope at which the norm would fall if they became active.
  */
 static void project(struct pass *pass, const struct rb_wrench_span *span)
 {
-	const bool follows = !pass->joined && shares_of(pass, span);
+	const bool is_coupled = !pass->joined && coefficients_with_friction(pass, span);
 
 	for (int i = 0; i < span->n; i++)
-		pass->wanted[i] = 0;
+		pass->goal[i] = 0;
 	for (int k = 0; k < span->count; k++) {
 		const double *const unit = span->unit + (size_t)k * (size_t)span->n;
 		const struct rb_wrench_span_part part = span->part[k];
 		const double along =
-			follows ? pass->small[(size_t)(k + 1) * (size_t)(span->count + 1) - 1] /
-					  pass->small[(size_t)k * (size_t)(span->count + 2)]
+			is_coupled
+				? pass->equations[(size_t)(k + 1) * (size_t)(span->count + 1) - 1] /
+					  pass->equations[(size_t)k * (size_t)(span->count + 2)]
 				: rb_wrench_span_dot(span, pass->normal_impulse, unit, part);
 
 		for (int i = part.first; i < part.end; i++)
-			pass->wanted[i] += along * unit[i];
+			pass->goal[i] += along * unit[i];
 	}
 }
 
-/* Spans the loads of connected rows; false: nothing is open, or it costs too much. */
+/* Spans the loads of connected rows; false: no null space, or too costly. */
 static bool span_of(struct pass *pass, int n, struct rb_wrench_span *span)
 {
 	const rb_arena_mark here = rb_arena_here(pass->arena);
 	bool fine = true;
-	int on = 0;
+	int active_count = 0;
 
 	*span = (struct rb_wrench_span){
-		.unit = pass->store, .part = pass->parts, .on = pass->on, .n = n};
+		.unit = pass->basis, .part = pass->parts, .active = pass->active, .n = n};
 	if (!pass->joined)
-		rb_wrench_span_loads(pass->rows, pass->part, span, pass->scratch);
+		rb_wrench_span_loads(pass->rows, pass->component, span, pass->scratch);
 	else
-		fine = rb_wrench_span_allowed(pass->rows, pass->part, span, pass->max, pass->arena);
+		fine = rb_wrench_span_allowed(pass->rows, pass->component, span, pass->max,
+		                              pass->arena);
 	rb_arena_back(pass->arena, here);
 	for (int i = 0; i < n; i++)
-		on += pass->on[i] > 0;
-	return fine && span->count < on;
+		active_count += pass->active[i] > 0;
+	return fine && span->count < active_count;
 }
 
-/* Units in the last place of the largest impulse that say nothing. */
+/* Impulses below so many ulp of the largest one are noise. */
 enum { NOISE_ULP = 64 };
 
 /*
- * Goes to what is wanted, or as far as the first impulse that comes to nothing, which is then off;
- * all the way, who would help most of those that are off is on. False: nobody would.
+ * Moves to the goal, or up to the first impulse that becomes zero, which leaves the active set; at
+ * the goal, the row whose activation would reduce the norm most enters it. False: none would.
  */
-static bool go_on(struct pass *pass, int n)
+static bool step_to_goal(struct pass *pass, int n)
 {
 	double share = 1, max = 0;
-	int off = -1, on = -1;
+	int leaving = -1, entering = -1;
 
 	for (int i = 0; i < n; i++)
-		max = fmax(max, fabs(pass->wanted[i]));
+		max = fmax(max, fabs(pass->goal[i]));
 	const double noise = NOISE_ULP * DBL_EPSILON * max;
 	for (int i = 0; i < n; i++) {
-		const double is = pass->normal_impulse[i], wanted = pass->wanted[i];
+		const double current = pass->normal_impulse[i], goal = pass->goal[i];
 
-		if (pass->on[i] > 0 && wanted < -noise && (off < 0 || is / (is - wanted) < share)) {
-			share = is / (is - wanted);
-			off = i;
+		if (pass->active[i] > 0 && goal < -noise &&
+		    (leaving < 0 || current / (current - goal) < share)) {
+			share = current / (current - goal);
+			leaving = i;
 		}
-		if (pass->on[i] == 0 && !pass->barred[i] && wanted > noise &&
-		    (on < 0 || wanted > pass->wanted[on]))
-			on = i;
+		if (pass->active[i] == 0 && !pass->blocked[i] && goal > noise &&
+		    (entering < 0 || goal > pass->goal[entering]))
+			entering = i;
 	}
 	for (int i = 0; i < n; i++)
-		pass->barred[i] = (pass->barred[i] || i == off) && share == 0;
+		pass->blocked[i] = (pass->blocked[i] || i == leaving) && share == 0;
 	for (int i = 0; i < n; i++)
-		if (pass->on[i] > 0)
+		if (pass->active[i] > 0)
 			pass->normal_impulse[i] = fmax(
 				0, pass->normal_impulse[i] +
-					   share * (pass->wanted[i] - pass->normal_impulse[i]));
-	if (off >= 0) {
-		pass->normal_impulse[off] = 0;
-		pass->on[off] = 0;
-	} else if (on >= 0) {
-		pass->on[on] = 1;
+					   share * (pass->goal[i] - pass->normal_impulse[i]));
+	if (leaving >= 0) {
+		pass->normal_impulse[leaving] = 0;
+		pass->active[leaving] = 0;
+	} else if (entering >= 0) {
+		pass->active[entering] = 1;
 	}
-	return off >= 0 || on >= 0;
+	return leaving >= 0 || entering >= 0;
 }
 
-/* The least that connected rows may bear; returns whether something was open. */
-static bool even_part(struct pass *pass, int n)
+/* Minimizes the norm over connected rows; returns whether they are redundant. */
+static bool minimize_component(struct pass *pass, int n)
 {
-	const double cost = multiplications * (double)n * (double)n * (double)n;
+	const double cost = cost_per_cube * (double)n * (double)n * (double)n;
 	struct rb_wrench_span span;
-	bool open = false;
+	bool is_redundant = false;
 
 	for (int i = 0; i < n; i++) {
-		const struct rb_constraint *const row = pass->part[i];
+		const struct rb_constraint *const row = pass->component[i];
 		const rb_vec3 u = rb_constraint_velocity(&pass->rows->bodies, row);
 
-		pass->on[i] = 1;
-		pass->barred[i] = 0;
+		pass->active[i] = 1;
+		pass->blocked[i] = 0;
 		pass->normal_impulse[i] = row->impulse.n;
-		pass->missing[i] = row->target.n - rb_vec3_dot(u, row->normal);
+		pass->velocity_error[i] = row->target.n - rb_vec3_dot(u, row->normal);
 		for (int k = 0; k < n && !pass->joined; k++)
 			pass->response[(size_t)i * (size_t)n + (size_t)k] = response_of(pass, i, k);
 	}
@@ -485,40 +501,43 @@ static bool even_part(struct pass *pass, int n)
 
 		if (k == 0 && !spans)
 			break;
-		open = true;
+		is_redundant = true;
 		pass->max -= cost;
 		project(pass, &span);
-		if (!go_on(pass, n))
+		if (!step_to_goal(pass, n))
 			break;
 	}
 	for (int i = 0; i < n; i++)
-		pass->even[pass->place[i]] = pass->normal_impulse[i];
-	return open;
+		pass->least_norm[pass->index[i]] = pass->normal_impulse[i];
+	return is_redundant;
 }
 
-/* The same of all rows, one connected part after the other; with joints all are connected. */
-static bool even_all(struct pass *pass, struct rb_constraint *const *taken,
-                     const unsigned char *alone, int n, int *parent)
+/*
+ * Minimizes the norm over all rows, one connected part after the other; with joints all are
+ * connected.
+ */
+static bool minimize_all(struct pass *pass, struct rb_constraint *const *selected,
+                         const unsigned char *isolated, int n, int *parent)
 {
-	bool open = false;
+	bool is_redundant = false;
 
 	if (pass->joined)
 		for (int i = 0; i < n; i++)
 			parent[i] = 0;
 	else
-		connect(pass->rows, taken, alone, n, parent);
+		connect(pass->rows, selected, isolated, n, parent);
 	for (int root = 0; root < n; root++) {
 		int count = 0;
 
 		for (int i = root; i < n && parent[root] == root; i++) {
 			if (rb_forest_root(parent, i) != root)
 				continue;
-			pass->part[count] = taken[i];
-			pass->place[count++] = i;
+			pass->component[count] = selected[i];
+			pass->index[count++] = i;
 		}
-		open = (count > 0 && even_part(pass, count)) || open;
+		is_redundant = (count > 0 && minimize_component(pass, count)) || is_redundant;
 	}
-	return open;
+	return is_redundant;
 }
 
 static bool has_joints(const struct rb_row_system *rows)
@@ -531,20 +550,21 @@ bool rb_redundant_contacts(const struct rb_row_system *rows, double tolerance, d
 {
 	const size_t all = (size_t)rows->row_count;
 	const bool joined = has_joints(rows);
-	struct rb_constraint **const taken = rb_arena_take(arena, all,
-	                                                   sizeof(struct rb_constraint *));
+	struct rb_constraint **const selected = rb_arena_take(arena, all,
+	                                                      sizeof(struct rb_constraint *));
 	double changed = 0;
 
-	if (!taken)
+	if (!selected)
 		return false;
-	const int count = joined ? take_joined(rows, slack, taken) : take_rows(rows, slack, taken);
+	const int count = joined ? select_with_joints(rows, slack, selected)
+	                         : select_sliding_pairs(rows, slack, selected);
 	const double cube = (double)count * (double)count * (double)count;
-	if (count == 0 || multiplications * cube > max)
+	if (count == 0 || cost_per_cube * cube > max)
 		return false;
-	unsigned char *const alone = rb_arena_take(arena, (size_t)count, 1);
-	if (!alone)
+	unsigned char *const isolated = rb_arena_take(arena, (size_t)count, 1);
+	if (!isolated)
 		return false;
-	const int n = joined ? count : without_determined(rows, taken, count, alone, arena);
+	const int n = joined ? count : drop_determined(rows, selected, count, isolated, arena);
 	const size_t size = (size_t)n;
 	if (n <= 0)
 		return false;
@@ -553,35 +573,38 @@ bool rb_redundant_contacts(const struct rb_row_system *rows, double tolerance, d
 		.joined = joined,
 		.max = max,
 		.arena = arena,
-		.part = rb_arena_take(arena, size, sizeof *pass.part),
-		.place = rb_arena_take(arena, 2 * size, sizeof *pass.place),
-		.barred = rb_arena_take(arena, size, 1),
-		.store = rb_arena_take(arena, (3 * size + 7) * size, sizeof *pass.store)};
-	rb_vec3 *const follows = rb_arena_take(arena, size, sizeof *follows);
+		.component = rb_arena_take(arena, size, sizeof *pass.component),
+		.index = rb_arena_take(arena, 2 * size, sizeof *pass.index),
+		.blocked = rb_arena_take(arena, size, 1),
+		.basis = rb_arena_take(arena, (3 * size + 7) * size, sizeof *pass.basis)};
+	rb_vec3 *const friction_per_normal = rb_arena_take(arena, size,
+	                                                   sizeof *friction_per_normal);
 	pass.parts = rb_arena_take(arena, size, sizeof *pass.parts);
-	if (!pass.part || !pass.place || !pass.store || !pass.parts || !follows || !pass.barred)
+	if (!pass.component || !pass.index || !pass.basis || !pass.parts || !friction_per_normal ||
+	    !pass.blocked)
 		return false;
-	pass.scratch = pass.store + size * size;
-	pass.on = pass.scratch + n;
-	pass.normal_impulse = pass.on + n;
-	pass.wanted = pass.normal_impulse + n;
-	pass.even = pass.wanted + n;
-	pass.response = pass.even + n;
-	pass.small = pass.response + size * size;
-	pass.missing = pass.small + size * (size + 1);
-	pass.follows = follows;
+	pass.scratch = pass.basis + size * size;
+	pass.active = pass.scratch + n;
+	pass.normal_impulse = pass.active + n;
+	pass.goal = pass.normal_impulse + n;
+	pass.least_norm = pass.goal + n;
+	pass.response = pass.least_norm + n;
+	pass.equations = pass.response + size * size;
+	pass.velocity_error = pass.equations + size * (size + 1);
+	pass.friction_per_normal = friction_per_normal;
 	for (int i = 0; i < n; i++)
-		follows[i] = following(rows, taken[i]);
-	if (!even_all(&pass, taken, alone, n, pass.place + n))
+		friction_per_normal[i] = sliding_friction(rows, selected[i]);
+	if (!minimize_all(&pass, selected, isolated, n, pass.index + n))
 		return false;
 	for (int i = 0; i < n; i++)
-		changed = fmax(changed, put(rows, taken[i], follows[i], pass.even[i]));
+		changed = fmax(changed, set_impulse(rows, selected[i], friction_per_normal[i],
+		                                    pass.least_norm[i]));
 	for (int i = 0; i < n && !joined; i++) {
-		const rb_vec3 u = rb_constraint_velocity(&rows->bodies, taken[i]);
-		const double is = rb_vec3_dot(u, taken[i]->normal);
+		const rb_vec3 u = rb_constraint_velocity(&rows->bodies, selected[i]);
+		const double current = rb_vec3_dot(u, selected[i]->normal);
 
-		if (taken[i]->impulse.n > 0 && fabs(is - taken[i]->target.n) <= slack)
-			taken[i]->target.n = is;
+		if (selected[i]->impulse.n > 0 && fabs(current - selected[i]->target.n) <= slack)
+			selected[i]->target.n = current;
 	}
 	return changed > tolerance;
 }

@@ -3,31 +3,31 @@
 
 #include "base/error.h"
 
-/* Takes out of v, of which it may make more than it was, what the span contains. */
-static void reject(const struct rb_wrench_span *span, double *v, struct rb_wrench_span_part *of)
+/* Subtracts from v its projection on the span; the non-zero range `range` of v may grow. */
+static void reject(const struct rb_wrench_span *span, double *v, struct rb_wrench_span_part *range)
 {
 	for (int k = 0; k < span->count; k++) {
 		const double *const unit = span->unit + (size_t)k * (size_t)span->n;
 		const struct rb_wrench_span_part part = span->part[k];
-		const struct rb_wrench_span_part both = {part.first > of->first ? part.first
-		                                                                : of->first,
-		                                         part.end < of->end ? part.end : of->end};
+		const struct rb_wrench_span_part both = {
+			part.first > range->first ? part.first : range->first,
+			part.end < range->end ? part.end : range->end};
 		const double along = rb_wrench_span_dot(span, v, unit, both);
 
-		/* loads of bodies that share no row */
+		/* the bodies of both share no row */
 		if (along == 0)
 			continue;
 		for (int i = part.first; i < part.end; i++)
 			v[i] -= along * unit[i];
-		of->first = part.first < of->first ? part.first : of->first;
-		of->end = part.end > of->end ? part.end : of->end;
+		range->first = part.first < range->first ? part.first : range->first;
+		range->end = part.end > range->end ? part.end : range->end;
 	}
 }
 
 /*
- * Adds the direction of v, which is overwritten, unless the span contains it already. What keeps
- * most of its length is orthogonal to rounding after one pass (Daniel, Gragg, Kaufman, Stewart
- * 1976).
+ * Adds the direction of v, which is overwritten, unless the span contains it already. A vector that
+ * keeps most of its length is orthogonal to rounding after one pass (Daniel, Gragg, Kaufman,
+ * Stewart 1976).
  */
 static void extend(struct rb_wrench_span *span, double *v, struct rb_wrench_span_part part)
 {
@@ -56,15 +56,15 @@ static double component(rb_vec3 v, int k)
 
 /*
  * Row of the matrix A: component `which` (0 to 2 force, 3 to 5 torque) of the wrench on a body per
- * unit of each impulse; v is [n]. Returns where it is not zero.
+ * unit of each impulse; v is [n]. Returns its non-zero range.
  */
-static struct rb_wrench_span_part load(struct rb_constraint *const *taken, int n, int body,
+static struct rb_wrench_span_part load(struct rb_constraint *const *selected, int n, int body,
                                        int which, double *v)
 {
 	struct rb_wrench_span_part part = {n, 0};
 
 	for (int i = 0; i < n; i++) {
-		const struct rb_constraint *row = taken[i];
+		const struct rb_constraint *row = selected[i];
 		const bool is_a = row->a == body;
 		const rb_vec3 arm = is_a ? row->arm_a : row->arm_b;
 
@@ -81,26 +81,27 @@ static struct rb_wrench_span_part load(struct rb_constraint *const *taken, int n
 	return part;
 }
 
-void rb_wrench_span_loads(const struct rb_row_system *rows, struct rb_constraint *const *taken,
+void rb_wrench_span_loads(const struct rb_row_system *rows, struct rb_constraint *const *selected,
                           struct rb_wrench_span *span, double *scratch)
 {
-	/* of one pair what acts on one body is what acts on the other */
-	const bool single = rb_wrench_span_is_pair(taken[0], taken[span->n - 1]);
-	const int count = single && rows->bodies.body[taken[0]->a].inverse_mass != 0 ? 1 : 2;
+	/* for a single pair, the load on one body is the opposite of that on the other */
+	const bool single = rb_wrench_span_is_pair(selected[0], selected[span->n - 1]);
+	const int count = single && rows->bodies.body[selected[0]->a].inverse_mass != 0 ? 1 : 2;
 
 	for (int k = 0; k < span->n; k++) {
-		const int ends[2] = {taken[k]->a, taken[k]->b};
+		const int ends[2] = {selected[k]->a, selected[k]->b};
 
-		for (int e = rb_wrench_span_goes_on(taken, k) ? count : 0; e < count; e++) {
+		for (int e = rb_wrench_span_continues_pair(selected, k) ? count : 0; e < count;
+		     e++) {
 			bool seen = rows->bodies.body[ends[e]].inverse_mass == 0;
 
 			for (int i = 0; i < k && !seen; i++)
-				seen = taken[i]->a == ends[e] || taken[i]->b == ends[e];
+				seen = selected[i]->a == ends[e] || selected[i]->b == ends[e];
 			for (int which = 0; which < 6 && !seen; which++) {
 				if (span->count == span->n)
 					return;
 				const struct rb_wrench_span_part part = load(
-					taken, span->n, ends[e], which, scratch);
+					selected, span->n, ends[e], which, scratch);
 				extend(span, scratch, part);
 			}
 		}
@@ -110,14 +111,14 @@ void rb_wrench_span_loads(const struct rb_row_system *rows, struct rb_constraint
 /* ---- joints ---- */
 
 /*
- * What bodies that joints connect can do: a row for each of their six motions, of what it makes of
- * the rows of joints, `held` of them, and then of the normals of contacts. Motions that joints
- * allow are what elimination of the former leaves.
+ * Motions of bodies that joints connect: for each body's six unit motions a row with the velocities
+ * that it produces along the `held` directions of joints, then along the contact normals.
+ * Eliminating the former leaves the motions that joints allow.
  */
 struct motions {
 	double *row;       /* [count][held + n] */
-	int *body;         /* [count / 6], that yield */
-	double *pivot_max; /* [held]: the largest of each column to begin with */
+	int *body;         /* [count / 6], dynamic ones */
+	double *pivot_max; /* [held]: initial largest magnitude of each column */
 	int count, held, n;
 };
 
@@ -129,7 +130,7 @@ static bool is_listed(const struct motions *motions, int body)
 	return false;
 }
 
-/* Directions in which a row of a joint holds: what is soft or at its bound gives way. */
+/* Number of directions that a joint's row constrains: none if it is soft or at its bound. */
 static int held_by(const struct rb_constraint *row)
 {
 	if (row->set == RB_CONSTRAINT_FREE)
@@ -154,7 +155,10 @@ static void list_bodies(const struct rb_row_system *rows, struct motions *motion
 	}
 }
 
-/* Velocity along a direction of a row by motion `which` of a body, at 1 m/s of its surface. */
+/*
+ * Velocity along a row's direction due to motion `which` of a body: translation at 1 m/s, or
+ * rotation scaled to the same units.
+ */
 static double velocity_by(const struct rb_row_system *rows, const struct rb_constraint *row,
                           rb_vec3 along, int body, int which)
 {
@@ -174,7 +178,7 @@ static double velocity_by(const struct rb_row_system *rows, const struct rb_cons
 	return sign * per_m * rb_vec3_dot(rb_vec3_cross(unit, arm), along);
 }
 
-static void fill_motion(const struct rb_row_system *rows, struct rb_constraint *const *taken,
+static void fill_motion(const struct rb_row_system *rows, struct rb_constraint *const *selected,
                         struct motions *motions, int number)
 {
 	static const rb_vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -194,12 +198,12 @@ static void fill_motion(const struct rb_row_system *rows, struct rb_constraint *
 		}
 	}
 	for (int i = 0; i < motions->n; i++)
-		v[column + i] = velocity_by(rows, taken[i], taken[i]->normal, body, which);
+		v[column + i] = velocity_by(rows, selected[i], selected[i]->normal, body, which);
 }
 
 /*
- * Eliminates the largest element of what joints hold from the motions after `done`; false: these
- * are free.
+ * Eliminates the largest element of the joint columns from the motions after `done`; false: none is
+ * left, these motions are free.
  */
 static bool eliminate_one(struct motions *motions, int done)
 {
@@ -234,7 +238,7 @@ static bool eliminate_one(struct motions *motions, int done)
 	return true;
 }
 
-bool rb_wrench_span_allowed(const struct rb_row_system *rows, struct rb_constraint *const *taken,
+bool rb_wrench_span_allowed(const struct rb_row_system *rows, struct rb_constraint *const *selected,
                             struct rb_wrench_span *span, double max, struct rb_arena *arena)
 {
 	struct motions motions = {.n = span->n};
@@ -257,14 +261,14 @@ bool rb_wrench_span_allowed(const struct rb_row_system *rows, struct rb_constrai
 	for (int c = 0; c < motions.held; c++)
 		motions.pivot_max[c] = 0;
 	for (int k = 0; k < motions.count; k++)
-		fill_motion(rows, taken, &motions, k);
+		fill_motion(rows, selected, &motions, k);
 	while (done < motions.count && eliminate_one(&motions, done))
 		done++;
 	for (; done < motions.count && span->count < span->n; done++) {
 		double *const v = motions.row + (size_t)done * (size_t)width + motions.held;
 		const struct rb_wrench_span_part whole = {0, span->n};
 
-		/* of what joints leave no motion to: rounding */
+		/* otherwise rounding: joints leave no motion there */
 		if (rb_wrench_span_dot(span, v, v, whole) >
 		    RB_WRENCH_SPAN_OWN_SHARE * RB_WRENCH_SPAN_OWN_SHARE)
 			extend(span, v, whole);
