@@ -6,8 +6,8 @@
  * island, which the sweeps then read in order.
  *
  * Rows hold scalar effective masses along the normal and the worst one across it. Contacts of one
- * face get arms in one plane (level_arms), so that a face that turns does not work against its own
- * friction.
+ * face get arms in one plane (rb_levers_level), so that a rotating face does no work against its
+ * own friction.
  */
 #include "stepped/islands.h"
 
@@ -52,22 +52,25 @@ void rb_islands_fill_body(struct rb_solver *solver, const struct rb_world *world
 	solver->free[i] = *body;
 }
 
-/* A parallel pass over bodies, points or rows; each writes only its own, or marks as others do. */
+/*
+ * A parallel pass over bodies, points or rows; each iteration writes only its own element, or a
+ * mark that others write with the same value.
+ */
 struct pass {
 	struct rb_solver *solver;
 	struct rb_world *world;
 	struct rb_step_points *points;
-	int *place; /* [points]: bodies, then groups that have them, then rows, -1: none */
+	int *place; /* [points]: body, then root, then island, then row; -1: none */
 };
 
 enum { PER_BLOCK = 512 };
 
-static void share_out(struct pass *pass, size_t count, rb_team_part *part)
+static void run_blocks(struct pass *pass, size_t count, rb_team_part *part)
 {
 	rb_team_share(pass->world->team, count, PER_BLOCK, part, pass);
 }
 
-/* Each a group of its own, to begin with. */
+/* Each body is its own tree at first. */
 static void fill_bodies(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
@@ -118,8 +121,8 @@ struct rb_joint_query rb_islands_joints(const struct rb_solver *solver,
 	                               .share = 1};
 }
 
-/* The body whose group a joint belongs to. */
-static int holder_of(const struct rb_world *world, int k)
+/* The body to whose island a joint belongs. */
+static int owner_of_joint(const struct rb_world *world, int k)
 {
 	return rb_step_joint_rows_owner(world->model, &world->model->joints->joint[k]);
 }
@@ -134,7 +137,7 @@ static void list_joints(struct rb_solver *solver, const struct rb_world *world)
 		const int i = solver->active[k];
 
 		for (int e = joints->first[i]; e < joints->first[i + 1]; e++)
-			if (holder_of(world, joints->of[e]) == i &&
+			if (owner_of_joint(world, joints->of[e]) == i &&
 			    !world->joint[joints->of[e]].released)
 				solver->joined[solver->joined_count++] = joints->of[e];
 	}
@@ -149,7 +152,7 @@ static int count_joint_rows(const struct rb_solver *solver, const struct rb_worl
 	return count;
 }
 
-/* Whether a joint moves its group by itself: its other end does, or its motor. */
+/* Whether a joint drives its island: its other end moves, or it has a running motor. */
 static bool is_driving(const struct rb_solver *solver, const struct rb_world *world,
                        const struct rb_joint *joint)
 {
@@ -169,11 +172,11 @@ static bool is_driving(const struct rb_solver *solver, const struct rb_world *wo
 static struct rb_island *group_of_joint(struct rb_solver *solver, const struct rb_world *world,
                                         int k)
 {
-	return &solver->island[solver->island_of[holder_of(world, k)]];
+	return &solver->island[solver->island_of[owner_of_joint(world, k)]];
 }
 
 /* Counts rows of joints, before those of contacts are placed. */
-static void count_joints(struct rb_solver *solver, const struct rb_world *world)
+static void add_joint_rows(struct rb_solver *solver, const struct rb_world *world)
 {
 	for (int k = 0; k < solver->joined_count; k++) {
 		const struct rb_joint *joint = &world->model->joints->joint[solver->joined[k]];
@@ -185,7 +188,7 @@ static void count_joints(struct rb_solver *solver, const struct rb_world *world)
 }
 
 /* After the rows of contacts. */
-static void place_joints(struct rb_solver *solver, const struct rb_world *world)
+static void place_joint_rows(struct rb_solver *solver, const struct rb_world *world)
 {
 	for (size_t g = 0; g < solver->island_count; g++)
 		solver->island[g].contact_count = solver->island[g].row_count;
@@ -202,7 +205,7 @@ static void place_joints(struct rb_solver *solver, const struct rb_world *world)
 	}
 }
 
-/* Bodies whose turning joints stiffen. */
+/* Adds the geometric stiffness of joints to a body's inertia. */
 static void stiffen(struct rb_solver *solver, const struct rb_world *world, int i)
 {
 	struct rb_solver_body *const body = &solver->dense.bodies.body[i];
@@ -234,7 +237,7 @@ static void fill_joints(void *user, size_t first, size_t end)
 
 /* ---- springs ---- */
 
-/* Whether it is among the rows of the step; positions are moved without. */
+/* Whether a spring has rows in this step; position projection has none. */
 static bool has_rows(const struct rb_solver *solver, const struct rb_step_spring *spring)
 {
 	return spring->joined && solver->before;
@@ -251,7 +254,7 @@ static struct rb_island *group_of_spring(const struct rb_solver *solver,
 	return &solver->island[solver->island_of[owner_of_spring(solver, spring)]];
 }
 
-/* m: of the end of an arm. */
+/* m: displacement of the end of an arm by impacts within the step. */
 static rb_vec3 shifted(const struct rb_kick *kick, rb_vec3 arm)
 {
 	return rb_vec3_add(kick->shift, rb_vec3_cross(kick->turn, arm));
@@ -274,8 +277,8 @@ struct rb_spring_query rb_islands_springs(const struct rb_solver *solver,
 	return query;
 }
 
-/* Whether a body that is not dynamic moves at it. */
-static bool is_drawn(const struct rb_solver *solver, const struct rb_step_spring *spring)
+/* Whether a moving body that is not dynamic is attached to a spring. */
+static bool is_driven_spring(const struct rb_solver *solver, const struct rb_step_spring *spring)
 {
 	const int owner = owner_of_spring(solver, spring);
 	const int other = spring->end[spring->end[0] == owner];
@@ -297,7 +300,7 @@ static int count_spring_rows(const struct rb_solver *solver)
 	return count;
 }
 
-static void count_springs(struct rb_solver *solver)
+static void add_spring_rows(struct rb_solver *solver)
 {
 	for (int k = 0; k < solver->spring_count; k++) {
 		const struct rb_step_spring *spring = &solver->spring[k];
@@ -307,13 +310,13 @@ static void count_springs(struct rb_solver *solver)
 		struct rb_island *island = group_of_spring(solver, spring);
 
 		island->row_count += rb_step_spring_row_count(spring);
-		island->carried = island->carried || is_drawn(solver, spring);
+		island->carried = island->carried || is_driven_spring(solver, spring);
 		island->sprung = true;
 	}
 }
 
 /* After the rows of joints. */
-static void place_springs(struct rb_solver *solver)
+static void place_spring_rows(struct rb_solver *solver)
 {
 	for (int k = 0; k < solver->spring_count; k++) {
 		struct rb_step_spring *spring = &solver->spring[k];
@@ -333,10 +336,12 @@ static void place_springs(struct rb_solver *solver)
 	}
 }
 
-/* Rows of joints that may tell how a spring yields: more tell no more than a bound. */
+/*
+ * Largest number of joint rows used for a spring's effective mass: more give only a tighter bound.
+ */
 enum { SPRING_HELD_MAX = 16 };
 
-/* Rows that hold, of joints of a body; returns how many there are then. */
+/* Adds the bilateral rows of a body's joints; returns their number so far. */
 static int add_held_rows(const struct rb_solver *solver, const struct rb_world *world, int i,
                          const struct rb_constraint **held, int count)
 {
@@ -358,13 +363,16 @@ static int add_held_rows(const struct rb_solver *solver, const struct rb_world *
 	return count;
 }
 
-/* Whether the step resolves a spring, and others of its bodies, as joints let these yield. */
+/*
+ * Whether the step resolves a spring, and as many others of its bodies as there are, with the
+ * effective mass that joints leave.
+ */
 static bool resolves(const struct rb_solver *solver, const struct rb_world *world,
                      const struct rb_step_spring *spring, const struct rb_spring_query *query)
 {
 	const struct rb_elements *springs = rb_model_elements(world->model, &rb_force_spring);
 	const struct rb_constraint *held[SPRING_HELD_MAX];
-	const double h = solver->h_s, stiff = h * (h * spring->stiffness + spring->damping);
+	const double h = solver->h_s, response = h * (h * spring->stiffness + spring->damping);
 	int rows = 0, count_max = 1;
 
 	if (spring->resolved || !world->model->joints)
@@ -378,7 +386,8 @@ static bool resolves(const struct rb_solver *solver, const struct rb_world *worl
 		if (springs->first[i + 1] - springs->first[i] > count_max)
 			count_max = springs->first[i + 1] - springs->first[i];
 	}
-	return rows > 0 && stiff * count_max * rb_step_spring_gives(query, spring, held, rows) <= 1;
+	return rows > 0 &&
+	       response * count_max * rb_step_spring_gives(query, spring, held, rows) <= 1;
 }
 
 static void fill_springs(struct rb_solver *solver, const struct rb_world *world)
@@ -402,13 +411,13 @@ static void fill_springs(struct rb_solver *solver, const struct rb_world *world)
 
 /* ---- groups ---- */
 
-/* The dynamic body of a point, whose island it belongs to. */
+/* The dynamic body of a point, to whose island it belongs. */
 static int owner_of(const struct rb_solver *solver, const struct rb_step_point *point)
 {
 	return is_dynamic(solver, point->a) ? point->a : point->b;
 }
 
-/* Bodies of points into one tree; place[k] becomes the dynamic body of point k. */
+/* Joins the bodies of points in the forest; place[k] becomes the dynamic body of point k. */
 static void join_points(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
@@ -434,7 +443,7 @@ static void join_all(struct pass *pass)
 {
 	const struct rb_solver *solver = pass->solver;
 
-	share_out(pass, pass->points->count, join_points);
+	run_blocks(pass, pass->points->count, join_points);
 	for (int k = 0; k < solver->joined_count; k++) {
 		const struct rb_joint *joint =
 			&pass->world->model->joints->joint[solver->joined[k]];
@@ -451,7 +460,7 @@ static void join_all(struct pass *pass)
 	}
 }
 
-/* Roots of what has points are marked; place[k] becomes the root of point k. */
+/* Marks roots of bodies with points; place[k] becomes the root of point k. */
 static void find_roots(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
@@ -467,8 +476,8 @@ static void find_roots(void *user, size_t first, size_t end)
 }
 
 /*
- * Numbers the groups that have points or joints, in order of their smallest body, and counts their
- * members.
+ * Numbers the islands that have points, joints or springs, in order of their smallest body, and
+ * counts their members.
  */
 static enum rb_status number_groups(struct pass *pass, struct rb_error *err)
 {
@@ -476,10 +485,10 @@ static enum rb_status number_groups(struct pass *pass, struct rb_error *err)
 	const struct rb_world *world = pass->world;
 
 	solver->island_count = 0;
-	share_out(pass, pass->points->count, find_roots);
+	run_blocks(pass, pass->points->count, find_roots);
 	for (int k = 0; k < solver->joined_count; k++)
 		solver->island_of[rb_forest_root(solver->parent,
-		                                 holder_of(world, solver->joined[k]))] = 0;
+		                                 owner_of_joint(world, solver->joined[k]))] = 0;
 	for (int k = 0; k < solver->spring_count; k++)
 		if (has_rows(solver, &solver->spring[k]))
 			solver->island_of[rb_forest_root(
@@ -502,7 +511,7 @@ static enum rb_status number_groups(struct pass *pass, struct rb_error *err)
 	return RB_OK;
 }
 
-/* Counts rows of groups; place[k] becomes the group of point k. */
+/* Counts rows of islands; place[k] becomes the island of point k. */
 static void count_rows(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
@@ -511,7 +520,7 @@ static void count_rows(void *user, size_t first, size_t end)
 	bool moved = false;
 	int count = 0;
 
-	/* points in succession mostly are of one group */
+	/* successive points mostly belong to one island */
 	for (size_t k = first; k < end; k++) {
 		const int g = solver->island_of[pass->place[k]];
 
@@ -531,7 +540,7 @@ static void count_rows(void *user, size_t first, size_t end)
 	}
 }
 
-/* Counting sort of members by group. */
+/* Counting sort of members by island. */
 static void place_members(struct rb_solver *solver)
 {
 	int member = 0;
@@ -556,7 +565,7 @@ static void place_members(struct rb_solver *solver)
 
 /*
  * Counting sorts of members and rows by island. place[k] becomes the row of point k, -1 in islands
- * that stay at rest.
+ * without rows.
  */
 static void lay_out(struct pass *pass)
 {
@@ -564,11 +573,11 @@ static void lay_out(struct pass *pass)
 	int *const place = pass->place;
 	int row = 0;
 
-	share_out(pass, pass->points->count, count_rows);
+	run_blocks(pass, pass->points->count, count_rows);
 	for (size_t g = 0; g < solver->island_count; g++)
 		solver->island[g].contact_count = solver->island[g].row_count;
-	count_joints(solver, pass->world);
-	count_springs(solver);
+	add_joint_rows(solver, pass->world);
+	add_spring_rows(solver);
 	place_members(solver);
 	rb_islands_rest(solver, pass->points, place, &pass->world->arena[0]);
 	if (solver->joined_count > 0)
@@ -592,21 +601,19 @@ static void lay_out(struct pass *pass)
 		place[k] = rb_islands_has_no_rows(island) ? -1 : at;
 	}
 	RB_ASSERT(row >= 0);
-	place_joints(solver, pass->world);
-	place_springs(solver);
+	place_joint_rows(solver, pass->world);
+	place_spring_rows(solver);
 	solver->dense.row_count = row;
 }
 
-/* A ball that joints stiffen has no inertia that is a multiple of one. */
+/* A ball that joints stiffen no longer has a scalar inertia. */
 static bool is_stiff(const struct rb_solver *solver, const struct rb_step_point *point)
 {
 	return solver->stiff && (solver->stiff[point->a] ||
 	                         (point->b < solver->body_count && solver->stiff[point->b]));
 }
 
-/*
- * Sets the arms at which impulses act, with the mean of arms over the step where the pair pivots.
- */
+/* Sets the arms at which impulses act; where the pair pivots, their means over the step. */
 static void set_arms(const struct pass *pass, struct rb_face *face, struct rb_constraint *row,
                      int number)
 {
@@ -661,7 +668,7 @@ static void fill_row(const struct pass *pass, struct rb_face *face, struct rb_co
 	row->target = (rb_along_across){-(point->gap + point->bend) / solver->h_s, {0, 0, 0}};
 	rb_constraint_clear(row);
 	row->impulse.n = point->normal_impulse;
-	if (point->normal_impulse > 0) /* an impact or a later look may have turned the normal */
+	if (point->normal_impulse > 0) /* an impact or a later pass may have turned the normal */
 		row->impulse.t = rb_constraint_within(
 			rb_vec3_reject(point->friction_impulse, point->normal),
 			row->friction * point->normal_impulse);
@@ -717,9 +724,9 @@ static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struc
 	lay_out(pass);
 	if (solver->joined_count > 0)
 		rb_islands_halve(solver, world);
-	share_out(pass, points->count, fill_rows);
+	run_blocks(pass, points->count, fill_rows);
 	if (solver->joined_count > 0)
-		share_out(pass, (size_t)solver->joined_count, fill_joints);
+		run_blocks(pass, (size_t)solver->joined_count, fill_joints);
 	fill_springs(solver, world);
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&solver->dense, solver->body_count + 1));
 	return RB_OK;
@@ -733,12 +740,12 @@ enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
 	const rb_arena_mark here = rb_arena_here(arena);
 
 	RB_ASSERT(solver->active_count >= 0 && solver->active_count <= solver->body_count);
-	share_out(&pass, (size_t)solver->active_count, fill_bodies);
+	run_blocks(&pass, (size_t)solver->active_count, fill_bodies);
 	solver->dense.bodies.body[solver->body_count] = (struct rb_solver_body){.inverse_mass = 0};
 	for (int k = 0; solver->joint && k < solver->active_count; k++)
 		stiffen(solver, world, solver->active[k]);
 	const enum rb_status status = prepare(solver, &pass, err);
-	rb_arena_back(arena, here); /* a step may have many tries */
+	rb_arena_back(arena, here); /* a step may have many attempts */
 	return status;
 }
 

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* The end of a step's solution: what rows have come to goes to points, joints and bodies. */
+/* End of a step's solution: stores the results of rows in points, joints and bodies. */
 #include "stepped/islands.h"
 
 #include <string.h>
 
 #include "base/error.h"
 
-/* A parallel pass over bodies, points or rows; each writes only its own, or marks as others do. */
+/*
+ * A parallel pass over bodies, points or rows; each iteration writes only its own element, or a
+ * mark that others write with the same value.
+ */
 struct pass {
 	struct rb_solver *solver;
 	struct rb_world *world;
@@ -15,7 +18,7 @@ struct pass {
 
 enum { PER_BLOCK = 512 };
 
-static void share_out(struct pass *pass, size_t count, rb_team_part *part)
+static void run_blocks(struct pass *pass, size_t count, rb_team_part *part)
 {
 	rb_team_share(pass->world->team, count, PER_BLOCK, part, pass);
 }
@@ -32,13 +35,15 @@ void rb_islands_store_body(const struct rb_solver *solver, struct rb_world *worl
 		rb_vec3_to(world->state.spin + 3 * (size_t)i, solver->dense.bodies.body[i].angular);
 }
 
-static void push(struct rb_solver *solver, int i)
+static void mark_loaded(struct rb_solver *solver, int i)
 {
 	if (!__atomic_load_n(&solver->pushed[i], __ATOMIC_RELAXED))
 		__atomic_store_n(&solver->pushed[i], 1, __ATOMIC_RELAXED);
 }
 
-/* Of a step, marks bodies with an impulse of a contact on them. */
+/*
+ * Stores impulses of contacts; in a step (not in position projection) marks bodies with an impulse.
+ */
 static void store_rows(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
@@ -54,13 +59,13 @@ static void store_rows(void *user, size_t first, size_t end)
 		point->normal_impulse = row->impulse.n;
 		point->friction_impulse = row->impulse.t;
 		if (solver->before && row->impulse.n > 0) {
-			push(solver, row->a);
-			push(solver, row->b);
+			mark_loaded(solver, row->a);
+			mark_loaded(solver, row->b);
 		}
 	}
 }
 
-/* The group of a row. */
+/* The island of a row. */
 static const struct rb_island *group_of(const struct rb_solver *solver,
                                         const struct rb_constraint *row)
 {
@@ -77,7 +82,7 @@ static void store_joints(void *user, size_t first, size_t end)
 		struct rb_step_joint *of = &solver->joint[solver->joined[k]];
 		const struct rb_constraint *const row = solver->dense.row + of->first_row;
 
-		/* of groups that keep what an earlier look has found, rows have not been solved */
+		/* rows of islands that keep an earlier solution have not been solved */
 		if (of->first_row < 0 || group_of(solver, row)->kept)
 			continue;
 		query.lasts_s = rb_islands_lasts(solver, group_of(solver, row));
@@ -85,7 +90,7 @@ static void store_joints(void *user, size_t first, size_t end)
 	}
 }
 
-/* Of what rests it is the pull that it rests with. */
+/* Stores impulses of springs; at rest, those of the static tension. */
 static void store_springs(struct rb_solver *solver)
 {
 	for (int k = 0; k < solver->spring_count; k++) {
@@ -108,8 +113,8 @@ static void store_springs(struct rb_solver *solver)
 	}
 }
 
-/* Residuals that the next step takes into account; nobody has been pushed yet. */
-static void note_left(void *user, size_t first, size_t end)
+/* Stores the residuals for the next step; clears the marks. */
+static void store_residuals(void *user, size_t first, size_t end)
 {
 	struct rb_solver *solver = ((const struct pass *)user)->solver;
 
@@ -117,7 +122,7 @@ static void note_left(void *user, size_t first, size_t end)
 		const int i = solver->active[k], g = solver->island_of[i];
 		const double left = g < 0 ? 0 : solver->island[g].residual;
 
-		/* written so that NaN is not good */
+		/* written so that NaN counts as the tolerance */
 		solver->left[i] = left < solver->tolerance ? left : solver->tolerance;
 		solver->pushed[i] = 0;
 	}
@@ -132,8 +137,8 @@ static bool all_have_rows(const struct rb_solver *solver)
 	return all;
 }
 
-/* The same where some groups have no rows. */
-static void find_pushed(void *user, size_t first, size_t end)
+/* Marks bodies with an impulse of a contact, if some islands have no rows. */
+static void mark_contacts(void *user, size_t first, size_t end)
 {
 	const struct pass *pass = user;
 	struct rb_solver *solver = pass->solver;
@@ -143,13 +148,13 @@ static void find_pushed(void *user, size_t first, size_t end)
 
 		if (!(point->normal_impulse > 0))
 			continue;
-		push(solver, point->a);
-		push(solver, point->b < solver->body_count ? point->b : solver->body_count);
+		mark_loaded(solver, point->a);
+		mark_loaded(solver, point->b < solver->body_count ? point->b : solver->body_count);
 	}
 }
 
-/* The same of joints and springs. */
-static void find_pulled(struct rb_solver *solver, const struct rb_joints *joints)
+/* Marks bodies with joints and joined springs. */
+static void mark_joints_and_springs(struct rb_solver *solver, const struct rb_joints *joints)
 {
 	for (int k = 0; k < solver->joined_count; k++) {
 		const struct rb_joint *joint = &joints->joint[solver->joined[k]];
@@ -167,8 +172,8 @@ static void find_pulled(struct rb_solver *solver, const struct rb_joints *joints
 
 /*
  * A body whose impulses all ended at zero gets its free velocity back exactly: the sum has rounding
- * in it, and a top without torque should take the closed form. Not after the projection, which has
- * no velocities.
+ * in it, and a torque-free top should take the closed form. Not after position projection, which
+ * has no velocities.
  */
 static void store_bodies(void *user, size_t first, size_t end)
 {
@@ -191,15 +196,15 @@ void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_
 
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&solver->dense, solver->body_count + 1));
 	if (solver->before)
-		share_out(&pass, (size_t)solver->active_count, note_left);
-	share_out(&pass, (size_t)solver->dense.row_count, store_rows);
-	if (solver->before && solver->joined_count > 0) /* else positions are moved */
-		share_out(&pass, (size_t)solver->joined_count, store_joints);
+		run_blocks(&pass, (size_t)solver->active_count, store_residuals);
+	run_blocks(&pass, (size_t)solver->dense.row_count, store_rows);
+	if (solver->before && solver->joined_count > 0) /* not in position projection */
+		run_blocks(&pass, (size_t)solver->joined_count, store_joints);
 	if (solver->before) {
 		store_springs(solver);
 		if (!all_have_rows(solver))
-			share_out(&pass, points->count, find_pushed);
-		find_pulled(solver, world->model->joints);
+			run_blocks(&pass, points->count, mark_contacts);
+		mark_joints_and_springs(solver, world->model->joints);
 	}
-	share_out(&pass, (size_t)solver->active_count, store_bodies);
+	run_blocks(&pass, (size_t)solver->active_count, store_bodies);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Groups that nothing but joints and constant forces acts on: without rows, or in halves. What a
- * group only comes near does not act on it.
+ * Islands on which only joints and constant forces act: stepped without rows, or in halves. A
+ * contact without impulse does not count.
  */
 #include "stepped/islands.h"
 
@@ -11,13 +11,13 @@
 #include "base/error.h"
 #include "force/spring.h"
 
-struct asked {
+struct pass {
 	struct rb_solver *solver;
 	struct rb_world *world;
 	const struct rb_step_points *points;
 	/*
-	 * In the arena. By group: where its points begin in `number`, and how many of them touch;
-	 * NULL: there are none, or no memory.
+	 * In the arena. By island: where its points begin in `number`, and how many of them touch;
+	 * NULL: no points, or no memory.
 	 */
 	int *first, *touching, *number;
 };
@@ -51,7 +51,7 @@ static bool is_joined(const struct rb_solver *solver, int row)
 	       solver->spring[low].joined;
 }
 
-/* Whether a spring without rows pulls the body. */
+/* Whether a spring without rows acts on the body. */
 static bool is_pulled(const struct rb_solver *solver, const struct rb_elements *springs, int i)
 {
 	bool pulled = false;
@@ -70,65 +70,68 @@ bool rb_islands_forces_vary(const struct rb_world *world)
 	return world->model->features & RB_FEATURES_VARIED & ~(rb_features)RB_FEATURE_SPRINGS;
 }
 
-/* Counting sort of points by group. */
-static void sort_points(struct asked *asked, const int *group_of)
+/* Counting sort of points by island. */
+static void sort_points(struct pass *pass, const int *group_of)
 {
-	const size_t groups = asked->solver->island_count, count = asked->points->count;
-	struct rb_arena *const arena = &asked->world->arena[0];
+	const size_t groups = pass->solver->island_count, count = pass->points->count;
+	struct rb_arena *const arena = &pass->world->arena[0];
 
 	if (count == 0)
 		return;
-	asked->first = rb_arena_take(arena, groups + 1, sizeof *asked->first);
-	asked->touching = rb_arena_take(arena, groups + 1, sizeof *asked->touching);
-	asked->number = rb_arena_take(arena, count, sizeof *asked->number);
-	if (!asked->first || !asked->touching || !asked->number) {
-		asked->first = NULL;
+	pass->first = rb_arena_take(arena, groups + 1, sizeof *pass->first);
+	pass->touching = rb_arena_take(arena, groups + 1, sizeof *pass->touching);
+	pass->number = rb_arena_take(arena, count, sizeof *pass->number);
+	if (!pass->first || !pass->touching || !pass->number) {
+		pass->first = NULL;
 		return;
 	}
-	memset(asked->touching, 0, (groups + 1) * sizeof *asked->touching);
-	asked->first[0] = 0;
+	memset(pass->touching, 0, (groups + 1) * sizeof *pass->touching);
+	pass->first[0] = 0;
 	for (size_t g = 0; g < groups; g++)
-		asked->first[g + 1] = asked->first[g] + asked->solver->island[g].contact_count;
+		pass->first[g + 1] = pass->first[g] + pass->solver->island[g].contact_count;
 	for (size_t k = count; k-- > 0;) {
-		const struct rb_step_point *const point = &asked->points->row[k];
+		const struct rb_step_point *const point = &pass->points->row[k];
 		const int g = group_of[k];
 
-		asked->touching[g] += point->normal_impulse > 0 || point->bend != 0;
-		asked->number[--asked->first[g + 1]] = (int)k;
+		pass->touching[g] += point->normal_impulse > 0 || point->bend != 0;
+		pass->number[--pass->first[g + 1]] = (int)k;
 	}
-	/* each has come to where the next one began */
-	memmove(asked->first, asked->first + 1, groups * sizeof *asked->first);
-	asked->first[groups] = (int)count;
+	/* each has been moved to where its successor began */
+	memmove(pass->first, pass->first + 1, groups * sizeof *pass->first);
+	pass->first[groups] = (int)count;
 }
 
-/* Whether a group has joints, and no point of it has pushed. */
-static bool is_clear(const struct asked *asked, int group)
+/* Whether an island has no contacts, or joints and no contact with an impulse. */
+static bool is_clear(const struct pass *pass, int group)
 {
-	const struct rb_island *const island = &asked->solver->island[group];
+	const struct rb_island *const island = &pass->solver->island[group];
 
 	return island->contact_count == 0 || (island->row_count > island->contact_count &&
-	                                      asked->first && asked->touching[group] == 0);
+	                                      pass->first && pass->touching[group] == 0);
 }
 
-/* Groups that nothing but joints, constant forces and drag acts on may need no rows. */
-static void swing(void *user, int group, int worker)
+/*
+ * Tries to step an island in reduced coordinates if only joints, constant forces and drag act on
+ * it.
+ */
+static void step_reduced(void *user, int group, int worker)
 {
-	const struct asked *const pass = user;
+	const struct pass *const pass = user;
 	struct rb_solver *const solver = pass->solver;
 	struct rb_island *const island = &solver->island[group];
 	const struct rb_elements *const springs = rb_model_elements(pass->world->model,
 	                                                            &rb_force_spring);
 	const bool varies = pass->world->model->features & RB_FEATURES_VARIED &
 	                    ~(rb_features)(RB_FEATURE_SPRINGS | RB_FEATURE_DRAG);
-	bool may = solver->before && solver->before->spin && !varies && !island->rests &&
-	           !island->sprung && is_clear(pass, group);
+	bool is_candidate = solver->before && solver->before->spin && !varies && !island->rests &&
+	                    !island->sprung && is_clear(pass, group);
 
-	for (int k = 0; may && k < island->member_count; k++) {
+	for (int k = 0; is_candidate && k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
 
-		may = !is_pulled(solver, springs, i) && !rb_kicks_have(solver->kicks, i);
+		is_candidate = !is_pulled(solver, springs, i) && !rb_kicks_have(solver->kicks, i);
 	}
-	if (!may)
+	if (!is_candidate)
 		return;
 	const int *const member = solver->member + island->first_member;
 	struct rb_swung *const known = &solver->swung[member[0]];
@@ -159,13 +162,13 @@ static void swing(void *user, int group, int worker)
 void rb_islands_swing(struct rb_solver *solver, struct rb_world *world,
                       const struct rb_step_points *points, const int *group_of)
 {
-	struct asked asked = {.solver = solver, .world = world, .points = points};
+	struct pass pass = {.solver = solver, .world = world, .points = points};
 	struct rb_arena *const arena = &world->arena[0];
 	const rb_arena_mark here = rb_arena_here(arena);
 
 	if (solver->before)
-		sort_points(&asked, group_of);
-	rb_team_run(world->team, (int)solver->island_count, swing, &asked);
+		sort_points(&pass, group_of);
+	rb_team_run(world->team, (int)solver->island_count, step_reduced, &pass);
 	rb_arena_back(arena, here);
 }
 
@@ -190,8 +193,8 @@ void rb_islands_unswing(struct rb_solver *solver, const struct rb_joints *joints
 }
 
 /*
- * Groups that take impulses in halves, since joints, springs with rows and constant forces alone
- * act on them within what the step resolves; of forces their bodies get one half now.
+ * Marks islands that take impulses in halves, since only joints, springs with rows and constant
+ * forces act on them within what the step resolves; gives their bodies one half of the forces now.
  */
 void rb_islands_halve(struct rb_solver *solver, const struct rb_world *world)
 {
@@ -207,7 +210,7 @@ void rb_islands_halve(struct rb_solver *solver, const struct rb_world *world)
 		for (int k = 0; island->halves && k < island->member_count; k++) {
 			const int i = solver->member[island->first_member + k];
 
-			/* what a spring joins to a mechanism may have been in an impact */
+			/* a body that a spring joins to a mechanism may have had an impact */
 			island->halves = !solver->stiff[i] && !is_pulled(solver, springs, i) &&
 			                 !rb_kicks_have(solver->kicks, i);
 		}

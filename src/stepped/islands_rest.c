@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Groups that stand as they stood in the step before, on the same contacts. */
+/* Islands that stay at rest as in the step before, on the same contacts. */
 #include "stepped/islands.h"
 
 #include <string.h>
 
 #include "base/error.h"
 
-/* Whether the vector of a body is zero (a column that does not exist is). */
+/* Whether the vector of a body is zero (a missing column counts as zero). */
 static bool is_zero(const double *column, int i)
 {
 	const double *v = column ? column + 3 * (size_t)i : NULL;
@@ -15,8 +15,8 @@ static bool is_zero(const double *column, int i)
 }
 
 /*
- * Whether all members rested in the last step and feel the same external accelerations, and nothing
- * driven moves at them.
+ * Whether all members were at rest in the last step and have the same external accelerations, and
+ * nothing driven moves at them.
  */
 static bool is_at_rest(const struct rb_solver *solver, const struct rb_island *island)
 {
@@ -32,7 +32,7 @@ static bool is_at_rest(const struct rb_solver *solver, const struct rb_island *i
 	return !island->carried;
 }
 
-/* How many contacts of the group had a force in the step before. */
+/* Number of contacts of the island that had a force in the step before. */
 static size_t bearing_count(const struct rb_solver *solver, const struct rb_step_points *points,
                             const struct rb_island *island)
 {
@@ -48,8 +48,9 @@ static size_t bearing_count(const struct rb_solver *solver, const struct rb_step
 }
 
 /*
- * What stands does so with the forces of the step that brought it to rest. A step of another length
- * looks less far, and may miss one of several points of a face: then their forces are others.
+ * An island at rest keeps the contact forces of the step that brought it to rest. A step of another
+ * length searches a smaller range, and may miss one of several points of a face: the forces would
+ * differ then.
  */
 void rb_islands_rest(struct rb_solver *solver, const struct rb_step_points *points,
                      const int *group_of, struct rb_arena *arena)
@@ -80,7 +81,7 @@ void rb_islands_rest(struct rb_solver *solver, const struct rb_step_points *poin
 	for (size_t g = 0; g < solver->island_count; g++) {
 		struct rb_island *const island = &solver->island[g];
 
-		/* without memory nobody rests */
+		/* without memory no island stays at rest */
 		island->rests = island->rests && found && seen &&
 		                found[g] == bearing_count(solver, points, island);
 	}
