@@ -188,7 +188,7 @@ static struct rb_sweep_result run_with(double slack, double tolerance, int max)
 	struct heap *heap = make(0.1);
 	struct rb_sweeper sweeper = take(heap, NULL);
 
-	sweeper.many.slack = slack;
+	sweeper.packs.slack = slack;
 	const struct rb_sweep_result result = rb_sweeper_run(&sweeper, tolerance, max);
 	unmake(heap);
 	return result;
@@ -211,7 +211,7 @@ static void packs_solve_bodies_of_any_shape(void **slot)
 	(void)slot;
 	spoil(heap);
 	struct rb_sweeper sweeper = take(heap, NULL);
-	assert_true(sweeper.wide && !sweeper.many.central);
+	assert_true(sweeper.wide && !sweeper.packs.central);
 	const struct rb_sweep_result result = rb_sweeper_run(&sweeper, 1e-4, 1000);
 	assert_true(result.residual <= 1e-4);
 	look_at(heap, &closing, &any);
@@ -260,7 +260,8 @@ static void packs_of_one_moment_are_as_those_of_its_tensor(void **slot)
 		one->body[i].inverse_inertia = one->free[i].inverse_inertia = 0.02;
 	}
 	struct rb_sweeper of_one = take(one, NULL), of_three = take(three, NULL);
-	assert_true(of_one.wide && !of_one.many.packs[0].tensors && of_three.many.packs[0].tensors);
+	assert_true(of_one.wide && !of_one.packs.packs[0].tensors &&
+	            of_three.packs.packs[0].tensors);
 	(void)rb_sweeper_run(&of_one, 0, 50);
 	(void)rb_sweeper_run(&of_three, 0, 50);
 	for (int i = 0; i < BODIES; i++) {
@@ -324,7 +325,7 @@ static void packs_in_32_bits_leave_whole_impulses_of_any_masses(void **slot)
 	assert_true(rb_sweeper_run(&of_light, tolerance, 1000).residual <= tolerance);
 	assert_true(rb_sweeper_run(&of_heavy, tolerance, 1000).residual <= tolerance);
 	assert_true(rb_sweeper_run(&of_close, 1e-9, 5000).residual <= 1e-9);
-	assert_true(of_light.many.single && of_heavy.many.single && !of_close.many.single);
+	assert_true(of_light.packs.single && of_heavy.packs.single && !of_close.packs.single);
 	assert_whole(light);
 	for (int k = 0; k < light->dense.row_count; k++)
 		assert_true(heavy->row[k].impulse.n == unit * light->row[k].impulse.n);
@@ -386,7 +387,7 @@ static void what_gives_no_way_stands_in_packs_of_32_bits(void **slot)
 
 		assert_true(rb_sweeper_take(&sweeper, &both[h]->arena));
 		assert_true(rb_sweeper_run(&sweeper, 1e-4, 1000).residual <= 1e-4);
-		assert_true(sweeper.many.single);
+		assert_true(sweeper.packs.single);
 	}
 	for (int i = 0; i < BODIES; i++) {
 		const rb_vec3 v = rb_vec3_sub(zeros->body[i].linear, others->body[i].linear);
@@ -414,7 +415,7 @@ static void packs_in_32_bits_know_any_friction(void **slot)
 	struct rb_sweeper of_large = take(large, NULL), of_more = take(more, NULL);
 	const struct rb_sweep_result first = rb_sweeper_run(&of_large, tolerance, 100);
 	assert_true(rb_sweeper_run(&of_more, tolerance, 100).residual == first.residual);
-	assert_true(of_large.many.single && of_more.many.single);
+	assert_true(of_large.packs.single && of_more.packs.single);
 	assert_whole(more);
 	for (int i = 0; i < BODIES; i++)
 		assert_true(rb_vec3_length(
@@ -432,9 +433,9 @@ static void what_presses_on_goes_on_in_the_same_packs(void **slot)
 	spoil(heap);
 	struct rb_sweeper sweeper = take(heap, NULL);
 	(void)rb_sweeper_run(&sweeper, 1e-4, 10);
-	assert_true(sweeper.many.single);
-	(void)rb_sweeper_press_on(&sweeper, 1e-9, 10);
-	assert_true(sweeper.many.single);
+	assert_true(sweeper.packs.single);
+	(void)rb_sweeper_continue_undamped(&sweeper, 1e-9, 10);
+	assert_true(sweeper.packs.single);
 	unmake(heap);
 }
 
@@ -533,7 +534,7 @@ static void holding_closes_no_gap_and_leaves_friction(void **slot)
 		friction_impulse[k] = heap->row[k].impulse.t;
 	look_at(heap, &closing, &any);
 	assert_true(closing > 1e-3);
-	assert_true(rb_sweeper_hold(&sweeper, 1e-6, 1000).residual <= 1e-6);
+	assert_true(rb_sweeper_hold_friction(&sweeper, 1e-6, 1000).residual <= 1e-6);
 	look_at(heap, &closing, &any);
 	assert_true(closing < 1e-5);
 	for (int k = 0; k < heap->dense.row_count; k++)
@@ -562,7 +563,7 @@ static void a_ball_among_many_has_a_tail(void **slot)
 	}
 	memcpy(heap->free, heap->body, sizeof heap->free);
 	struct rb_sweeper sweeper = take(heap, NULL);
-	assert_true(sweeper.wide && sweeper.many.tail);
+	assert_true(sweeper.wide && sweeper.packs.tail);
 	assert_true(rb_sweeper_run(&sweeper, 1e-6, 3000).residual <= 1e-6);
 	look_at(heap, &closing, &any);
 	assert_true(any < 1e-4);
@@ -647,7 +648,7 @@ static void sweeps_and_factors_ask_by_their_work(void **slot)
 		if (way == PACKS) {
 			struct rb_sweeper sweeper = take(heap, NULL);
 
-			sweeper.many.interrupt = &interrupt;
+			sweeper.packs.interrupt = &interrupt;
 			done = rb_sweeper_run(&sweeper, 0, SWEEPS).sweeps;
 		} else if (way == ROWS) {
 			struct rb_sweep one = {

@@ -5,17 +5,17 @@
 
 #include "base/error.h"
 
-/* Units in the last place by which sums over a group may be off. */
+/* Rounding of sums over an island, in ulp. */
 enum { NOISE_ULP = 16 };
 
 /*
- * Of impulses over momentum: what levers and wedges ask for, so that twelve digits are left for
- * them; more is not believed before it has come out without pushing apart, and then not beyond what
+ * Largest ratio of impulses to momentum. Levers and wedges need ratios that leave twelve digits;
+ * larger ones are accepted only if they also result without separation, and then up to a ratio that
  * leaves ten.
  */
 static const double impulse_max = 1e4, impulse_max_held = 1e6;
 
-static inline rb_vec3 weigh_turn(const struct rb_solver *solver, int i, rb_vec3 turn)
+static inline rb_vec3 angular_momentum(const struct rb_solver *solver, int i, rb_vec3 turn)
 {
 	const double inverse = solver->dense.bodies.body[i].inverse_inertia;
 	rb_mat3 inertia;
@@ -32,7 +32,7 @@ struct rb_solver_body rb_energy_weigh(const struct rb_solver *solver, int i,
 	return (struct rb_solver_body){
 		.linear = rb_vec3_scale(1 / solver->dense.bodies.body[i].inverse_mass,
 	                                motion->linear),
-		.angular = weigh_turn(solver, i, motion->angular)};
+		.angular = angular_momentum(solver, i, motion->angular)};
 }
 
 static struct rb_solver_body difference(const struct rb_solver_body *x,
@@ -42,7 +42,7 @@ static struct rb_solver_body difference(const struct rb_solver_body *x,
 	                               .angular = rb_vec3_sub(x->angular, y->angular)};
 }
 
-/* Of the step, after the impacts in it. */
+/* Velocities at the beginning of the step, after the impacts in it. */
 static struct rb_solver_body motion_before(const struct rb_solver *solver, int i)
 {
 	const struct rb_state *before = solver->before;
@@ -59,7 +59,7 @@ static struct rb_solver_body motion_before(const struct rb_solver *solver, int i
 	return motion;
 }
 
-/* What driven bodies give a group by its impulses, J. */
+/* Work of driven bodies on an island by its impulses, J. */
 static double driven_work(const struct rb_solver *solver, const struct rb_island *island)
 {
 	const struct rb_row_system rows = rb_islands_rows(solver, island);
@@ -67,18 +67,18 @@ static double driven_work(const struct rb_solver *solver, const struct rb_island
 	return island->carried ? rb_row_system_work(&rows) : 0;
 }
 
-/* Whether the row asks for its target, whatever that takes. */
-static bool is_held(const struct rb_constraint *row)
+/* Whether the row is bilateral and rigid. */
+static bool is_bilateral(const struct rb_constraint *row)
 {
 	return row->set == RB_CONSTRAINT_FREE ||
 	       (row->softness == 0 && isinf(row->low) && isinf(row->high));
 }
 
 /*
- * What joints give, J, at the velocities that are solved for: where ways are bent, the constraint
- * turns with them, and its work comes back; of what holds, at those that are asked for, since what
- * large forces leave of a tolerance is no work. Motors, springs and friction are no contact either.
- * What a limit or a rope takes it takes as a contact does, by closing what was open.
+ * Work of joints, J, at the velocities solved for: on a curved path the constraint direction turns,
+ * and its work is returned later. For bilateral rows, at the target velocities, since a residual
+ * within the tolerance times a large force is no work. Motors, springs and friction are not
+ * contacts either. Limits and ropes dissipate as contacts do, by closing a gap.
  */
 static double joint_work(const struct rb_solver *solver, const struct rb_island *island)
 {
@@ -87,8 +87,8 @@ static double joint_work(const struct rb_solver *solver, const struct rb_island 
 
 	for (int k = island->contact_count; k < island->row_count; k++) {
 		const struct rb_constraint *row = &solver->dense.row[island->first_row + k];
-		const rb_vec3 at = is_held(row) ? rb_constraint_joined(row, row->target)
-		                                : rb_constraint_velocity(bodies, row);
+		const rb_vec3 at = is_bilateral(row) ? rb_constraint_joined(row, row->target)
+		                                     : rb_constraint_velocity(bodies, row);
 		const double work = rb_vec3_dot(rb_constraint_impulse(row), at);
 
 		sum += rb_constraint_side(row) != 0 ? fmax(0, work) : work;
@@ -97,8 +97,8 @@ static double joint_work(const struct rb_solver *solver, const struct rb_island 
 }
 
 /*
- * A body's share of the sums: what forces, and then impulses, have changed its motion by. One that
- * has no impulse may go on as a free one, which forces take nothing of.
+ * A body's terms of the sums, from the changes of its motion by forces and by impulses. A body
+ * without an impulse may move as a free one, and contributes nothing.
  */
 static inline void add_body(struct rb_energy *energy, const struct rb_solver *solver, int i)
 {
@@ -117,12 +117,12 @@ static inline void add_body(struct rb_energy *energy, const struct rb_solver *so
 		return;
 	if (now->inverse_inertia != 0) {
 		const rb_vec3 twist = rb_vec3_sub(free->angular, before.angular);
-		const rb_vec3 momentum = weigh_turn(solver, i, turn);
+		const rb_vec3 momentum = angular_momentum(solver, i, turn);
 
 		square += rb_vec3_dot(momentum, turn);
 		mixed += rb_vec3_dot(momentum, before.angular);
 		if (rb_vec3_max_abs(twist) > 0)
-			lost += rb_vec3_dot(weigh_turn(solver, i, twist), twist);
+			lost += rb_vec3_dot(angular_momentum(solver, i, twist), twist);
 	}
 	energy->square += square;
 	energy->mixed += mixed;
@@ -131,8 +131,8 @@ static inline void add_body(struct rb_energy *energy, const struct rb_solver *so
 }
 
 /*
- * Sums over a large group, which has a team, are those of blocks, in order: who makes them makes no
- * difference.
+ * Sums over a large island, which has a team, are formed by blocks, in order: they do not depend on
+ * the workers.
  */
 enum { PER_BLOCK = 512 };
 
@@ -202,7 +202,7 @@ struct rb_energy rb_energy_of(const struct rb_solver *solver, const struct rb_is
 		energy.noise += fabs(given);
 	}
 	const int blocks = team ? blocks_of(island->member_count) : 0;
-	/* the arena is taken back with all of the group */
+	/* the arena is released with the whole island */
 	if (team)
 		sums.energy = rb_arena_take(arena, (size_t)blocks, sizeof *sums.energy);
 	if (sums.energy)
@@ -215,7 +215,7 @@ struct rb_energy rb_energy_of(const struct rb_solver *solver, const struct rb_is
 	return energy;
 }
 
-/* The root, up to 1, of c s^2 + 2 b s - a, which is not positive at 0, without cancellation. */
+/* Root, up to 1, of c s^2 + 2 b s - a, which is not positive at 0, without cancellation. */
 static double root_of(double c, double b, double a)
 {
 	RB_ASSERT(!(a < 0));
@@ -334,7 +334,7 @@ bool rb_energy_has_impulse(const struct rb_row_system *dense)
 	return false;
 }
 
-/* What the row asks for beyond not closing on: to be pushed apart, or drawn back. */
+/* Whether the row's target is to separate an overlap, or to draw back a limit or rope. */
 static inline bool separates(const struct rb_constraint *row)
 {
 	return rb_constraint_side(row) * row->target.n > 0;
@@ -372,8 +372,8 @@ bool rb_energy_keep(const struct rb_solver *solver, const struct rb_island *isla
 	return true;
 }
 
-/* Of the way from one motion to another. */
-static void go(struct rb_solver_body *body, double share, const struct rb_solver_body *to)
+/* Interpolates from one motion to another. */
+static void interpolate(struct rb_solver_body *body, double share, const struct rb_solver_body *to)
 {
 	body->linear = rb_vec3_add_scaled(body->linear, share,
 	                                  rb_vec3_sub(to->linear, body->linear));
@@ -389,16 +389,16 @@ void rb_energy_mix(const struct rb_solver *solver, const struct rb_island *islan
 	RB_ASSERT(share >= 0 && share <= 1);
 	for (int k = 0; k < dense.row_count; k++) {
 		struct rb_constraint *row = &dense.row[k];
-		const struct rb_kept_row *was = &kept->row[k];
+		const struct rb_kept_row *before = &kept->row[k];
 
-		row->target.n = was->target_n;
-		row->impulse.n += share * (was->impulse.n - row->impulse.n);
+		row->target.n = before->target_n;
+		row->impulse.n += share * (before->impulse.n - row->impulse.n);
 		row->impulse.t = rb_vec3_add_scaled(row->impulse.t, share,
-		                                    rb_vec3_sub(was->impulse.t, row->impulse.t));
+		                                    rb_vec3_sub(before->impulse.t, row->impulse.t));
 	}
 	for (int k = 0; k < island->member_count; k++)
-		go(&dense.bodies.body[solver->member[island->first_member + k]], share,
-		   &kept->body[k]);
+		interpolate(&dense.bodies.body[solver->member[island->first_member + k]], share,
+		            &kept->body[k]);
 }
 
 static double off_target(const struct rb_constraint *row, rb_vec3 now)
@@ -417,7 +417,7 @@ void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, do
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
 
-		go(&dense.bodies.body[i], 1 - share, &solver->free[i]);
+		interpolate(&dense.bodies.body[i], 1 - share, &solver->free[i]);
 	}
 	for (int k = 0; k < dense.row_count; k++) {
 		struct rb_constraint *row = &dense.row[k];
@@ -430,7 +430,7 @@ void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, do
 			island->residual = fmax(island->residual,
 			                        fmin(side * row->target.n, 0) -
 			                                side * rb_vec3_dot(now, row->normal));
-		else if (is_held(row))
+		else if (is_bilateral(row))
 			island->residual = fmax(island->residual, off_target(row, now));
 	}
 }
@@ -440,9 +440,10 @@ void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, do
 struct rb_solver_body rb_energy_added(const struct rb_solver *solver, const struct rb_world *world,
                                       int i)
 {
-	const struct rb_solver_body *body = &solver->dense.bodies.body[i], *was = &solver->free[i];
-	struct rb_solver_body more = {.linear = rb_vec3_sub(body->linear, was->linear),
-	                              .angular = rb_vec3_sub(body->angular, was->angular)};
+	const struct rb_solver_body *body = &solver->dense.bodies.body[i],
+				    *before = &solver->free[i];
+	struct rb_solver_body more = {.linear = rb_vec3_sub(body->linear, before->linear),
+	                              .angular = rb_vec3_sub(body->angular, before->angular)};
 
 	if (isnan(body->inverse_inertia))
 		more.angular = rb_world_turn(world, &world->state, i,

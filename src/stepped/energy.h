@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a group's impulses do to its energy: contact takes, and never gives.
+ * Effect of an island's impulses on its energy: contacts dissipate, and never add.
  *
- * In one step forces change velocities by f, impulses by d, positions move with what that comes to,
- * v0 + f + d. What the group gains in kinetic energy, beyond the work of forces on that way and of
- * driven bodies at its contacts, is the half of
- * |d|^2 + 2 <v0, d> - |f|^2, with masses and inertias for weights. Impulses that close no gap, push
- * no overlap apart and
- * hold against slip make it negative; what solutions leave and pushing apart may not.
+ * In one step forces change velocities by f, impulses by d, and positions move with the resulting
+ * v0 + f + d. The gain of the island's kinetic energy, beyond the work of forces on that
+ * displacement and of driven bodies at its contacts, is half of |d|^2 + 2 <v0, d> - |f|^2, with
+ * masses and inertias as weights. Impulses that close no gap, separate no overlap and oppose slip
+ * make it negative; residuals of solutions and separation may make it positive.
  */
 #ifndef RB_STEPPED_ENERGY_H
 #define RB_STEPPED_ENERGY_H
@@ -15,18 +14,18 @@
 #include "stepped/islands.h"
 
 /*
- * Sums over a group, J: of impulses that are s times those found, the gain is (s^2 square + 2 s
+ * Sums over an island, J. For impulses that are s times those found, the gain is (s^2 square + 2 s
  * mixed - lost) / 2.
  */
 struct rb_energy {
 	double lost;   /* |f|^2 */
 	double mixed;  /* <v0, d>, less the work of driven bodies */
 	double square; /* |d|^2 */
-	double noise;  /* of rounding: no gain below it is told from none */
+	double noise;  /* of rounding: a gain below it is insignificant */
 };
 
 /*
- * Of the velocities and impulses that have been solved for, beside those as the step began. `team`
+ * Energy of the present solution relative to the velocities at the beginning of the step. `team`
  * NULL, here as below: on this thread.
  */
 struct rb_energy rb_energy_of(const struct rb_solver *solver, const struct rb_island *island,
@@ -37,31 +36,31 @@ static inline double rb_energy_gain(const struct rb_energy *energy)
 	return 0.5 * (energy->square + 2 * energy->mixed - energy->lost);
 }
 
-/* The largest share of the impulses, up to 1, that gains nothing. */
+/* Largest fraction of the impulses, up to 1, that gains no energy. */
 double rb_energy_share(const struct rb_energy *energy);
 
-/* Whether a row that pushes one way has an impulse. */
+/* Whether a unilateral row has an impulse. */
 bool rb_energy_has_impulse(const struct rb_row_system *dense);
-/* Whether contacts that overlap, or would, are pushed apart, or limits and ropes drawn back. */
+/* Whether overlapping contacts are being separated, or limits and ropes drawn back. */
 bool rb_energy_has_separation(const struct rb_row_system *dense);
-/* They are not any more. */
+/* Sets the targets of these to zero. */
 void rb_energy_clear_separation(const struct rb_row_system *dense);
 
 /*
- * Whether impulses are of a size that the group's momentum, and what it is asked for, can explain;
- * held: nothing is pushed apart.
+ * Whether the size of impulses is consistent with the island's momentum and its targets; held:
+ * nothing is separated.
  */
 bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *island,
                       const struct rb_row_system *dense, bool held, struct rb_team *team,
                       struct rb_arena *arena);
 
-/* What solving changes in a row. */
+/* Part of a row that solving changes. */
 struct rb_kept_row {
 	double target_n;
 	rb_along_across impulse;
 };
 
-/* Rows and velocities that a group was solved to; the arena's. */
+/* Saved rows and velocities of an island's solution; in the arena. */
 struct rb_kept {
 	struct rb_kept_row *row;
 	struct rb_solver_body *body; /* by member */
@@ -73,41 +72,41 @@ bool rb_energy_keep(const struct rb_solver *solver, const struct rb_island *isla
                     struct rb_arena *arena, struct rb_kept *kept);
 
 /*
- * The share, up to 1, of the way back from what is solved now, of that energy, up to which nothing
- * is gained.
+ * Largest fraction, up to 1, of the interpolation from the present solution, with energy `now`,
+ * back to the kept one that gains no energy.
  */
 double rb_energy_between(const struct rb_solver *solver, const struct rb_island *island,
                          const struct rb_energy *now, const struct rb_kept *kept);
 
 /*
- * Goes so far back; what is between two solutions is in the cones, and closes no gap that neither
- * closes.
+ * Interpolates back by this fraction; an interpolation of two solutions is within the cones, and
+ * closes no gap that neither closes.
  */
 void rb_energy_mix(const struct rb_solver *solver, const struct rb_island *island,
                    const struct rb_kept *kept, double share);
 
-/* Goes to so much of all impulses; gaps that now close are residual. */
+/* Scales all impulses by this fraction; gaps that now close count as residual. */
 void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, double share);
 
 /*
- * What a rebound adds to a body's motion: turning bodies have gone on meanwhile, and keep the
- * angular momentum that it has given them.
+ * Change of a body's motion by a rebound. A rotating body has turned meanwhile, and keeps the
+ * angular momentum that the rebound has given it.
  */
 struct rb_solver_body rb_energy_added(const struct rb_solver *solver, const struct rb_world *world,
                                       int body);
 
 /*
- * Of a group's rebound, the share that does not take more than its contacts have taken: friction at
- * an arm could. The room becomes what is left of it.
+ * Fraction of an island's rebound that gives back no more energy than its contacts have dissipated:
+ * friction at an arm could exceed it. The remainder becomes the new budget.
  */
 double rb_energy_rebound(const struct rb_solver *solver, const struct rb_world *world,
                          struct rb_island *island);
 
-/* Momentum and angular momentum of a body at these velocities, as it stood when the step began. */
+/* Linear and angular momentum of a body at these velocities, in its pose as the step began. */
 struct rb_solver_body rb_energy_weigh(const struct rb_solver *solver, int body,
                                       const struct rb_solver_body *motion);
 
-/* Twice the kinetic energy of a momentum and a motion taken together, J. */
+/* Inner product of a momentum and a motion, J: twice the kinetic energy if they belong together. */
 static inline double rb_energy_product(const struct rb_solver_body *momentum,
                                        const struct rb_solver_body *motion)
 {

@@ -7,49 +7,48 @@
 #include "constraint/effective_mass.h"
 
 /*
- * Bodies that mixtures have pushed so many times as hard as it came to have some rounding of their
- * own: ten bits.
+ * Ratio of the impulses during mixing to the final ones from which on a body's velocity has
+ * significant rounding error: ten bits.
  */
-static const double far_ratio = 1024;
+static const double digits_lost_ratio = 1024;
 
-/* As fmax, of which NaN is neither: that is a call. */
+/* Like fmax but for NaN, and without a call. */
 static inline double larger(double a, double b)
 {
 	return a > b ? a : b;
 }
 
-/* What a sweep has come to. */
-struct share {
-	double change; /* m/s: the largest of a row's velocity */
-	double size;   /* J: of all changes of impulses */
+/* Size of a sweep's changes. */
+struct sweep_change {
+	double change; /* m/s: largest change of a row's velocity */
+	double size;   /* J: sum over all changes of impulses */
 };
 
 /* ---- acceleration ---- */
 
-/* Differences between sweeps, of one row: of what each changed, and of what each led to. */
+/*
+ * Differences between sweeps, of one row: of the changes by sweeps, and of the resulting impulses.
+ */
 struct rb_sweep_trace {
-	rb_vec3 step;            /* N s: change by the sweep under way */
+	rb_vec3 step;            /* N s: change by the present sweep */
 	rb_vec3 change, impulse; /* of the last sweep */
-	double max;              /* N s: the largest impulse that it was led to */
-	rb_vec3 more_change[RB_SWEEP_MEMORY], more_impulse[RB_SWEEP_MEMORY];
-	bool acts; /* it has had an impulse: until then nothing but `max` is set, or counts */
+	double max;              /* N s: largest impulse set by mixing */
+	rb_vec3 change_difference[RB_SWEEP_MEMORY], impulse_difference[RB_SWEEP_MEMORY];
+	bool acts; /* has had an impulse: until then only `max` is set and used */
 };
 
-/* A contact: normal first, then friction within the cone that the new normal impulse allows. */
+/* Solves a contact: normal first, then friction within the cone of the new normal impulse. */
 static inline double solve_cone(const struct rb_row_system *dense, struct rb_constraint *row,
                                 struct rb_sweep_trace *trace)
 {
 	const rb_vec3 n = row->normal;
 	const rb_vec3 u = rb_constraint_velocity(&dense->bodies, row);
 	const double u_n = rb_vec3_dot(u, n);
-	/*
-	 * the sum is clamped, not the change: a later sweep may take back what this one gives too
-	 * much
-	 */
+	/* the sum is clamped, not the change: a later sweep may take back an excess of this one */
 	const double wanted = row->impulse.n + (row->target.n - u_n) / row->inverse_mass_n;
 	const double normal_impulse = larger(wanted, 0);
 
-	/* what a mixture has left across the normal goes as well */
+	/* friction left over by mixing is removed as well */
 	if (normal_impulse == 0 && row->impulse.n == 0 && rb_vec3_max_abs(row->impulse.t) == 0) {
 		if (trace->acts)
 			trace->step = (rb_vec3){0, 0, 0};
@@ -83,7 +82,7 @@ static inline double solve_cone(const struct rb_row_system *dense, struct rb_con
 	return moved;
 }
 
-/* Three directions at once, exactly: `inverse` is that of K. */
+/* Step of a FREE row, exact in three directions; `inverse` is that of K. */
 static rb_along_across free_step(const struct rb_constraint *row, const rb_mat3 *inverse, rb_vec3 u)
 {
 	const rb_vec3 off = rb_vec3_sub(rb_constraint_joined(row, row->target), u);
@@ -93,15 +92,15 @@ static rb_along_across free_step(const struct rb_constraint *row, const rb_mat3 
 
 static rb_along_across interval_step(const struct rb_constraint *row, rb_vec3 u)
 {
-	const double short_of = row->target.n - rb_vec3_dot(u, row->normal) -
+	const double residual = row->target.n - rb_vec3_dot(u, row->normal) -
 	                        row->softness * row->impulse.n;
-	const double wanted = row->impulse.n + short_of / (row->inverse_mass_n + row->softness);
+	const double wanted = row->impulse.n + residual / (row->inverse_mass_n + row->softness);
 
 	return (rb_along_across){fmin(fmax(wanted, row->low), row->high) - row->impulse.n,
 	                         {0, 0, 0}};
 }
 
-/* What is no contact; apart, so that contacts have their code inline. */
+/* Solves a row that is no contact; not inlined, so that the code of contacts is. */
 static __attribute__((noinline)) double solve_other(const struct rb_sweep *sweep, int k,
                                                     rb_vec3 *step)
 {
@@ -120,7 +119,7 @@ static __attribute__((noinline)) double solve_other(const struct rb_sweep *sweep
 	            rb_vec3_length(more.t) * row->inverse_mass_t);
 }
 
-/* One row on its own; returns what it changed its velocity by, m/s. */
+/* Solves one row; returns the change of its velocity, m/s. */
 static inline double solve_row(const struct rb_sweep *sweep, int k)
 {
 	struct rb_constraint *const row = &sweep->dense->row[k];
@@ -131,32 +130,33 @@ static inline double solve_row(const struct rb_sweep *sweep, int k)
 	return solve_other(sweep, k, &sweep->trace[k].step);
 }
 
-/* Flat: what each row calls costs a tenth of the sweeps. */
-static __attribute__((flatten)) struct share solve_rows(const struct rb_sweep *sweep)
+/* Flattened: calls would cost a tenth of the sweeps. */
+static __attribute__((flatten)) struct sweep_change solve_rows(const struct rb_sweep *sweep)
 {
 	const struct rb_row_system *const dense = sweep->dense;
-	struct share share = {0, 0};
+	struct sweep_change sweep_change = {0, 0};
 
 	for (int k = 0; k < dense->row_count; k++) {
 		const struct rb_sweep_trace *const trace = &sweep->trace[k];
 
-		share.change = larger(solve_row(sweep, k), share.change);
+		sweep_change.change = larger(solve_row(sweep, k), sweep_change.change);
 		if (trace->acts)
-			share.size += dense->row[k].inverse_mass_n *
-			              rb_vec3_dot(trace->step, trace->step);
+			sweep_change.size += dense->row[k].inverse_mass_n *
+			                     rb_vec3_dot(trace->step, trace->step);
 	}
-	return share;
+	return sweep_change;
 }
 
-/* Sums over rows, weighted by their yields. */
+/* Sums over rows, weighted by inverse effective masses. */
 struct sums {
-	double newest[RB_SWEEP_MEMORY]; /* of the newest difference with all */
-	double now[RB_SWEEP_MEMORY];    /* of the last change with all */
-	double way; /* m^2/s^2: the largest that the newest difference makes of a row's velocity */
+	double newest[RB_SWEEP_MEMORY]; /* products of the newest difference with all */
+	double now[RB_SWEEP_MEMORY];    /* products of the last change with all */
+	/* m^2/s^2: largest square of a row's velocity change by the newest difference */
+	double size;
 };
 
-/* Puts the last sweep into place `at` of the trace and adds up what the mixture needs. */
-static struct sums remember_rows(const struct rb_sweep *sweep, int at, int filled)
+/* Stores the last sweep at index `at` of the trace and adds up the sums for mixing. */
+static struct sums record_sweep(const struct rb_sweep *sweep, int at, int filled)
 {
 	struct sums sums = {{0}, {0}, 0};
 
@@ -169,25 +169,25 @@ static struct sums remember_rows(const struct rb_sweep *sweep, int at, int fille
 		const rb_vec3 impulse = rb_constraint_impulse(row);
 		const double weight = row->inverse_mass_n;
 
-		trace->more_change[at] = rb_vec3_sub(trace->step, trace->change);
-		trace->more_impulse[at] = rb_vec3_sub(impulse, trace->impulse);
+		trace->change_difference[at] = rb_vec3_sub(trace->step, trace->change);
+		trace->impulse_difference[at] = rb_vec3_sub(impulse, trace->impulse);
 		trace->change = trace->step;
 		trace->impulse = impulse;
-		sums.way = larger(sums.way, weight * weight *
-		                                    rb_vec3_dot(trace->more_impulse[at],
-		                                                trace->more_impulse[at]));
+		sums.size = larger(sums.size, weight * weight *
+		                                      rb_vec3_dot(trace->impulse_difference[at],
+		                                                  trace->impulse_difference[at]));
 		for (int j = 0; j < filled; j++) {
-			const rb_vec3 d = rb_vec3_scale(weight, trace->more_change[j]);
+			const rb_vec3 d = rb_vec3_scale(weight, trace->change_difference[j]);
 
-			sums.newest[j] += rb_vec3_dot(d, trace->more_change[at]);
+			sums.newest[j] += rb_vec3_dot(d, trace->change_difference[at]);
 			sums.now[j] += rb_vec3_dot(d, trace->step);
 		}
 	}
 	return sums;
 }
 
-/* Goes to the mixture of earlier sweeps; the sweep that comes next projects back onto the cone. */
-static void follow_rows(const struct rb_sweep *sweep, const double *mix, int filled)
+/* Moves to the mixture of earlier sweeps; the next sweep projects back onto the cones. */
+static void apply_mixture(const struct rb_sweep *sweep, const double *mix, int filled)
 {
 	for (int k = 0; k < sweep->dense->row_count; k++) {
 		struct rb_constraint *row = &sweep->dense->row[k];
@@ -197,12 +197,12 @@ static void follow_rows(const struct rb_sweep *sweep, const double *mix, int fil
 		if (!trace->acts)
 			continue;
 		for (int j = 0; j < filled; j++)
-			extra = rb_vec3_add_scaled(extra, -mix[j], trace->more_impulse[j]);
+			extra = rb_vec3_add_scaled(extra, -mix[j], trace->impulse_difference[j]);
 		if (extra.x == 0 && extra.y == 0 && extra.z == 0)
 			continue;
 		const double normal = rb_vec3_dot(extra, row->normal);
 		const bool across = row->friction > 0 || row->set == RB_CONSTRAINT_FREE;
-		/* large mixtures make much of what rounding is across the normal */
+		/* large coefficients would amplify rounding across the normal */
 		if (!across)
 			extra = rb_vec3_scale(normal, row->normal);
 		row->impulse.n += normal;
@@ -210,8 +210,8 @@ static void follow_rows(const struct rb_sweep *sweep, const double *mix, int fil
 			row->impulse.t = rb_vec3_add(
 				row->impulse.t, rb_vec3_add_scaled(extra, -normal, row->normal));
 		rb_constraint_apply(&sweep->dense->bodies, row, extra);
-		const rb_vec3 led = rb_constraint_impulse(row);
-		trace->max = larger(rb_vec3_max_abs(led), trace->max);
+		const rb_vec3 mixed = rb_constraint_impulse(row);
+		trace->max = larger(rb_vec3_max_abs(mixed), trace->max);
 	}
 }
 
@@ -232,24 +232,30 @@ bool rb_sweep_take(struct rb_sweep *sweep, struct rb_arena *arena)
 		const rb_mat3 mass = rb_effective_mass_of(&dense->bodies, &dense->row[k],
 		                                          rb_effective_mass_world);
 
-		/* singular only where arms or inertia are not finite, which the verdict will say */
+		/*
+		 * singular only if arms or inertia are not finite, which the check of the step
+		 * reports
+		 */
 		(void)rb_mat3_inverse(&mass, &sweep->inverse[k]);
 	}
 	return sweep->trace != NULL;
 }
 
-/* ---- Anderson's mixture ---- */
+/* ---- Anderson mixing ---- */
 
 struct mixture {
-	int count, at;               /* differences that are kept, and the place of the next */
-	double way[RB_SWEEP_MEMORY]; /* m/s: how far each leads a row at most */
-	double reach; /* m/s: of impulses, if each sweep changed them as the first has done */
+	int count, at;                /* differences kept, and the index of the next */
+	double size[RB_SWEEP_MEMORY]; /* m/s: largest velocity change of a row by each */
+	/*
+	 * m/s: bound of velocity changes if each sweep had changed impulses by as much as the first
+	 */
+	double reach;
 	double gram[RB_SWEEP_MEMORY][RB_SWEEP_MEMORY];
 };
 
 /*
- * Least squares by factors L D L^T; what depends on the others is left out. Without roots: those of
- * twice a number have other digits, and results are to scale with all masses.
+ * Least squares by factors L D L^T; dependent columns are left out. Without square roots: those of
+ * 2x have other digits than those of x, and results are to scale exactly with all masses.
  */
 static void solve_gram(const struct mixture *m, int filled, const double *right, double *mix)
 {
@@ -290,22 +296,22 @@ static void solve_gram(const struct mixture *m, int filled, const double *right,
 }
 
 /*
- * Whether a mixture leads no row far beyond what sweeps come to. Where impulses creep on, sweeps
- * are nearly alike and make mixtures of any size, of which only rounding decides the way.
+ * Whether a mixture moves no row far beyond what sweeps could reach. Where impulses creep, sweeps
+ * are nearly alike and give coefficients of any size, whose direction is determined by rounding.
  */
 static bool is_within(const struct mixture *m, const double *mix, int filled)
 {
-	double way = 0;
+	double size = 0;
 
 	for (int j = 0; j < filled; j++)
-		way += fabs(mix[j]) * m->way[j];
-	/* written so that NaN is not */
-	return way <= far_ratio * m->reach;
+		size += fabs(mix[j]) * m->size[j];
+	/* written so that NaN fails */
+	return size <= digits_lost_ratio * m->reach;
 }
 
 /*
- * Takes the last sweep in and goes to the mixture that would have changed least, unless that is too
- * far; `afresh`: forgets all before.
+ * Records the last sweep and moves to the mixture with the least change, unless that is too far;
+ * `afresh`: discards all earlier sweeps.
  */
 static void accelerate(const struct rb_sweep *sweep, struct mixture *m, bool afresh)
 {
@@ -313,23 +319,23 @@ static void accelerate(const struct rb_sweep *sweep, struct mixture *m, bool afr
 
 	if (afresh) {
 		m->count = m->at = 0;
-		(void)remember_rows(sweep, 0, 0);
+		(void)record_sweep(sweep, 0, 0);
 		return;
 	}
 	RB_ASSERT_COSTLY(m->at >= 0 && m->at < RB_SWEEP_MEMORY);
 	const int filled = m->count < RB_SWEEP_MEMORY ? m->count + 1 : RB_SWEEP_MEMORY;
-	const struct sums sums = remember_rows(sweep, m->at, filled);
+	const struct sums sums = record_sweep(sweep, m->at, filled);
 	for (int j = 0; j < filled; j++)
 		m->gram[m->at][j] = m->gram[j][m->at] = sums.newest[j];
-	m->way[m->at] = sqrt(sums.way);
+	m->size[m->at] = sqrt(sums.size);
 	solve_gram(m, filled, sums.now, mix);
 	m->count = filled;
 	m->at = (m->at + 1) % RB_SWEEP_MEMORY;
 	if (is_within(m, mix, filled))
-		follow_rows(sweep, mix, filled);
+		apply_mixture(sweep, mix, filled);
 }
 
-/* m/s: the largest that the impulse of a row makes of its velocity. */
+/* m/s: largest velocity change of a row by its own impulse. */
 static double size_of(const struct rb_sweep *sweep)
 {
 	double max = 0;
@@ -366,7 +372,7 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 		                       rb_vec3_max_abs(row->impulse.t) != 0;
 	}
 	while (result.sweeps < sweep->max) {
-		const struct share now = solve_rows(sweep);
+		const struct sweep_change now = solve_rows(sweep);
 
 		result.sweeps++;
 		result.residual = now.change;
@@ -375,7 +381,10 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 		    rb_interrupt_after(sweep->interrupt,
 		                       RB_SWEEP_WORK * (uint64_t)sweep->dense->row_count))
 			break;
-		/* where it got worse, faces have changed, and with them what was learned */
+		/*
+		 * where it got worse, the active set has changed, and earlier differences are
+		 * obsolete
+		 */
 		mixture.reach += result.sweeps == 1 ? size_of(sweep) : first;
 		accelerate(sweep, &mixture, result.sweeps == 1 || now.size > before);
 		before = now.size;
@@ -384,8 +393,8 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 	return result;
 }
 
-bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*impulses)[2],
-                       int member_count)
+bool rb_sweep_lost_digits(const struct rb_sweep *sweep, const int *local, double (*impulses)[2],
+                          int member_count)
 {
 	const struct rb_row_system *dense = sweep->dense;
 	bool far = false;
@@ -403,7 +412,7 @@ bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*
 			if (body->inverse_mass == 0)
 				continue;
 			RB_ASSERT_COSTLY(at >= 0 && at < member_count);
-			if (impulses[at][1] == 0) /* once a body */
+			if (impulses[at][1] == 0) /* once per body */
 				impulses[at][1] = rb_vec3_max_abs(body->linear) /
 				                  body->inverse_mass;
 			impulses[at][0] += sweep->trace[k].max;
@@ -411,11 +420,11 @@ bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*
 		}
 	}
 	for (int k = 0; k < member_count; k++)
-		far = far || impulses[k][0] > far_ratio * impulses[k][1];
+		far = far || impulses[k][0] > digits_lost_ratio * impulses[k][1];
 	return far;
 }
 
-double rb_sweep_off_by(const struct rb_row_system *rows, const struct rb_constraint *row)
+double rb_sweep_residual_of(const struct rb_row_system *rows, const struct rb_constraint *row)
 {
 	const rb_vec3 u = rb_constraint_velocity(&rows->bodies, row);
 	const double u_n = rb_vec3_dot(u, row->normal);

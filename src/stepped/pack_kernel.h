@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The arithmetic of packs (stepped/packs), for the one source that includes it: SINGLE says in
- * which numbers.
+ * Arithmetic of packs (stepped/packs), for the source that includes it: SINGLE selects 32 or 64
+ * bits.
  */
 #ifndef RB_STEPPED_PACK_KERNEL_H
 #define RB_STEPPED_PACK_KERNEL_H
@@ -31,53 +31,53 @@ enum { WIDTH = 4 };
 #endif
 
 /*
- * Numbers, one of each row: vectors of GCC and Clang, in halves where registers are no wider,
- * to the same bits. They are passed by address, since how they are passed by value depends on the
+ * Vectors of GCC and Clang with one number of each row, split in halves where registers are no
+ * wider, with the same bits. They are passed by address, since passing by value depends on the
  * registers.
  */
 typedef real lanes __attribute__((vector_size(32), aligned(8)));
 typedef choice mask __attribute__((vector_size(32), aligned(8)));
-typedef int64_t halves __attribute__((vector_size(32), aligned(8)));
+typedef int64_t words __attribute__((vector_size(32), aligned(8)));
 #define ALWAYS static inline __attribute__((always_inline))
 
 struct lanes3 {
 	lanes x, y, z;
 };
 
-/*
- * What rows are, and what they have come to. Lanes without a row have inverses, friction and
- * impulses of zero.
- */
+/* Constants and state of rows. Lanes without a row have inverses, friction and impulses of zero. */
 struct pack {
 	int a[WIDTH], b[WIDTH];
 	bool writes_a[WIDTH],
-		writes_b[WIDTH]; /* what does not yield may be shared: not written to */
+		writes_b[WIDTH]; /* static bodies may be shared between threads: not written to */
 	struct lanes3 normal;
 	lanes arm_a, arm_b; /* m, along the normal */
 	lanes inverse_mass_n, inverse_mass_t, inverse_n, inverse_t;
 	lanes target_velocity, friction;
 	lanes normal_impulse;
 	struct lanes3 friction_impulse;
-	lanes least;         /* N s, normal: 0, or what holds the friction */
-	struct lanes3 extra; /* N s: what the impulse was led on by, then all of its last way */
-	lanes count;         /* of sweeps that went one way */
+	/* N s: least normal impulse: 0, or the one whose cone contains held friction */
+	lanes normal_min;
+	struct lanes3
+		last_change; /* N s: extrapolation of the impulse, then its total last change */
+	lanes count;         /* of sweeps in one direction */
 };
 
-/* What else rows have that are not central. */
+/* Further constants of rows that are not central. */
 struct turn {
 	struct lanes3 arm_a, arm_b; /* m */
-	struct lanes3 skew;         /* 1/kg: slip that an impulse along the normal makes */
+	struct lanes3 skew;         /* 1/kg: slip per unit of normal impulse */
 };
 
 /*
- * Inverse tensors, 1/(kg m^2), xx xy xz yy yz zz; apart, since bodies with one moment of inertia,
- * as cubes are, need none: rows are read twice in each sweep, and heaps of them come from afar.
+ * Inverse inertia tensors, 1/(kg m^2), xx xy xz yy yz zz; apart, since bodies with scalar inertia,
+ * such as cubes, need none: rows are read twice in each sweep, and those of heaps are not in the
+ * cache.
  */
 struct tensors {
 	lanes of_a[6], of_b[6];
 };
 
-/* Of a pack that is not central; `tensors` is NULL where all inertias are multiples of one. */
+/* Rotational data of a pack that is not central; `tensors` is NULL if all inertias are scalar. */
 struct turns {
 	const struct turn *turn;
 	const struct tensors *tensors;
@@ -100,7 +100,7 @@ struct bodies {
 #endif
 
 #if SINGLE
-/* A body as it stands: linear, angular, inverse mass, inverse inertia. */
+/* A body in memory: linear, angular, inverse mass, inverse inertia. */
 typedef float whole_body __attribute__((vector_size(32), aligned(32), may_alias));
 
 ALWAYS void pairs(lanes *p, lanes *q)
@@ -127,7 +127,7 @@ ALWAYS void ends(lanes *p, lanes *q)
 	*p = low;
 }
 
-/* Rows become columns, and the other way round: of bodies, from and to their own places. */
+/* Transposes rows and columns: from bodies in memory, and back. */
 ALWAYS void transpose(struct bodies *bodies)
 {
 	lanes *const x = &bodies->linear.x, *const y = &bodies->linear.y;
@@ -161,7 +161,7 @@ typedef float (*body_rows)[8];
 
 #define ROW(k) ((lanes) * (const whole_body *)body[which[k]])
 
-ALWAYS void take(struct bodies *bodies, body_rows body, const int *which)
+ALWAYS void gather(struct bodies *bodies, body_rows body, const int *which)
 {
 	bodies->linear = (struct lanes3){ROW(0), ROW(1), ROW(2)};
 	bodies->angular = (struct lanes3){ROW(3), ROW(4), ROW(5)};
@@ -170,24 +170,24 @@ ALWAYS void take(struct bodies *bodies, body_rows body, const int *which)
 	transpose(bodies);
 }
 
-ALWAYS void give_one(body_rows body, int i, bool writes, const lanes *row)
+ALWAYS void scatter_one(body_rows body, int i, bool writes, const lanes *row)
 {
 	if (writes)
 		*(whole_body *)body[i] = (whole_body)*row;
 }
 
-/* `bodies` is turned round, and of no use afterwards. */
-ALWAYS void give(struct bodies *bodies, body_rows body, const int *which, const bool *writes)
+/* `bodies` is transposed, and invalid afterwards. */
+ALWAYS void scatter(struct bodies *bodies, body_rows body, const int *which, const bool *writes)
 {
 	transpose(bodies);
-	give_one(body, which[0], writes[0], &bodies->linear.x);
-	give_one(body, which[1], writes[1], &bodies->linear.y);
-	give_one(body, which[2], writes[2], &bodies->linear.z);
-	give_one(body, which[3], writes[3], &bodies->angular.x);
-	give_one(body, which[4], writes[4], &bodies->angular.y);
-	give_one(body, which[5], writes[5], &bodies->angular.z);
-	give_one(body, which[6], writes[6], &bodies->inverse_mass);
-	give_one(body, which[7], writes[7], &bodies->inverse_inertia);
+	scatter_one(body, which[0], writes[0], &bodies->linear.x);
+	scatter_one(body, which[1], writes[1], &bodies->linear.y);
+	scatter_one(body, which[2], writes[2], &bodies->linear.z);
+	scatter_one(body, which[3], writes[3], &bodies->angular.x);
+	scatter_one(body, which[4], writes[4], &bodies->angular.y);
+	scatter_one(body, which[5], writes[5], &bodies->angular.z);
+	scatter_one(body, which[6], writes[6], &bodies->inverse_mass);
+	scatter_one(body, which[7], writes[7], &bodies->inverse_inertia);
 }
 
 static body_rows rows_of(const struct rb_wide *wide, const struct rb_packs *packs)
@@ -219,7 +219,7 @@ ALWAYS void transpose(lanes *p, lanes *q, lanes *r, lanes *s)
 
 typedef struct rb_solver_body *body_rows;
 
-ALWAYS void take(struct bodies *bodies, body_rows body, const int *which)
+ALWAYS void gather(struct bodies *bodies, body_rows body, const int *which)
 {
 	const half_body *const p = (const half_body *)&body[which[0]];
 	const half_body *const q = (const half_body *)&body[which[1]];
@@ -237,7 +237,7 @@ ALWAYS void take(struct bodies *bodies, body_rows body, const int *which)
 	          &bodies->inverse_inertia);
 }
 
-ALWAYS void give_one(struct rb_solver_body *body, const lanes *first, const lanes *second)
+ALWAYS void scatter_one(struct rb_solver_body *body, const lanes *first, const lanes *second)
 {
 	half_body *const half = (half_body *)body;
 
@@ -245,20 +245,20 @@ ALWAYS void give_one(struct rb_solver_body *body, const lanes *first, const lane
 	half[1] = *second;
 }
 
-/* `bodies` is turned round, and of no use afterwards. */
-ALWAYS void give(struct bodies *bodies, body_rows body, const int *which, const bool *writes)
+/* `bodies` is transposed, and invalid afterwards. */
+ALWAYS void scatter(struct bodies *bodies, body_rows body, const int *which, const bool *writes)
 {
 	transpose(&bodies->linear.x, &bodies->linear.y, &bodies->linear.z, &bodies->angular.x);
 	transpose(&bodies->angular.y, &bodies->angular.z, &bodies->inverse_mass,
 	          &bodies->inverse_inertia);
 	if (writes[0])
-		give_one(&body[which[0]], &bodies->linear.x, &bodies->angular.y);
+		scatter_one(&body[which[0]], &bodies->linear.x, &bodies->angular.y);
 	if (writes[1])
-		give_one(&body[which[1]], &bodies->linear.y, &bodies->angular.z);
+		scatter_one(&body[which[1]], &bodies->linear.y, &bodies->angular.z);
 	if (writes[2])
-		give_one(&body[which[2]], &bodies->linear.z, &bodies->inverse_mass);
+		scatter_one(&body[which[2]], &bodies->linear.z, &bodies->inverse_mass);
 	if (writes[3])
-		give_one(&body[which[3]], &bodies->angular.x, &bodies->inverse_inertia);
+		scatter_one(&body[which[3]], &bodies->angular.x, &bodies->inverse_inertia);
 }
 
 static body_rows rows_of(const struct rb_wide *wide, const struct rb_packs *packs)
@@ -268,10 +268,10 @@ static body_rows rows_of(const struct rb_wide *wide, const struct rb_packs *pack
 }
 #endif
 
-/* Whether a lane is set. */
+/* Whether any lane is set. */
 ALWAYS bool any(const mask *lane)
 {
-	const halves m = (halves)*lane;
+	const words m = (words)*lane;
 
 #if defined(__SSE2__)
 	return _mm_movemask_epi8((__m128i){m[0], m[1]} | (__m128i){m[2], m[3]}) != 0;
@@ -280,7 +280,7 @@ ALWAYS bool any(const mask *lane)
 #endif
 }
 
-ALWAYS void root(lanes *r, const lanes *x)
+ALWAYS void square_root(lanes *r, const lanes *x)
 {
 #if defined(__SSE2__) && SINGLE
 	const lanes p = *x;
@@ -313,7 +313,7 @@ ALWAYS void apply(struct lanes3 *r, const lanes *tensor, const struct lanes3 *p)
 	r->z = tensor[2] * p->x + tensor[4] * p->y + tensor[5] * p->z;
 }
 
-/* What an impulse at their points turns bodies by. */
+/* Changes spins by an impulse at the contact points, for central rows. */
 ALWAYS void turn_central(const struct pack *pack, struct bodies *a, struct bodies *b,
                          const struct lanes3 *across)
 {
@@ -330,7 +330,7 @@ ALWAYS void turn_central(const struct pack *pack, struct bodies *a, struct bodie
 	b->angular.z += turn_b * torque.z;
 }
 
-/* What a torque turns bodies by: by their tensors, if there are any. */
+/* Change of spin by a torque, with the inertia tensors if there are any. */
 ALWAYS void turn_by(struct lanes3 *w, const struct bodies *bodies, const lanes *tensor,
                     const struct lanes3 *torque)
 {
@@ -361,8 +361,7 @@ ALWAYS void turn_any(const struct turns *turns, struct bodies *a, struct bodies 
 }
 
 /*
- * Adds an impulse along the normal and one across it. `turns` has no `turn` where rows are central,
- * here as below.
+ * Applies a normal and a tangential impulse. `turns` has no `turn` for central rows, here as below.
  */
 ALWAYS void apply_impulse(const struct pack *pack, const struct turns *turns, struct bodies *a,
                           struct bodies *b, const lanes *along, const struct lanes3 *across)
@@ -386,18 +385,19 @@ ALWAYS void apply_impulse(const struct pack *pack, const struct turns *turns, st
 /* ---- a pack ---- */
 
 /* Velocity of b relative to a: along the normal, and across it. */
-ALWAYS void inspect(const struct pack *pack, const struct turn *turn, const struct bodies *a,
-                    const struct bodies *b, lanes *along, struct lanes3 *across)
+ALWAYS void relative_velocity(const struct pack *pack, const struct turn *turn,
+                              const struct bodies *a, const struct bodies *b, lanes *along,
+                              struct lanes3 *across)
 {
 	const struct lanes3 n = pack->normal;
 	struct lanes3 u;
 
 	if (turn) {
-		struct lanes3 of_a;
+		struct lanes3 velocity_a;
 
 		cross(&u, &b->angular, &turn->arm_b);
-		cross(&of_a, &a->angular, &turn->arm_a);
-		u = (struct lanes3){u.x - of_a.x, u.y - of_a.y, u.z - of_a.z};
+		cross(&velocity_a, &a->angular, &turn->arm_a);
+		u = (struct lanes3){u.x - velocity_a.x, u.y - velocity_a.y, u.z - velocity_a.z};
 	} else {
 		const struct lanes3 w = {pack->arm_b * b->angular.x - pack->arm_a * a->angular.x,
 		                         pack->arm_b * b->angular.y - pack->arm_a * a->angular.y,
@@ -413,8 +413,8 @@ ALWAYS void inspect(const struct pack *pack, const struct turn *turn, const stru
 }
 
 /*
- * Each row on its own, as in stepped/gauss_seidel. `largest` becomes at least the squares of what
- * the rows' velocities changed by.
+ * Solves each row on its own, as in stepped/gauss_seidel. `largest` becomes at least the squares of
+ * the rows' velocity changes.
  */
 ALWAYS void solve_pack(body_rows body, struct pack *pack, const struct turns *turns, lanes *largest)
 {
@@ -424,11 +424,11 @@ ALWAYS void solve_pack(body_rows body, struct pack *pack, const struct turns *tu
 	lanes along, more, ratio, change;
 	struct lanes3 slip, d;
 
-	take(&a, body, pack->a);
-	take(&b, body, pack->b);
-	inspect(pack, turn, &a, &b, &along, &slip);
+	gather(&a, body, pack->a);
+	gather(&b, body, pack->b);
+	relative_velocity(pack, turn, &a, &b, &along, &slip);
 	along = pack->normal_impulse + (pack->target_velocity - along) * pack->inverse_n;
-	along = CHOOSE(along > pack->least, along, pack->least);
+	along = CHOOSE(along > pack->normal_min, along, pack->normal_min);
 	const mask acts = (along > none) | (pack->normal_impulse != none);
 	if (!any(&acts))
 		return;
@@ -444,7 +444,7 @@ ALWAYS void solve_pack(body_rows body, struct pack *pack, const struct turns *tu
 	const lanes square = DOT(friction_impulse, friction_impulse), max = pack->friction * along;
 	const mask slides = square > max * max;
 	if (any(&slides)) {
-		root(&ratio, &square);
+		square_root(&ratio, &square);
 		ratio = max / ratio;
 		ratio = CHOOSE(slides, ratio, one);
 		friction_impulse = (struct lanes3){ratio * friction_impulse.x,
@@ -454,18 +454,19 @@ ALWAYS void solve_pack(body_rows body, struct pack *pack, const struct turns *tu
 	d = (struct lanes3){friction_impulse.x - pack->friction_impulse.x,
 	                    friction_impulse.y - pack->friction_impulse.y,
 	                    friction_impulse.z - pack->friction_impulse.z};
-	/* its sign only: whether the row goes on as it was led */
-	const lanes goes = more * DOT(pack->extra, pack->normal) + DOT(pack->extra, d);
-	pack->count = CHOOSE(goes < none, (real)0.5 * pack->count,
+	/* only its sign matters: whether the row continues in the direction of its extrapolation */
+	const lanes progress = more * DOT(pack->last_change, pack->normal) +
+	                       DOT(pack->last_change, d);
+	pack->count = CHOOSE(progress < none, (real)0.5 * pack->count,
 	                     pack->count + CHOOSE(acts, one, none));
-	pack->extra.x += d.x + more * pack->normal.x;
-	pack->extra.y += d.y + more * pack->normal.y;
-	pack->extra.z += d.z + more * pack->normal.z;
+	pack->last_change.x += d.x + more * pack->normal.x;
+	pack->last_change.y += d.y + more * pack->normal.y;
+	pack->last_change.z += d.z + more * pack->normal.z;
 	pack->normal_impulse = along;
 	pack->friction_impulse = friction_impulse;
 	apply_impulse(pack, turns, &a, &b, &more, &d);
-	give(&a, body, pack->a, pack->writes_a);
-	give(&b, body, pack->b, pack->writes_b);
+	scatter(&a, body, pack->a, pack->writes_a);
+	scatter(&b, body, pack->b, pack->writes_b);
 	more *= pack->inverse_mass_n;
 	change = DOT(d, d) * (real)(RB_SLIP_SHARE * RB_SLIP_SHARE) * pack->inverse_mass_t *
 	         pack->inverse_mass_t;
@@ -474,33 +475,34 @@ ALWAYS void solve_pack(body_rows body, struct pack *pack, const struct turns *tu
 	*largest = CHOOSE(change > *largest, change, *largest);
 }
 
-/* Leads the impulses on; the sweep that comes next projects back onto the cone. */
-ALWAYS void lead_pack(body_rows body, struct pack *pack, const struct turns *turns, real lead_max)
+/* Extrapolates the impulses; the next sweep projects back onto the cones. */
+ALWAYS void extrapolate_pack(body_rows body, struct pack *pack, const struct turns *turns,
+                             real momentum_max)
 {
-	const lanes none = {0}, max = none + lead_max;
+	const lanes none = {0}, max = none + momentum_max;
 	const struct lanes3 n = pack->normal;
 	const lanes gathered = pack->count / (pack->count + 3);
 	const lanes share = CHOOSE(gathered > max, max, gathered);
-	const struct lanes3 extra = {share * pack->extra.x, share * pack->extra.y,
-	                             share * pack->extra.z};
-	const lanes along = DOT(extra, n);
-	const struct lanes3 across = {extra.x - along * n.x, extra.y - along * n.y,
-	                              extra.z - along * n.z};
-	const mask moves = (extra.x != 0) | (extra.y != 0) | (extra.z != 0);
+	const struct lanes3 last_change = {share * pack->last_change.x, share * pack->last_change.y,
+	                                   share * pack->last_change.z};
+	const lanes along = DOT(last_change, n);
+	const struct lanes3 across = {last_change.x - along * n.x, last_change.y - along * n.y,
+	                              last_change.z - along * n.z};
+	const mask moves = (last_change.x != 0) | (last_change.y != 0) | (last_change.z != 0);
 	struct bodies a, b;
 
-	pack->extra = extra;
+	pack->last_change = last_change;
 	if (!any(&moves))
 		return;
 	pack->normal_impulse += along;
 	pack->friction_impulse = (struct lanes3){pack->friction_impulse.x + across.x,
 	                                         pack->friction_impulse.y + across.y,
 	                                         pack->friction_impulse.z + across.z};
-	take(&a, body, pack->a);
-	take(&b, body, pack->b);
+	gather(&a, body, pack->a);
+	gather(&b, body, pack->b);
 	apply_impulse(pack, turns, &a, &b, &along, &across);
-	give(&a, body, pack->a, pack->writes_a);
-	give(&b, body, pack->b, pack->writes_b);
+	scatter(&a, body, pack->a, pack->writes_a);
+	scatter(&b, body, pack->b, pack->writes_b);
 }
 
 /* ---- from rows, and back ---- */
@@ -524,7 +526,7 @@ static void fill_lane(const struct rb_wide *wide, const struct rb_packs *packs, 
 	pack->inverse_mass_t[i] = (real)(mass * row->inverse_mass_t);
 	pack->inverse_n[i] = (real)(1 / (mass * row->inverse_mass_n));
 	pack->target_velocity[i] = (real)(packs->per_speed * row->target.n);
-	/* times no impulse it is none */
+	/* finite, so that times a zero impulse it is zero */
 	pack->friction[i] = (real)fmin(row->friction, REAL_MAX);
 }
 
@@ -545,7 +547,7 @@ static void fill_tensor(const struct rb_wide *wide, const struct rb_packs *packs
 	tensor[5][i] = (real)(inertia * own.m[2][2]);
 }
 
-/* Velocity at the point by turning that a unit impulse along the normal makes. */
+/* Velocity at the point due to rotation, per unit of normal impulse. */
 ALWAYS rb_vec3 skew_of(const struct rb_row_system *dense, int body, rb_vec3 arm, rb_vec3 normal)
 {
 	if (dense->bodies.body[body].inverse_inertia == 0)
@@ -553,7 +555,7 @@ ALWAYS rb_vec3 skew_of(const struct rb_row_system *dense, int body, rb_vec3 arm,
 	return rb_vec3_cross(rb_solver_turn(&dense->bodies, body, rb_vec3_cross(arm, normal)), arm);
 }
 
-ALWAYS void put(struct lanes3 *to, int i, double unit, rb_vec3 v)
+ALWAYS void store_vector(struct lanes3 *to, int i, double unit, rb_vec3 v)
 {
 	to->x[i] = (real)(unit * v.x);
 	to->y[i] = (real)(unit * v.y);
@@ -565,13 +567,13 @@ static void fill_turn(const struct rb_wide *wide, const struct rb_packs *packs, 
 {
 	const rb_vec3 arm_a = rb_constraint_arm_a(row), arm_b = rb_constraint_arm_b(row);
 
-	put(&turn->arm_a, i, packs->per_length, arm_a);
-	put(&turn->arm_b, i, packs->per_length, arm_b);
+	store_vector(&turn->arm_a, i, packs->per_length, arm_a);
+	store_vector(&turn->arm_b, i, packs->per_length, arm_b);
 	const rb_vec3 skew = rb_vec3_reject(
 		rb_vec3_add(skew_of(wide->dense, row->a, arm_a, row->normal),
 	                    skew_of(wide->dense, row->b, arm_b, row->normal)),
 		row->normal);
-	put(&turn->skew, i, 1 / packs->per_mass, skew);
+	store_vector(&turn->skew, i, 1 / packs->per_mass, skew);
 }
 
 static void load_lane(const struct rb_packs *packs, struct pack *pack, int i,
@@ -581,18 +583,21 @@ static void load_lane(const struct rb_packs *packs, struct pack *pack, int i,
 	const double unit = packs->per_mass * packs->per_speed;
 
 	pack->normal_impulse[i] = (real)(unit * row->impulse.n);
-	put(&pack->friction_impulse, i, unit, row->impulse.t);
-	pack->extra.x[i] = pack->extra.y[i] = pack->extra.z[i] = 0;
+	store_vector(&pack->friction_impulse, i, unit, row->impulse.t);
+	pack->last_change.x[i] = pack->last_change.y[i] = pack->last_change.z[i] = 0;
 	pack->count[i] = 0;
 	pack->inverse_t[i] = (real)(has_friction && !holds ? packs->per_mass / row->inverse_mass_t
 	                                                   : 0);
-	pack->least[i] = (real)(has_friction && holds
-	                                ? unit * rb_vec3_length(row->impulse.t) / row->friction
-	                                : 0);
+	pack->normal_min[i] = (real)(has_friction && holds
+	                                     ? unit * rb_vec3_length(row->impulse.t) / row->friction
+	                                     : 0);
 }
 
 #if SINGLE
-/* Across the normal and within the cone to all digits, and so the velocities that it makes. */
+/*
+ * Projects friction to the tangent plane and the cone in 64 bits, and updates velocities
+ * accordingly.
+ */
 static void store_lane(const struct rb_wide *wide, const struct rb_packs *packs,
                        const struct pack *pack, int i, struct rb_constraint *row)
 {
@@ -604,7 +609,7 @@ static void store_lane(const struct rb_wide *wide, const struct rb_packs *packs,
 
 	row->impulse.n = unit * (double)pack->normal_impulse[i];
 	if (row->impulse.n == 0 && before.n == 0)
-		return; /* then there is no friction, either */
+		return; /* there is no friction then, either */
 	row->impulse.t = rb_constraint_within(rb_vec3_reject(across, row->normal),
 	                                      row->friction * row->impulse.n);
 	rb_constraint_apply(&wide->dense->bodies, row,
@@ -623,8 +628,8 @@ static void store_lane(const struct rb_wide *wide, const struct rb_packs *packs,
 }
 #endif
 
-/* Of the next pack: colours do not go through rows in their order. */
-ALWAYS void expect(const struct rb_constraint *row)
+/* Prefetches a row of the next pack: rows of a colour are not contiguous. */
+ALWAYS void prefetch(const struct rb_constraint *row)
 {
 	const char *const bytes = (const char *)row;
 
@@ -634,8 +639,8 @@ ALWAYS void expect(const struct rb_constraint *row)
 	__builtin_prefetch(bytes + sizeof *row - 1);
 }
 
-static void carry(const struct rb_wide *wide, const struct rb_packs *packs, enum rb_pack_task task,
-                  int k, int at, int count)
+static void transfer(const struct rb_wide *wide, const struct rb_packs *packs,
+                     enum rb_pack_task task, int k, int at, int count)
 {
 	struct pack *const pack = &((struct pack *)packs->pack)[k];
 	struct turn *const turn = packs->turn ? &((struct turn *)packs->turn)[k] : NULL;
@@ -658,7 +663,7 @@ static void carry(const struct rb_wide *wide, const struct rb_packs *packs, enum
 		struct rb_constraint *row = &wide->dense->row[wide->order[at + i]];
 
 		if (at + i + WIDTH < wide->dense->row_count)
-			expect(&wide->dense->row[wide->order[at + i + WIDTH]]);
+			prefetch(&wide->dense->row[wide->order[at + i + WIDTH]]);
 		if (task == RB_PACK_STORE) {
 			store_lane(wide, packs, pack, i, row);
 			continue;
@@ -675,11 +680,11 @@ static void carry(const struct rb_wide *wide, const struct rb_packs *packs, enum
 	}
 }
 
-/* Whether rows are central, and inertias multiples of one. */
-enum kind { CENTRAL, MULTIPLES, TENSORS };
+/* Whether rows are central, and whether inertias are scalar. */
+enum kind { CENTRAL, SCALAR_INERTIAS, TENSORS };
 
 ALWAYS double run_kind(const struct rb_wide *wide, const struct rb_packs *packs, enum kind kind,
-                       double lead, int first, int end)
+                       double momentum, int first, int end)
 {
 	const body_rows body = rows_of(wide, packs);
 	struct pack *const pack = packs->pack;
@@ -692,8 +697,8 @@ ALWAYS double run_kind(const struct rb_wide *wide, const struct rb_packs *packs,
 		const struct turns turns = {kind != CENTRAL ? &turn[k] : NULL,
 		                            kind == TENSORS ? &tensors[k] : NULL};
 
-		if (lead > 0)
-			lead_pack(body, &pack[k], &turns, (real)lead);
+		if (momentum > 0)
+			extrapolate_pack(body, &pack[k], &turns, (real)momentum);
 		else
 			solve_pack(body, &pack[k], &turns, &largest);
 	}
@@ -702,40 +707,40 @@ ALWAYS double run_kind(const struct rb_wide *wide, const struct rb_packs *packs,
 	return (double)max;
 }
 
-/* Each kind has code of its own. */
-ALWAYS double run_packs(const struct rb_wide *wide, const struct rb_packs *packs, double lead,
+/* Each kind has its own specialized code. */
+ALWAYS double run_packs(const struct rb_wide *wide, const struct rb_packs *packs, double momentum,
                         int first, int end)
 {
 	if (!packs->turn)
-		return run_kind(wide, packs, CENTRAL, lead, first, end);
-	return packs->tensors ? run_kind(wide, packs, TENSORS, lead, first, end)
-	                      : run_kind(wide, packs, MULTIPLES, lead, first, end);
+		return run_kind(wide, packs, CENTRAL, momentum, first, end);
+	return packs->tensors ? run_kind(wide, packs, TENSORS, momentum, first, end)
+	                      : run_kind(wide, packs, SCALAR_INERTIAS, momentum, first, end);
 }
 
 #if defined(__x86_64__)
 /* The same operations in wider registers. */
 __attribute__((target("avx2"))) static double run_avx2(const struct rb_wide *wide,
-                                                       const struct rb_packs *packs, double lead,
-                                                       int first, int end)
+                                                       const struct rb_packs *packs,
+                                                       double momentum, int first, int end)
 {
-	return run_packs(wide, packs, lead, first, end);
+	return run_packs(wide, packs, momentum, first, end);
 }
 #endif
 
-static double run(const struct rb_wide *wide, const struct rb_packs *packs, double lead, int first,
-                  int end)
+static double run(const struct rb_wide *wide, const struct rb_packs *packs, double momentum,
+                  int first, int end)
 {
 #if defined(__x86_64__)
 	if (__builtin_cpu_supports("avx2"))
-		return run_avx2(wide, packs, lead, first, end);
+		return run_avx2(wide, packs, momentum, first, end);
 #endif
-	return run_packs(wide, packs, lead, first, end);
+	return run_packs(wide, packs, momentum, first, end);
 }
 
-#define KERNEL                                                                                  \
-	{                                                                                       \
-		WIDTH, sizeof(struct pack), sizeof(struct turn), sizeof(struct tensors), carry, \
-			run                                                                     \
+#define KERNEL                                                                                     \
+	{                                                                                          \
+		WIDTH, sizeof(struct pack), sizeof(struct turn), sizeof(struct tensors), transfer, \
+			run                                                                        \
 	}
 
 #endif

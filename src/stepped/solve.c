@@ -14,10 +14,10 @@
 #include "stepped/strategies.h"
 #include "stepped/reduced_islands.h"
 
-/* Rows of small groups that one block of work has at least. */
+/* Least number of rows of small islands in one block of work. */
 enum { BLOCK_ROWS = 256 };
 
-/* Joints as they are stepped, and whether one of them gives an impact back. */
+/* Allocates the step data of joints, and finds whether joints have restitution or springs. */
 static enum rb_status create_joints(struct rb_solver *solver, const struct rb_model *model,
                                     struct rb_error *err)
 {
@@ -47,7 +47,7 @@ static enum rb_status create_joints(struct rb_solver *solver, const struct rb_mo
 	return RB_OK;
 }
 
-/* Springs that a step does not resolve, as many as there may be. */
+/* Allocates for springs that a step does not resolve, as many as there may be. */
 static enum rb_status create_springs(struct rb_solver *solver, const struct rb_model *model,
                                      struct rb_error *err)
 {
@@ -140,14 +140,15 @@ double rb_solver_tolerance(const struct rb_model *model, double h)
 	return RB_STRATEGY_SWEEP_SHARE * model->stepped_tolerance_m / h;
 }
 
-/* ---- all groups ---- */
+/* ---- all islands ---- */
 
 struct work {
 	struct rb_solver *solver;
 	struct rb_world *world;
-	const int *first; /* [blocks + 1]: groups of each block */
+	const int *first; /* [blocks + 1]: first island of each block */
 	bool second;
-	const struct rb_step_points *rebound; /* whose impacts rebound; NULL: none do yet */
+	/* points whose impacts rebound; NULL: no rebound in this pass */
+	const struct rb_step_points *rebound;
 };
 
 static bool is_due(const struct work *work, const struct rb_island *island)
@@ -239,10 +240,7 @@ enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
 	return status;
 }
 
-/*
- * What was found of groups without a mark: bodies and results are put back when groups have been
- * made anew.
- */
+/* Earlier results of islands without a mark: restored when islands have been built anew. */
 struct earlier {
 	struct rb_solver_body *body; /* by body */
 	struct rb_island *island;
@@ -345,7 +343,7 @@ enum rb_status rb_solver_end(struct rb_solver *solver, struct rb_world *world, s
 
 	if (!rb_second_half_make(solver, world))
 		return RB_OK;
-	solver->before = NULL; /* velocities alone: nobody comes to rest, nothing pays for them */
+	solver->before = NULL; /* velocities alone: no island comes to rest, no energy is checked */
 	const enum rb_status status = solve_all(&work, err);
 
 	solver->before = before;
@@ -354,7 +352,7 @@ enum rb_status rb_solver_end(struct rb_solver *solver, struct rb_world *world, s
 	return status;
 }
 
-/* Whether restitution of this point shows beyond what the tolerance lets be. */
+/* Whether restitution of this point gives a rebound faster than the tolerance. */
 static bool rebounds(const struct rb_solver *solver, const struct rb_step_point *point)
 {
 	return point->normal_impulse > 0 &&
@@ -385,7 +383,8 @@ static void add_rebound(struct rb_solver *solver, struct rb_world *world)
 }
 
 /*
- * Rows of joints keep the velocities that they have been solved for, or rebound; whether one does.
+ * Sets targets of joint rows: the velocities that they have been solved for, or a rebound; returns
+ * whether one rebounds.
  */
 static bool joints_rebound(struct rb_solver *solver, const struct rb_world *world)
 {
@@ -409,8 +408,8 @@ static bool joints_rebound(struct rb_solver *solver, const struct rb_world *worl
 	return any;
 }
 
-/* Rows of springs have given what they give. */
-static void silence_springs(struct rb_solver *solver)
+/* Makes rows of springs inactive: they have acted already. */
+static void disable_springs(struct rb_solver *solver)
 {
 	for (int k = 0; k < solver->spring_count; k++) {
 		const struct rb_step_spring *spring = &solver->spring[k];
@@ -424,9 +423,9 @@ static void silence_springs(struct rb_solver *solver)
 	}
 }
 
-static void store_joints(struct rb_solver *solver, const struct rb_joint_query *asked)
+static void store_joints(struct rb_solver *solver, const struct rb_joint_query *joints)
 {
-	struct rb_joint_query query = *asked;
+	struct rb_joint_query query = *joints;
 
 	query.from = solver->free;
 	for (int k = 0; k < solver->joined_count; k++) {
@@ -443,8 +442,9 @@ static void store_joints(struct rb_solver *solver, const struct rb_joint_query *
 	}
 }
 
-/* To where the impulse of a rebound acts, as bodies have moved since the row was made. */
-static void turn(struct rb_solver *solver, const struct rb_world *world, struct rb_constraint *row)
+/* Moves a row to where the impulse of a rebound acts, as bodies have moved since it was made. */
+static void update_row(struct rb_solver *solver, const struct rb_world *world,
+                       struct rb_constraint *row)
 {
 	if (row->b < solver->body_count && solver->dense.bodies.body[row->b].inverse_mass > 0) {
 		const rb_vec3 d = rb_islands_between(solver, world->state.position, row->a, row->b);
@@ -485,10 +485,10 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 	any = joints_rebound(solver, world) || any;
 	if (!any)
 		return RB_OK;
-	silence_springs(solver);
+	disable_springs(solver);
 	RB_ASSERT(rebound != NULL);
 	const struct rb_joint_query joints = rb_islands_joints(solver, world);
-	solver->before = NULL; /* who rebounds does not rest */
+	solver->before = NULL; /* a rebounding body is not at rest */
 	for (int k = 0; k < solver->active_count; k++)
 		solver->free[solver->active[k]] = solver->dense.bodies.body[solver->active[k]];
 	for (int k = 0; k < solver->dense.row_count; k++) {
@@ -499,12 +499,12 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 		const struct rb_step_point *point = &points->row[solver->point[k]];
 
 		if (solver->joins_arms) /* bodies have moved since */
-			turn(solver, world, row);
+			update_row(solver, world, row);
 		const double now = rb_vec3_dot(rb_constraint_velocity(&solver->dense.bodies, row),
 		                               row->normal);
 
 		/*
-		 * what has not touched stays apart; what has, does not close faster than it was
+		 * rows without impulse stay inactive; the others do not close faster than they were
 		 * left to
 		 */
 		row->target.n = point->normal_impulse > 0 ? fmin(now, 0) : -(double)INFINITY;

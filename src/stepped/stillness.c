@@ -5,39 +5,42 @@
 
 #include "stepped/direct.h"
 
-/* Of the tolerance, gaps and overlaps that count as closed: of what stands, beside touches. */
-static const double let_share = 1.0 / 32, touch_share = 0.5;
+/*
+ * Gaps and overlaps that count as closed in an island at rest, as fractions of the tolerance: in
+ * general, and beside a loaded contact of the same pair.
+ */
+static const double gap_share = 1.0 / 32, loaded_pair_share = 0.5;
 
-/* What holds both ways, or has friction, and has drifted by no more. */
+/* Whether a bilateral row or friction has drifted by no more than `max`. */
 static bool is_closed(const struct rb_constraint *row, double max)
 {
 	return row->softness == 0 && rb_vec3_length(rb_constraint_joined(row, row->target)) <= max;
 }
 
 /*
- * The end of the rows of the pair that begins with row k; sets whether some contact of it bore
- * something in the step before.
+ * End of the rows of the pair that begins with row k; sets whether a contact of it had an impulse
+ * in the step before.
  */
-static int end_of_pair(const struct rb_row_system *dense, int k, bool *bears)
+static int end_of_pair(const struct rb_row_system *dense, int k, bool *is_loaded)
 {
 	const struct rb_constraint *first = &dense->row[k];
 
-	*bears = false;
+	*is_loaded = false;
 	for (; k < dense->row_count; k++) {
 		const struct rb_constraint *row = &dense->row[k];
 
 		if (row->a != first->a || row->b != first->b)
 			break;
-		*bears = *bears || (row->set == RB_CONSTRAINT_CONE && row->impulse.n > 0);
+		*is_loaded = *is_loaded || (row->set == RB_CONSTRAINT_CONE && row->impulse.n > 0);
 	}
 	return k;
 }
 
 /*
- * Gaps far below the tolerance count as closed where bodies stand: then standing still is among
- * what is possible, however they are wedged. So do all overlaps: what stands has nothing to push
- * apart with. And all gaps within half of the tolerance beside a contact that bears: faces of a
- * stack that lie on each other to within the tolerance only would rock on the corners that touch,
+ * Gaps far below the tolerance count as closed in an island at rest: then zero velocity is a
+ * feasible solution, however the bodies are wedged. So do all overlaps: a body at rest has no
+ * energy to separate them. And all gaps within half of the tolerance beside a loaded contact: faces
+ * of a stack that are flush only to within the tolerance would rock on the corners that touch,
  * slowly and for ever, and the tilts of all bodies add up at the top.
  */
 void rb_stillness_skip_gaps(const struct rb_solver *solver, const struct rb_row_system *dense)
@@ -48,11 +51,11 @@ void rb_stillness_skip_gaps(const struct rb_solver *solver, const struct rb_row_
 	for (int k = 0, end = 0; k < dense->row_count; k++) {
 		struct rb_constraint *row = &dense->row[k];
 		const int side = rb_constraint_side(row);
-		bool bears;
+		bool is_loaded;
 
 		if (k == end) {
-			end = end_of_pair(dense, k, &bears);
-			max = (bears ? touch_share : let_share) * whole;
+			end = end_of_pair(dense, k, &is_loaded);
+			max = (is_loaded ? loaded_pair_share : gap_share) * whole;
 		}
 
 		if (side != 0 ? side * row->target.n >= -max : is_closed(row, max))
@@ -71,8 +74,8 @@ void rb_stillness_stop(const struct rb_solver *solver, const struct rb_island *i
 }
 
 /*
- * m/s: what rounding of impulses makes of velocities at the top of a tower of so many bodies, as
- * errors of what stands on each other add up. Heaps are not that high.
+ * m/s: velocity error due to rounding of impulses at the top of a tower of so many bodies, as
+ * errors in a stack add up. Heaps are not that high.
  */
 static double rounding_speed(const struct rb_solver *solver, const struct rb_island *island)
 {
@@ -88,9 +91,9 @@ static double rounding_speed(const struct rb_solver *solver, const struct rb_isl
 }
 
 /*
- * Solved closely, before the step and after it no faster than what solving closely leaves, or what
- * rounding does: it stands still. At the former speed a body would take two million steps for the
- * tolerance.
+ * An island is at rest if it is solved closely, and is before the step and after it no faster than
+ * the residual of a close solution, or than rounding. At the former speed a body would need two
+ * million steps to move by the tolerance.
  */
 void rb_stillness_find(const struct rb_solver *solver, const struct rb_island *island)
 {

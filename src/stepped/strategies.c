@@ -11,45 +11,51 @@
 #include "stepped/redundant_contacts.h"
 #include "stepped/sweeper.h"
 
-/* Sweeps before factors are tried, and at most. */
+/* Sweeps before factors are tried, in all, and when solving closely. */
 enum { SWEEPS_FIRST = 200, SWEEPS_MAX = 1000, SWEEPS_CLOSE = 64 };
-/* The same where rows are in packs, and may be held; most of spheres that stall are held sooner. */
+/* The same for rows in packs, where friction may be held; spheres that stall are held sooner. */
 enum { WIDE_FIRST = 60, WIDE_MAX = 400, CENTRAL_MAX = 140, WIDE_HOLD = 100 };
-/* Of large groups, of which a lost step costs as much. */
+/* Sweeps of large islands, for which a lost step costs as much. */
 enum { LARGE_MAX = 800 };
-/* Rounds of normal impulses and friction before a group is given up; sweeps of both in each. */
+/* Turns of normal impulses and friction before an island is given up; sweeps of both in each. */
 enum { TURNS_MAX = 6, TURN_SWEEPS = 100 };
-/* Times that open normal impulses are made even, with sweeps after each. */
+/* Passes that make redundant normal impulses even, with sweeps after each. */
 enum { EVEN_MAX = 16 };
 /* Why factors are tried, and how many at most. */
 enum purpose { STIFF, AT_REST, STALLED, CLOSE };
 enum { FACTORS_STIFF = 400, FACTORS_AT_REST = 120, FACTORS_STALLED = 30, FACTORS_CLOSE = 12 };
 
 /*
- * Multiplications that one factorization may take, for each row and at most: some twenty sweeps.
- * All of those of a large group that has stalled, of which few come to an end, some two hundred.
+ * Multiplications allowed for one factorization, per row and in all: some twenty sweeps. Per row
+ * for large islands that have stalled, few of which converge: some two hundred multiplications.
  */
 static const double factor_share = 4e3, factors_max = 1e8, stalled_share = 4e2;
 
-/* The same of joints, whose redundant rows nothing else finds: of some seventy on one body. */
+/*
+ * The same per row for joints, whose redundant rows no other strategy detects: some seventy joints
+ * on one body.
+ */
 static const double joints_share = 4e4;
 
 static const double sweep_share = RB_STRATEGY_SWEEP_SHARE, direct_share = 1e-2,
 		    close_share = RB_STRATEGY_CLOSE_SHARE;
 static const double stiff_ratio = 30, hold_slack = 16;
-/* Of a whole step, the part of which friction may be held. */
+/* Friction may be held in steps of at most the whole step over this number. */
 static const double hold_parts = 8;
 /*
- * Of what forces change a velocity by in a step, what sweeps may leave in a small group: by much
- * more than this, stacks that ought to come to stand are kept swaying.
+ * Fraction of the velocity change by forces in a step that sweeps may leave in a small island: with
+ * a much larger one, stacks that ought to come to rest keep swaying.
  */
 static const double external_share = 1e-3;
-/* The same of speeds: what tumbles is not about to stand. Of heaps, over what others may leave. */
+/*
+ * The same fraction of speeds: a tumbling island is not about to come to rest. For heaps, multiple
+ * of the tolerance.
+ */
 static const double speed_share = 1e-2, heap_share = 2;
 
-/* Velocities are what the impulses make of them. */
-static void apply_again(const struct rb_solver *solver, const struct rb_island *island,
-                        const struct rb_row_system *dense)
+/* Recomputes the velocities from the impulses. */
+static void reapply(const struct rb_solver *solver, const struct rb_island *island,
+                    const struct rb_row_system *dense)
 {
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
@@ -60,22 +66,22 @@ static void apply_again(const struct rb_solver *solver, const struct rb_island *
 }
 
 /*
- * Factors; false where they are too many or do not come to `left`, m/s: but for stiff groups, the
- * impulses are then as they were.
+ * Solves by factors; false if they are too large or do not reach `residual_max`, m/s: the impulses
+ * are then as they were, except with STIFF.
  */
 static bool try_factors(const struct rb_solver *solver, struct rb_island *island,
-                        const struct rb_row_system *dense, enum purpose purpose, double left,
-                        struct rb_arena *arena)
+                        const struct rb_row_system *dense, enum purpose purpose,
+                        double residual_max, struct rb_arena *arena)
 {
 	static const int steps_max[] = {[STIFF] = FACTORS_STIFF,
 	                                [AT_REST] = FACTORS_AT_REST,
 	                                [STALLED] = FACTORS_STALLED,
 	                                [CLOSE] = FACTORS_CLOSE};
-	/* sweeps would set towers swaying: factors go on until what they leave will do */
+	/* sweeps would make towers sway: factors go on until their residual is acceptable */
 	const bool tower = purpose == AT_REST && dense->row_count < RB_STRATEGY_HEAP_ROWS;
 	const double share = purpose == STALLED && dense->row_count >= RB_WIDE_ROWS ? stalled_share
 	                                                                            : factor_share;
-	/* errors of what stands on each other add up: to n^2 / 2 of them at the top of n bodies */
+	/* errors in a stack add up: to n^2 / 2 of them at the top of n bodies */
 	const double levers = (double)island->member_count * (double)island->member_count;
 	const double close = close_share / (purpose == AT_REST ? levers : 1);
 	/* polish_joints follows */
@@ -91,7 +97,7 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 		.holds = purpose == AT_REST,
 		.steps_max = tower ? FACTORS_STIFF : steps_max[purpose],
 		.steps_few = tower ? steps_max[purpose] : 0,
-		.acceptable = left,
+		.acceptable = residual_max,
 		.slip_tolerance = solver->tolerance,
 		.joint_tolerance = is_polished ? solver->tolerance : 0,
 		.max = fmin(share * (double)dense->row_count, factors_max),
@@ -105,16 +111,16 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 		kept[k] = dense->row[k].impulse;
 	const struct rb_direct_result result = rb_direct_solve(&direct);
 	island->factors += result.steps;
-	if (result.tried && result.residual <= left) {
+	if (result.tried && result.residual <= residual_max) {
 		island->residual = result.residual;
 		return true;
 	}
-	/* of stiff groups, what factors have come to is better than what there was */
+	/* for stiff islands, the result of factors is better than the previous impulses */
 	if (!result.tried || purpose == STIFF)
 		return false;
 	for (int k = 0; k < dense->row_count; k++)
 		dense->row[k].impulse = kept[k];
-	apply_again(solver, island, dense);
+	reapply(solver, island, dense);
 	return false;
 }
 
@@ -134,7 +140,7 @@ static int max_of(const struct rb_sweeper *sweeper)
 {
 	if (!sweeper->wide)
 		return SWEEPS_MAX;
-	return sweeper->many.central ? CENTRAL_MAX : WIDE_MAX;
+	return sweeper->packs.central ? CENTRAL_MAX : WIDE_MAX;
 }
 
 static bool end_sweeps(const struct rb_solver *solver, struct rb_sweeper *sweeper,
@@ -142,9 +148,9 @@ static bool end_sweeps(const struct rb_solver *solver, struct rb_sweeper *sweepe
 {
 	island->sweeps += result.sweeps;
 	island->residual = result.residual;
-	if (rb_sweeper_went_far(sweeper)) {
+	if (rb_sweeper_lost_digits(sweeper)) {
 		rb_row_system_reject_normals(sweeper->dense);
-		apply_again(solver, island, sweeper->dense);
+		reapply(solver, island, sweeper->dense);
 	}
 	return result.residual <= tolerance;
 }
@@ -157,16 +163,15 @@ static bool sweep_more(const struct rb_solver *solver, struct rb_sweeper *sweepe
 }
 
 /*
- * Friction in a jammed heap may not come to an end: normal impulses of many contacts creep on
- * together until one of them slips or opens, which may take thousands of sweeps. What acts across
- * the normals is then left as it is, if it is nearly right, and normal impulses alone see to it
- * that no gap closes.
+ * Friction in a jammed heap may not converge: normal impulses of many contacts creep together until
+ * one of them slips or opens, which may take thousands of sweeps. Tangential impulses are then held
+ * as they are, if they are nearly right, and only normal impulses are solved so that no gap closes.
  */
 static bool hold(struct rb_sweeper *sweeper, struct rb_island *island, double tolerance, int max)
 {
 	if (!sweeper->wide || !(island->residual <= hold_slack * tolerance))
 		return false;
-	const struct rb_sweep_result result = rb_sweeper_hold(sweeper, tolerance, max);
+	const struct rb_sweep_result result = rb_sweeper_hold_friction(sweeper, tolerance, max);
 
 	island->sweeps += result.sweeps;
 	if (!(result.residual <= tolerance))
@@ -177,10 +182,9 @@ static bool hold(struct rb_sweeper *sweeper, struct rb_island *island, double to
 }
 
 /*
- * Where friction is not nearly right either, normal impulses are corrected for it and it goes on
- * from there, in turns: pushes and friction that are far from each other's make sweeps of both
- * swing. For large groups, of which a lost step costs most: small ones are sooner done with shorter
- * steps.
+ * Where friction is not nearly right either, normal impulses alone are solved for it, then both, in
+ * turns: sweeps of both oscillate if normal and friction impulses are far from consistent. For
+ * large islands, for which a lost step costs most: small ones are cheaper in shorter steps.
  */
 static bool take_turns(const struct rb_solver *solver, struct rb_sweeper *sweeper,
                        struct rb_island *island, double tolerance)
@@ -188,7 +192,7 @@ static bool take_turns(const struct rb_solver *solver, struct rb_sweeper *sweepe
 	for (int turn = 0; turn < TURNS_MAX; turn++) {
 		if (island->residual <= hold_slack * tolerance)
 			return false;
-		island->sweeps += rb_sweeper_hold(sweeper, tolerance, WIDE_HOLD).sweeps;
+		island->sweeps += rb_sweeper_hold_friction(sweeper, tolerance, WIDE_HOLD).sweeps;
 		if (sweep_more(solver, sweeper, island, tolerance, TURN_SWEEPS))
 			return true;
 	}
@@ -201,11 +205,11 @@ static double larger(double a, double b)
 }
 
 /*
- * m^2/s^2: the fastest of a group as the step began, or after it, squared; one beyond `most` may be
- * told instead.
+ * m^2/s^2: largest speed of a body's point in an island, squared, before the step or after it; any
+ * value beyond `max` may be returned for a larger one.
  */
-static double fastest(const struct rb_solver *solver, const struct rb_island *island, bool before,
-                      double max)
+static double speed_squared(const struct rb_solver *solver, const struct rb_island *island,
+                            bool before, double max)
 {
 	const struct rb_state *state = solver->before;
 	double square = 0;
@@ -241,15 +245,15 @@ double rb_strategies_external(const struct rb_solver *solver, const int *member,
 }
 
 /*
- * Whether nothing moves much faster than the tolerance in a step, nor than its forces make it in
+ * Whether nothing moves much faster than the tolerance in a step, or than forces accelerate it in
  * one.
  */
 static bool hardly_moves(const struct rb_solver *solver, const struct rb_island *island,
                          bool before)
 {
-	const double few = 4 * solver->tolerance / sweep_share;
-	const double max = fmin(few * few, solver->external);
-	const double square = fastest(solver, island, before, max);
+	const double slow = 4 * solver->tolerance / sweep_share;
+	const double max = fmin(slow * slow, solver->external);
+	const double square = speed_squared(solver, island, before, max);
 
 	return square <= max &&
 	       square <= rb_strategies_external(solver, solver->member + island->first_member,
@@ -257,11 +261,11 @@ static bool hardly_moves(const struct rb_solver *solver, const struct rb_island 
 }
 
 /*
- * Whether the group is carried and nowhere slips by more than sweeps leave: it stands on what
- * moves, and what is left would add up to a way.
+ * Whether the island's support moves and no contact slips by more than sweeps leave: the body rests
+ * on a moving support, and the residuals would add up to a displacement.
  */
-static bool goes_along(const struct rb_solver *solver, const struct rb_island *island,
-                       const struct rb_row_system *dense)
+static bool sticks_to_support(const struct rb_solver *solver, const struct rb_island *island,
+                              const struct rb_row_system *dense)
 {
 	const double max = solver->tolerance / (sweep_share * RB_SLIP_SHARE);
 	bool sticks = island->carried;
@@ -276,7 +280,7 @@ static bool goes_along(const struct rb_solver *solver, const struct rb_island *i
 	return sticks;
 }
 
-/* m/s: what the first sweeps may leave. Spheres do not sway, nor do heaps: half the tolerance. */
+/* m/s: aim of the first sweeps. Spheres and heaps do not sway: a multiple of the tolerance. */
 static double aim_of(const struct rb_solver *solver, const struct rb_island *island,
                      const struct rb_sweeper *sweeper)
 {
@@ -288,14 +292,14 @@ static double aim_of(const struct rb_solver *solver, const struct rb_island *isl
 		                                       (double)INFINITY));
 	if (external == 0)
 		return heap_share * solver->tolerance;
-	const double speed = sqrt(fastest(solver, island, true, (double)INFINITY));
+	const double speed = sqrt(speed_squared(solver, island, true, (double)INFINITY));
 	const double aim = fmax(external_share * external, speed_share * speed);
 	return fmin(fmax(aim, close_share * solver->tolerance), solver->tolerance);
 }
 
 /*
- * m/s: the same where it is to be solved closely: what sweeps of few rows leave would depend on
- * their order, turn what lies evenly, and count as energy that something has gained.
+ * m/s: the same where it is to be solved closely: residuals of sweeps over few rows would depend on
+ * their order, turn a symmetric arrangement, and count as a gain of energy.
  */
 static double aim_closely(const struct rb_solver *solver, const struct rb_island *island,
                           const struct rb_sweeper *sweeper)
@@ -303,7 +307,7 @@ static double aim_closely(const struct rb_solver *solver, const struct rb_island
 	return sweeper->wide ? aim_of(solver, island, sweeper) : close_share * solver->tolerance;
 }
 
-/* Whether the group hardly moved when the step began, and nothing moves under it. */
+/* Whether the island hardly moved when the step began, and its support does not move. */
 static bool was_at_rest(const struct rb_solver *solver, const struct rb_island *island)
 {
 	return solver->before && !island->carried && hardly_moves(solver, island, true);
@@ -312,8 +316,8 @@ static bool was_at_rest(const struct rb_solver *solver, const struct rb_island *
 /* ---- choosing ---- */
 
 /*
- * Masses so unequal that sweeps would take very many, and spoil the impulses to begin with; chains
- * of joints are as bad, and cost factors a multiple of their length.
+ * Masses so unequal that sweeps would take very many, and spoil the warm start; chains of joints
+ * are as bad, and cost factors only in proportion to their length.
  */
 static bool is_stiff(const struct rb_solver *solver, const struct rb_island *island)
 {
@@ -333,18 +337,21 @@ static bool is_stiff(const struct rb_solver *solver, const struct rb_island *isl
 
 /* ---- joints ---- */
 
-/* Of rows without bounds: forces of joints against each other are not handed on. */
-static void forget_held(const struct rb_solver *solver, const struct rb_island *island,
-                        const struct rb_row_system *dense)
+/* Clears impulses of bilateral rows: warm starting would keep self-stress of redundant joints. */
+static void clear_bilateral(const struct rb_solver *solver, const struct rb_island *island,
+                            const struct rb_row_system *dense)
 {
 	for (int k = 0; k < dense->row_count; k++)
 		if (dense->row[k].set == RB_CONSTRAINT_FREE ||
 		    (isinf(dense->row[k].low) && isinf(dense->row[k].high)))
 			rb_constraint_clear(&dense->row[k]);
-	apply_again(solver, island, dense);
+	reapply(solver, island, dense);
 }
 
-/* Rows of joints, to what their contacts' impulses leave them; INFINITY: it was not tried. */
+/*
+ * Solves the rows of joints with the contacts' impulses fixed; returns the residual; INFINITY: not
+ * tried.
+ */
 static double solve_joints(const struct rb_solver *solver, struct rb_island *island,
                            const struct rb_row_system *rows, struct rb_arena *arena)
 {
@@ -354,25 +361,25 @@ static double solve_joints(const struct rb_solver *solver, struct rb_island *isl
 	joints.row_count -= island->contact_count;
 	const struct rb_dual dual = {
 		.dense = &joints,
-		/* as close as rounding lets it: that costs no more */
+		/* to rounding: that costs no more */
 		.tolerance = close_share * solver->tolerance,
 		.max = fmin(joints_share * (double)rows->row_count, factors_max),
 		.interrupt = solver->interrupt,
 		.arena = arena};
 
-	/* a second half goes on from the first one, which has forgotten them */
+	/* a second half continues from the first one, which has cleared them */
 	if (solver->before || !island->halves)
-		forget_held(solver, island, rows);
+		clear_bilateral(solver, island, rows);
 	const struct rb_dual_result result = rb_dual_solve(&dual);
 	island->factors += result.steps;
 	if (result.tried)
-		apply_again(solver, island, rows);
+		reapply(solver, island, rows);
 	return result.residual;
 }
 
 /* ---- energy ---- */
 
-/* Heaps are solved to the whole tolerance: what is left within it is no sign of being squeezed. */
+/* Heaps are solved to the whole tolerance: a residual within it is no sign of being squeezed. */
 static bool is_solved(const struct rb_solver *solver, const struct rb_island *island)
 {
 	const bool heap = island->row_count >= RB_STRATEGY_HEAP_ROWS;
@@ -381,13 +388,13 @@ static bool is_solved(const struct rb_solver *solver, const struct rb_island *is
 }
 
 /*
- * Without pushing apart or drawing back, closely; then back to it, if it was a solution, as far as
- * that gains nothing. What is between two solutions is in the cones, and closes no gap that neither
- * closes.
+ * Solves closely without separating overlaps or drawing back gaps; then interpolates back to the
+ * previous solution, if it was one, as far as that gains no energy. An interpolation of two
+ * solutions is within the cones, and closes no gap that neither closes.
  */
-static struct rb_energy push_less(const struct rb_solver *solver, struct rb_island *island,
-                                  const struct rb_row_system *dense, struct rb_team *team,
-                                  struct rb_arena *arena)
+static struct rb_energy reduce_separation(const struct rb_solver *solver, struct rb_island *island,
+                                          const struct rb_row_system *dense, struct rb_team *team,
+                                          struct rb_arena *arena)
 {
 	const struct rb_energy none = {0};
 	struct rb_sweeper sweeper = sweeper_of(solver, island, dense, team);
@@ -416,24 +423,28 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 }
 
 /*
- * A group does not gain. What it would gain by pushing apart what overlaps is left for later; what
- * is still left is taken from all impulses. Where that lets gaps close by more than is good, the
- * step is halved: without impulses nothing is gained, and halves of it close less. Nor is in halves
- * of a step a group pushed apart that cannot be: what is squeezed overlaps on both sides, within
- * the tolerance, and the shorter the step, the faster it would have to part.
+ * Prevents energy gain of an island. A gain from separating overlaps is deferred to later steps; a
+ * remaining gain is removed by scaling all impulses. Where that lets gaps close by more than the
+ * tolerance, the step is halved: without impulses nothing is gained, and halves of it close less.
+ * In parts of a step an island whose overlaps cannot be separated is not separated either: if it is
+ * squeezed, it overlaps on both sides, within the tolerance, and the shorter the step, the higher
+ * the separation velocity would be.
  */
 static void keep_energy(const struct rb_solver *solver, struct rb_island *island,
                         const struct rb_row_system *dense, struct rb_team *team,
                         struct rb_arena *arena)
 {
 	island->energy_budget = 0;
-	/* half a step's way says nothing; what pushes one way has held on, or is far off */
+	/*
+	 * the motion of one half is inconclusive; unilateral rows stay loaded, or are far from
+	 * contact
+	 */
 	if (island->halves || !rb_energy_has_impulse(dense))
 		return;
 	const bool squeezed = solver->h_s < solver->whole_s && !is_solved(solver, island);
 	struct rb_energy energy = rb_energy_of(solver, island, team, arena);
 	if ((squeezed || rb_energy_gain(&energy) > energy.noise) && rb_energy_has_separation(dense))
-		energy = push_less(solver, island, dense, team, arena);
+		energy = reduce_separation(solver, island, dense, team, arena);
 	if (rb_energy_gain(&energy) > energy.noise)
 		rb_energy_take(solver, island, rb_energy_share(&energy));
 	else
@@ -441,12 +452,12 @@ static void keep_energy(const struct rb_solver *solver, struct rb_island *island
 }
 
 /*
- * Of small groups: sweeps leave open pushes as they come upon them, by the order of points;
- * friction that follows them would turn what lies evenly. What points of one pair ask for is made
- * to agree from what they have asked for to begin with: it is not to wander off.
+ * For small islands: sweeps leave redundant normal impulses that depend on the order of points;
+ * friction that follows them would turn a symmetric arrangement. Targets of the points of one pair
+ * are made consistent starting from their original values each time, so that they do not drift.
  */
-static bool even_out(const struct rb_solver *solver, struct rb_sweeper *sweeper,
-                     struct rb_island *island, struct rb_arena *arena)
+static bool even_redundant(const struct rb_solver *solver, struct rb_sweeper *sweeper,
+                           struct rb_island *island, struct rb_arena *arena)
 {
 	const struct rb_row_system *const rows = sweeper->dense;
 	const double close = close_share * solver->tolerance;
@@ -477,9 +488,9 @@ static bool even_out(const struct rb_solver *solver, struct rb_sweeper *sweeper,
 }
 
 /*
- * Where friction wedges what is to be pushed apart, and where a rope pulls at right angles to all
- * that moves, no impulses may do it: they grow without end. Nothing is pushed apart then; what is
- * wedged all the same is looked at in shorter steps.
+ * Where friction wedges overlapping bodies, and where a rope pulls at right angles to all that can
+ * move, no impulses may separate them: they grow without bound. Nothing is separated then; what
+ * still overlaps is retried in shorter steps.
  */
 static bool start_over(const struct rb_solver *solver, struct rb_island *island,
                        const struct rb_row_system *dense, struct rb_team *team,
@@ -491,7 +502,7 @@ static bool start_over(const struct rb_solver *solver, struct rb_island *island,
 	for (int k = 0; k < dense->row_count; k++)
 		rb_constraint_clear(&dense->row[k]);
 	rb_energy_clear_separation(dense);
-	apply_again(solver, island, dense);
+	reapply(solver, island, dense);
 	if (island->contact_count == 0)
 		island->residual = solve_joints(solver, island, dense, arena);
 	const bool good = island->contact_count == 0 ? island->residual <= aim
@@ -506,7 +517,7 @@ static bool start_over(const struct rb_solver *solver, struct rb_island *island,
 
 /* ---- strategies ---- */
 
-/* One group under way. */
+/* One island being solved. */
 struct trial {
 	const struct rb_solver *solver;
 	struct rb_island *island;
@@ -529,9 +540,9 @@ static bool factors_of_joints(const struct trial *trial)
 }
 
 /*
- * Joints are put right for the contacts that have been found: exactly, and without what iterations
- * have left of forces of joints against each other. Where contacts are then farther off than the
- * tolerance, it stays as it was.
+ * Solves joints exactly for the contact impulses found, without the self-stress that iterations
+ * have left. If contacts are then farther off than the tolerance, the previous impulses are
+ * restored.
  */
 static void polish_joints(const struct rb_solver *solver, struct rb_island *island,
                           const struct rb_row_system *rows, struct rb_arena *arena)
@@ -540,12 +551,12 @@ static void polish_joints(const struct rb_solver *solver, struct rb_island *isla
 
 	if (!rb_energy_keep(solver, island, arena, &kept))
 		return;
-	double left = solve_joints(solver, island, rows, arena);
+	double residual = solve_joints(solver, island, rows, arena);
 
 	for (int k = 0; k < island->contact_count; k++)
-		left = fmax(left, rb_sweep_off_by(rows, &rows->row[k]));
-	if (left <= fmax(island->residual, solver->tolerance)) {
-		island->residual = left;
+		residual = fmax(residual, rb_sweep_residual_of(rows, &rows->row[k]));
+	if (residual <= fmax(island->residual, solver->tolerance)) {
+		island->residual = residual;
 		return;
 	}
 	rb_energy_mix(solver, island, &kept, 1);
@@ -567,7 +578,10 @@ static bool is_large(const struct trial *trial)
 	       trial->island->row_count >= RB_STRATEGY_LARGE_ROWS;
 }
 
-/* Shorter steps need nothing held; of spheres alone they cost several times as much, though. */
+/*
+ * In shorter steps friction need not be held; for spheres alone they cost several times as much,
+ * though.
+ */
 static bool may_hold(const struct trial *trial)
 {
 	const struct rb_solver *solver = trial->solver;
@@ -581,13 +595,14 @@ static bool is_narrow(const struct trial *trial)
 	return !trial->sweeper->wide;
 }
 
-/* What stands is not to be thrown about by as much as a large tolerance is in one step. */
+/* Islands at rest must not be moved by as much as a large tolerance is in one step. */
 static bool factors_at_rest(const struct trial *trial)
 {
-	const double left = fmin(aim_of(trial->solver, trial->island, trial->sweeper),
-	                         trial->solver->tolerance);
+	const double residual_max = fmin(aim_of(trial->solver, trial->island, trial->sweeper),
+	                                 trial->solver->tolerance);
 
-	return try_factors(trial->solver, trial->island, trial->rows, AT_REST, left, trial->arena);
+	return try_factors(trial->solver, trial->island, trial->rows, AT_REST, residual_max,
+	                   trial->arena);
 }
 
 static bool factors_of_unequal_masses(const struct trial *trial)
@@ -604,19 +619,21 @@ static bool sweeps_to_the_aim(const struct trial *trial)
 }
 
 /*
- * The last digit costs as much as all before: the whole tolerance will do, as the verdict sees.
- * Large groups jam: impulses creep on together until some row slips or opens, and only the way that
- * they have gathered brings that near. It is kept, as there is nothing else for them.
+ * The last digit costs as much as all before: the whole tolerance suffices, as the step's check
+ * accepts it. Large islands jam: impulses creep together until some row slips or opens, and only
+ * the accumulated momentum of the iteration brings that about soon. Momentum is kept, as no other
+ * strategy helps them.
  */
 static bool sweeps_to_the_tolerance(const struct trial *trial)
 {
 	const double tolerance = trial->solver->tolerance / sweep_share;
 	struct rb_sweeper *const sweeper = trial->sweeper;
-	const double slack = sweeper->central ? hold_slack : 0; /* the rest is held */
+	const double slack = sweeper->central ? hold_slack : 0; /* for the rest, friction is held */
 	const bool presses = is_large(trial) && !sweeper->central;
-	return end_sweeps(trial->solver, sweeper, trial->island, tolerance,
-	                  presses ? rb_sweeper_press_on(sweeper, tolerance, LARGE_MAX)
-	                          : rb_sweeper_go_on(sweeper, tolerance, max_of(sweeper), slack));
+	return end_sweeps(
+		trial->solver, sweeper, trial->island, tolerance,
+		presses ? rb_sweeper_continue_undamped(sweeper, tolerance, LARGE_MAX)
+			: rb_sweeper_continue(sweeper, tolerance, max_of(sweeper), slack));
 }
 
 static bool factors_after_stalling(const struct trial *trial)
@@ -643,9 +660,7 @@ static bool sweeps_to_the_limit(const struct trial *trial)
 	                  trial->solver->tolerance / sweep_share, SWEEPS_MAX);
 }
 
-/*
- * In this order until one succeeds. Each starts from the impulses that the one before has come to.
- */
+/* Tried in this order until one succeeds. Each starts from the impulses of the one before. */
 static const struct strategy {
 	bool (*applies)(const struct trial *trial); /* NULL: always */
 	bool (*solve)(const struct trial *trial);
@@ -662,7 +677,7 @@ static const struct strategy {
 };
 enum { STRATEGIES = sizeof strategies / sizeof *strategies, CLOSE_STRATEGIES = 2 };
 
-/* Returns the number of the strategy that has succeeded; STRATEGIES: none has. */
+/* Returns the index of the strategy that succeeded; STRATEGIES: none. */
 static int choose(const struct trial *trial)
 {
 	int k = 0;
@@ -674,8 +689,9 @@ static int choose(const struct trial *trial)
 }
 
 /*
- * Solves far closer than the tolerance what few contacts hold, and what hardly moves: a little in
- * each step, so that it comes to rest. Joints have been put right for their contacts.
+ * Solves islands of few contacts, and those that hardly move, far below the tolerance: small
+ * residuals in each step would keep them from coming to rest. Joints have been solved for their
+ * contacts.
  */
 static void solve_closely(const struct trial *trial)
 {
@@ -683,11 +699,12 @@ static void solve_closely(const struct trial *trial)
 	struct rb_island *const island = trial->island;
 	const double close = close_share * solver->tolerance;
 
-	const bool few = !trial->sweeper->wide && (island->row_count == island->contact_count ||
-	                                           goes_along(solver, island, trial->rows));
+	const bool is_small = !trial->sweeper->wide &&
+	                      (island->row_count == island->contact_count ||
+	                       sticks_to_support(solver, island, trial->rows));
 
 	if (island->residual > close &&
-	    (few || (solver->before && hardly_moves(solver, island, false))) &&
+	    (is_small || (solver->before && hardly_moves(solver, island, false))) &&
 	    (trial->stiff || !sweep_more(solver, trial->sweeper, island, close, SWEEPS_CLOSE)))
 		(void)try_factors(solver, island, trial->rows, CLOSE, island->residual,
 		                  trial->arena);
@@ -734,7 +751,7 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 	if (good && !is_close) {
 		solve_closely(&trial);
 		if (!sweeper.wide)
-			good = even_out(solver, &sweeper, island, arena);
+			good = even_redundant(solver, &sweeper, island, arena);
 	}
 	rb_arena_back(arena, here); /* the next sweeper is as large */
 	if (solver->before)

@@ -4,40 +4,40 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { COLOURS_MAX = 64, BEARS = 128 };
+enum { COLOURS_MAX = 64, LOADED = 128 };
 
 /* ---- colours ---- */
 
 /*
- * Rows in order of colours: none has two rows on one body that yields, unless the last is a tail of
- * what is left over.
+ * Rows in order of colours: no colour has two rows on one dynamic body, unless the last is a tail
+ * of the remaining rows.
  */
 struct colours {
-	int *first; /* [count + 1]: where each begins in `order` */
-	int *other; /* [count]: the same of those that bear nothing to begin with */
-	int *order; /* [rows] */
+	int *first;    /* [count + 1]: start of each in `order` */
+	int *unloaded; /* [count]: start of its rows without an initial impulse */
+	int *order;    /* [rows] */
 	int count;
 	bool tail;
 };
 
-/* Places of a row's bodies among those that yield; -1: it does not. */
+/* Indices of a row's bodies among the members; -1: not dynamic. */
 struct ends {
 	int a, b;
 };
 
-/* What is known of the rows before they are swept, by several threads where there are. */
+/* Properties of rows found before sweeps, by several threads if there are any. */
 struct preparation {
 	const struct rb_sweeper *sweeper;
 	struct colours *colours;
 	struct ends *ends;     /* [rows] */
-	uint64_t *taken;       /* [members]: colours of a body's rows, as bits */
-	unsigned char *colour; /* [rows]; and BEARS, of those that bear something to begin with */
-	bool other, eccentric; /* somewhere there is no contact, or one that is not central */
+	uint64_t *used;        /* [members]: bits of the colours of a body's rows */
+	unsigned char *colour; /* [rows]; plus LOADED for rows with an initial impulse */
+	bool other, eccentric; /* some row is no contact; some row is not central */
 };
 
 enum { ROWS_PER_BLOCK = 1024 };
 
-static void share_out(struct preparation *preparation, rb_team_part *part)
+static void run_blocks(struct preparation *preparation, rb_team_part *part)
 {
 	const size_t count = (size_t)preparation->sweeper->dense->row_count;
 
@@ -47,7 +47,7 @@ static void share_out(struct preparation *preparation, rb_team_part *part)
 		part(preparation, 0, count);
 }
 
-static int place_of(const struct rb_sweeper *sweeper, int body)
+static int member_of(const struct rb_sweeper *sweeper, int body)
 {
 	return sweeper->dense->bodies.body[body].inverse_mass > 0 ? sweeper->local[body] : -1;
 }
@@ -60,65 +60,65 @@ static void find_ends(void *user, size_t first, size_t end)
 	for (size_t k = first; k < end; k++) {
 		const struct rb_constraint *row = &sweeper->dense->row[k];
 
-		preparation->ends[k] = (struct ends){place_of(sweeper, row->a),
-		                                     place_of(sweeper, row->b)};
-		preparation->colour[k] = row->impulse.n > 0 ? BEARS : 0;
+		preparation->ends[k] = (struct ends){member_of(sweeper, row->a),
+		                                     member_of(sweeper, row->b)};
+		preparation->colour[k] = row->impulse.n > 0 ? LOADED : 0;
 	}
 }
 
-static void choose(const struct preparation *preparation)
+static void choose_colours(const struct preparation *preparation)
 {
 	struct colours *const colours = preparation->colours;
-	uint64_t *const taken = preparation->taken;
+	uint64_t *const used = preparation->used;
 
 	for (int k = 0; k < preparation->sweeper->dense->row_count; k++) {
 		const struct ends ends = preparation->ends[k];
-		const uint64_t left = ~((ends.a < 0 ? 0 : taken[ends.a]) |
-		                        (ends.b < 0 ? 0 : taken[ends.b]));
-		const int c = left ? __builtin_ctzll(left) : COLOURS_MAX - 1;
-		/* a tail's order counts */
-		const bool bears = preparation->colour[k] || c == COLOURS_MAX - 1;
+		const uint64_t available = ~((ends.a < 0 ? 0 : used[ends.a]) |
+		                             (ends.b < 0 ? 0 : used[ends.b]));
+		const int c = available ? __builtin_ctzll(available) : COLOURS_MAX - 1;
+		/* the order of a tail matters */
+		const bool is_loaded = preparation->colour[k] || c == COLOURS_MAX - 1;
 
-		preparation->colour[k] = (unsigned char)(bears ? BEARS | c : c);
+		preparation->colour[k] = (unsigned char)(is_loaded ? LOADED | c : c);
 		colours->tail = colours->tail || c == COLOURS_MAX - 1;
 		colours->count = c + 1 > colours->count ? c + 1 : colours->count;
 		colours->first[c + 1]++;
-		colours->other[c] += bears;
+		colours->unloaded[c] += is_loaded;
 		if (ends.a >= 0)
-			taken[ends.a] |= (uint64_t)1 << c;
+			used[ends.a] |= (uint64_t)1 << c;
 		if (ends.b >= 0)
-			taken[ends.b] |= (uint64_t)1 << c;
+			used[ends.b] |= (uint64_t)1 << c;
 	}
 }
 
 /*
- * Rows by colour; of one colour first those that bear something to begin with, then the others, as
- * they stood. The order within a colour changes no number, but packs of rows that bear nothing are
- * soon done with: of turned boxes half of the points stay open.
+ * Sorts rows by colour, within a colour first those with an initial impulse, then the others, in
+ * their previous order. The order within a colour changes no number, but packs of rows without
+ * impulses are cheap: half of the points of rotated boxes stay open.
  */
 static void colour_rows(const struct preparation *preparation)
 {
 	const struct colours *const colours = preparation->colours;
-	int *const first = colours->first, *const other = colours->other;
-	int *const next[2] = {other, first};
+	int *const first = colours->first, *const unloaded = colours->unloaded;
+	int *const next[2] = {unloaded, first};
 
-	choose(preparation);
+	choose_colours(preparation);
 	for (int c = 0; c < colours->count; c++) {
-		other[c] += first[c];
+		unloaded[c] += first[c];
 		first[c + 1] += first[c];
 	}
 	for (int k = 0; k < preparation->sweeper->dense->row_count; k++) {
 		const int colour = preparation->colour[k];
 
-		colours->order[next[colour >= BEARS][colour % BEARS]++] = k;
+		colours->order[next[colour >= LOADED][colour % LOADED]++] = k;
 	}
-	/* all others have come to where the next colour begins */
+	/* each `unloaded` has reached the start of the next colour */
 	for (int c = colours->count; c > 0; c--)
-		first[c] = other[c - 1];
+		first[c] = unloaded[c - 1];
 	first[0] = 0;
 }
 
-/* Colours do not ask for velocities, nor what makes these for colours. */
+/* Colouring does not need velocities, nor warm starting colours: both run concurrently. */
 static void colour_or_warm(void *user, int block, int worker)
 {
 	const struct preparation *preparation = user;
@@ -139,20 +139,20 @@ static bool prepare_packs(struct preparation *preparation, struct rb_arena *aren
 	const size_t members = (size_t)sweeper->member_count;
 
 	preparation->ends = rb_arena_take(arena, count, sizeof *preparation->ends);
-	preparation->taken = rb_arena_take(arena, members, sizeof *preparation->taken);
+	preparation->used = rb_arena_take(arena, members, sizeof *preparation->used);
 	preparation->colour = rb_arena_take(arena, count, 1);
 	colours->first = rb_arena_take(arena, COLOURS_MAX + 2, sizeof *colours->first);
-	colours->other = rb_arena_take(arena, COLOURS_MAX, sizeof *colours->other);
+	colours->unloaded = rb_arena_take(arena, COLOURS_MAX, sizeof *colours->unloaded);
 	colours->order = rb_arena_take(arena, count, sizeof *colours->order);
-	if (!preparation->ends || !preparation->taken || !preparation->colour || !colours->first ||
-	    !colours->other || !colours->order)
+	if (!preparation->ends || !preparation->used || !preparation->colour || !colours->first ||
+	    !colours->unloaded || !colours->order)
 		return false;
 	for (int k = 0; k < sweeper->member_count; k++)
 		sweeper->local[sweeper->member[k]] = k;
-	memset(preparation->taken, 0, members * sizeof *preparation->taken);
+	memset(preparation->used, 0, members * sizeof *preparation->used);
 	memset(colours->first, 0, (COLOURS_MAX + 2) * sizeof *colours->first);
-	memset(colours->other, 0, COLOURS_MAX * sizeof *colours->other);
-	share_out(preparation, find_ends);
+	memset(colours->unloaded, 0, COLOURS_MAX * sizeof *colours->unloaded);
+	run_blocks(preparation, find_ends);
 	if (sweeper->team && sweeper->warms)
 		rb_team_run(sweeper->team, 2, colour_or_warm, preparation);
 	else
@@ -186,8 +186,8 @@ static void find_kinds(void *user, size_t first, size_t end)
 		__atomic_store_n(&preparation->eccentric, true, __ATOMIC_RELAXED);
 }
 
-/* Velocities that the impulses of the rows make, if they are asked for. */
-static void warm(const struct rb_sweeper *sweeper)
+/* Applies the impulses of the rows, if requested. */
+static void warm_start(const struct rb_sweeper *sweeper)
 {
 	if (sweeper->warms)
 		rb_sweep_warm(sweeper->dense);
@@ -199,7 +199,7 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 	struct preparation preparation = {.sweeper = sweeper, .colours = &colours};
 
 	if (sweeper->team)
-		share_out(&preparation, find_kinds);
+		run_blocks(&preparation, find_kinds);
 	else
 		preparation.eccentric = !is_central(sweeper->dense);
 	if (!sweeper->team && preparation.eccentric)
@@ -209,73 +209,75 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 	                        (sweeper->central ? RB_WIDE_CENTRAL_ROWS : RB_WIDE_ROWS) &&
 	                !preparation.other;
 	if (!sweeper->wide) {
-		sweeper->one = (struct rb_sweep){.dense = sweeper->dense,
-		                                 .central = sweeper->central,
-		                                 .interrupt = sweeper->interrupt};
+		sweeper->gauss_seidel = (struct rb_sweep){.dense = sweeper->dense,
+		                                          .central = sweeper->central,
+		                                          .interrupt = sweeper->interrupt};
 		sweeper->impulses = rb_arena_take(arena, (size_t)sweeper->member_count + 1,
 		                                  sizeof *sweeper->impulses);
-		if (!sweeper->impulses || !rb_sweep_take(&sweeper->one, arena))
+		if (!sweeper->impulses || !rb_sweep_take(&sweeper->gauss_seidel, arena))
 			return false;
-		warm(sweeper);
+		warm_start(sweeper);
 		return true;
 	}
 	if (!prepare_packs(&preparation, arena))
 		return false;
-	sweeper->many = (struct rb_wide){.dense = sweeper->dense,
-	                                 .central = sweeper->central,
-	                                 .order = colours.order,
-	                                 .fixed = sweeper->fixed,
-	                                 .member = sweeper->member,
-	                                 .member_count = sweeper->member_count,
-	                                 .team = sweeper->team,
-	                                 .colour = colours.first,
-	                                 .colour_count = colours.count,
-	                                 .tail = colours.tail,
-	                                 .interrupt = sweeper->interrupt};
-	if (!rb_wide_take(&sweeper->many, arena))
+	sweeper->packs = (struct rb_wide){.dense = sweeper->dense,
+	                                  .central = sweeper->central,
+	                                  .order = colours.order,
+	                                  .fixed = sweeper->fixed,
+	                                  .member = sweeper->member,
+	                                  .member_count = sweeper->member_count,
+	                                  .team = sweeper->team,
+	                                  .colour = colours.first,
+	                                  .colour_count = colours.count,
+	                                  .tail = colours.tail,
+	                                  .interrupt = sweeper->interrupt};
+	if (!rb_wide_take(&sweeper->packs, arena))
 		return false;
 	if (!sweeper->team)
-		warm(sweeper);
+		warm_start(sweeper);
 	return true;
 }
 
 struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double tolerance, int max)
 {
 	if (sweeper->wide)
-		return rb_wide_solve(&sweeper->many, tolerance, max, RB_WIDE_FRESH);
-	sweeper->one.tolerance = tolerance;
-	sweeper->one.max = max;
-	return rb_sweep_solve(&sweeper->one);
+		return rb_wide_solve(&sweeper->packs, tolerance, max, RB_WIDE_FRESH);
+	sweeper->gauss_seidel.tolerance = tolerance;
+	sweeper->gauss_seidel.max = max;
+	return rb_sweep_solve(&sweeper->gauss_seidel);
 }
 
-struct rb_sweep_result rb_sweeper_go_on(struct rb_sweeper *sweeper, double tolerance, int max,
-                                        double slack)
+struct rb_sweep_result rb_sweeper_continue(struct rb_sweeper *sweeper, double tolerance, int max,
+                                           double slack)
 {
 	if (!sweeper->wide)
 		return rb_sweeper_run(sweeper, tolerance, max);
-	sweeper->many.slack = slack;
-	const struct rb_sweep_result result = rb_wide_solve(&sweeper->many, tolerance, max,
-	                                                    RB_WIDE_GOES_ON);
-	sweeper->many.slack = 0;
+	sweeper->packs.slack = slack;
+	const struct rb_sweep_result result = rb_wide_solve(&sweeper->packs, tolerance, max,
+	                                                    RB_WIDE_CONTINUE);
+	sweeper->packs.slack = 0;
 	return result;
 }
 
-bool rb_sweeper_went_far(const struct rb_sweeper *sweeper)
+bool rb_sweeper_lost_digits(const struct rb_sweeper *sweeper)
 {
 	if (sweeper->wide)
 		return false;
 	for (int k = 0; k < sweeper->member_count; k++)
 		sweeper->local[sweeper->member[k]] = k;
-	return rb_sweep_went_far(&sweeper->one, sweeper->local, sweeper->impulses,
-	                         sweeper->member_count);
+	return rb_sweep_lost_digits(&sweeper->gauss_seidel, sweeper->local, sweeper->impulses,
+	                            sweeper->member_count);
 }
 
-struct rb_sweep_result rb_sweeper_hold(struct rb_sweeper *sweeper, double tolerance, int max)
+struct rb_sweep_result rb_sweeper_hold_friction(struct rb_sweeper *sweeper, double tolerance,
+                                                int max)
 {
-	return rb_wide_solve(&sweeper->many, tolerance, max, RB_WIDE_HOLDS);
+	return rb_wide_solve(&sweeper->packs, tolerance, max, RB_WIDE_HOLD_FRICTION);
 }
 
-struct rb_sweep_result rb_sweeper_press_on(struct rb_sweeper *sweeper, double tolerance, int max)
+struct rb_sweep_result rb_sweeper_continue_undamped(struct rb_sweeper *sweeper, double tolerance,
+                                                    int max)
 {
-	return rb_wide_solve(&sweeper->many, tolerance, max, RB_WIDE_PRESSES_ON);
+	return rb_wide_solve(&sweeper->packs, tolerance, max, RB_WIDE_CONTINUE_UNDAMPED);
 }

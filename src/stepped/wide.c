@@ -7,33 +7,33 @@
 
 #include "base/error.h"
 
-/* Packs that are one piece of work at most: several times what threads take to part and meet. */
+/* Most packs in one block: several times the work of distributing it to threads. */
 enum { BLOCK_CENTRAL_PACKS = 32, BLOCK_PACKS = 12 };
 
 /*
- * Share of its last way that a row is led on by, at most, to begin with: more swings where rows
- * slide. Pressed: to the end.
+ * Largest fraction of its last change by which a row is extrapolated, initially: with more, sliding
+ * rows oscillate. Undamped: to the end.
  */
-static const double lead_first = 0.98, lead_pressed = 0.995;
+static const double momentum_first = 0.98, momentum_undamped = 0.995;
 
 /*
- * Sweeps after which rows are led on by less, unless the largest change has fallen to this share
- * meanwhile. Where it stays the same so many times in succession, impulses creep on for no end.
+ * Sweeps after which momentum is reduced, unless the largest change has fallen to this fraction
+ * meanwhile. If it stays the same so many times in succession, impulses creep indefinitely.
  */
 enum { SWEEPS_WATCHED = 24, SAME_MAX = 4 };
-static const double fall_share = 0.9, lead_growth = 1.5, same_share = 0.01;
+static const double fall_share = 0.9, damping_growth = 1.5, same_share = 0.01;
 
-/* Sweeps by which it is known how fast the largest change falls, and what there is to be left. */
+/* Sweeps over which the rate of convergence is measured. */
 enum { SWEEPS_COMPARED = 8 };
 
 /*
- * So many roundings of 32 bits, of the largest speed or impulse, are within what sweeps may leave:
- * a row is swept some hundred times, and they are of either sign.
+ * So many roundings in 32 bits, of the largest speed or impulse, are within the tolerance: a row is
+ * swept some hundred times, and they are of either sign.
  */
 static const double single_roundings = 256;
 
 /*
- * Rows from which on packs in 32 bits are half as many. Fewer may be a stack, which comes to stand
+ * Rows from which on packs in 32 bits are half as many. Fewer may be a stack, which comes to rest
  * only if it is solved closely.
  */
 enum { SINGLE_ROWS = 512 };
@@ -55,11 +55,14 @@ struct work {
 	const struct rb_wide *wide;
 	const struct rb_packs *packs;
 	enum rb_pack_task task;
-	double lead; /* of sweeps: first, leads on by this share at most; 0: solves only */
+	double momentum; /* of sweeps: first extrapolates by up to this fraction; 0: solves only */
 };
 
-/* The rows of a pack are those of its colour from `at` on, as far as there are. */
-static void carry_packs(const struct work *work, int colour, int first, int end)
+/*
+ * Loads or stores packs; the rows of a pack are those of its colour from `at` on, as far as there
+ * are.
+ */
+static void transfer_packs(const struct work *work, int colour, int first, int end)
 {
 	const struct rb_wide *const wide = work->wide;
 	const struct rb_packs *const packs = work->packs;
@@ -69,7 +72,8 @@ static void carry_packs(const struct work *work, int colour, int first, int end)
 		const int at = wide->colour[colour] + width * (k - packs->first[colour]);
 		const int left = wide->colour[colour + 1] - at;
 
-		packs->kernel->carry(wide, packs, work->task, k, at, left < width ? left : width);
+		packs->kernel->transfer(wide, packs, work->task, k, at,
+		                        left < width ? left : width);
 	}
 }
 
@@ -78,7 +82,7 @@ static double larger(double a, double b)
 	return a > b ? a : b;
 }
 
-/* With the largest coordinate, of either sign: without branches, which follow no pattern here. */
+/* Maximum with the absolute coordinates of v: without branches, which follow no pattern here. */
 static double larger_of(double a, rb_vec3 v)
 {
 	return larger(larger(a, fabs(v.x)), larger(fabs(v.y), fabs(v.z)));
@@ -91,8 +95,8 @@ static int packs_of(const struct rb_packs *packs, int colour)
 }
 
 /*
- * Blocks of a colour: one, or an even number of about the same length, or threads would wait for
- * the one that has the last of three, or the longer of two.
+ * Blocks of a colour: one, or an even number of about equal length, or threads would wait for the
+ * one with the last of three, or the longer of two.
  */
 static int blocks_of(const struct rb_wide *wide, const struct rb_packs *packs, int colour)
 {
@@ -110,41 +114,41 @@ static int first_of(const struct rb_packs *packs, int colour, int block)
 	return packs->first[colour] + (int)((int64_t)packs_of(packs, colour) * block / blocks);
 }
 
-static void run_colour(const struct work *work, int c, int block, double lead)
+static void run_colour(const struct work *work, int c, int block, double momentum)
 {
 	const struct rb_packs *const packs = work->packs;
 	const int first = first_of(packs, c, block), end = first_of(packs, c, block + 1);
 
 	if (work->task != RB_PACK_SWEEP) {
-		carry_packs(work, c, first, end);
+		transfer_packs(work, c, first, end);
 		return;
 	}
-	const double change = packs->kernel->run(work->wide, packs, lead, first, end);
-	if (lead == 0)
+	const double change = packs->kernel->run(work->wide, packs, momentum, first, end);
+	if (momentum == 0)
 		packs->partial[packs->first_block[c] + block] = change;
 }
 
 /*
- * A phase is a colour, or several in succession of one block each, for which threads need not wait
- * for each other: those that lead on come first, if any.
+ * A phase is a colour, or several successive ones of one block each, between which threads need not
+ * synchronize: phases that extrapolate come first, if any.
  */
 static void run_block(void *user, int phase, int block, int worker)
 {
 	const struct work *work = user;
 	const struct rb_packs *const packs = work->packs;
-	const bool leads = work->lead > 0 && phase < packs->phase_count;
-	const int p = work->lead > 0 && !leads ? phase - packs->phase_count : phase;
+	const bool extrapolates = work->momentum > 0 && phase < packs->phase_count;
+	const int p = work->momentum > 0 && !extrapolates ? phase - packs->phase_count : phase;
 
 	(void)worker;
 	for (int c = packs->phase[p]; c < packs->phase[p + 1]; c++)
-		run_colour(work, c, block, leads ? work->lead : 0);
+		run_colour(work, c, block, extrapolates ? work->momentum : 0);
 }
 
 static void run_all(const struct rb_wide *wide, const struct rb_packs *packs,
-                    enum rb_pack_task task, double lead)
+                    enum rb_pack_task task, double momentum)
 {
-	struct work work = {.wide = wide, .packs = packs, .task = task, .lead = lead};
-	const int phases = (lead > 0 ? 2 : 1) * packs->phase_count;
+	struct work work = {.wide = wide, .packs = packs, .task = task, .momentum = momentum};
+	const int phases = (momentum > 0 ? 2 : 1) * packs->phase_count;
 
 	if (wide->team)
 		rb_team_run_phases(wide->team, packs->blocks, phases, run_block, &work);
@@ -155,13 +159,14 @@ static void run_all(const struct rb_wide *wide, const struct rb_packs *packs,
 }
 
 /*
- * Leads on, if asked to, and solves all rows; returns the largest change of a row's velocity, m/s.
+ * Extrapolates, if `momentum` is positive, and solves all rows; returns the largest change of a
+ * row's velocity, m/s.
  */
-static double sweep_all(const struct rb_wide *wide, const struct rb_packs *packs, double lead)
+static double sweep_all(const struct rb_wide *wide, const struct rb_packs *packs, double momentum)
 {
 	double max = 0;
 
-	run_all(wide, packs, RB_PACK_SWEEP, lead);
+	run_all(wide, packs, RB_PACK_SWEEP, momentum);
 	for (int b = 0; b < packs->first_block[wide->colour_count]; b++)
 		max = larger(max, packs->partial[b]);
 	return sqrt(max) / packs->per_speed;
@@ -176,7 +181,7 @@ size_t rb_wide_row_bytes(bool central, bool tensors)
 	return bytes / (size_t)kernel->width;
 }
 
-/* Whether some body of a row has an inertia that is no multiple of one. */
+/* Whether a body of a row has an inertia tensor that is not scalar. */
 static bool has_tensors(const struct rb_row_system *dense)
 {
 	const struct rb_solver_body *const body = dense->bodies.body;
@@ -188,16 +193,16 @@ static bool has_tensors(const struct rb_row_system *dense)
 	return any;
 }
 
-/* Phases, once blocks of colours are known. */
-static void part_phases(const struct rb_wide *wide, struct rb_packs *packs)
+/* Groups colours into phases, once their blocks are known. */
+static void group_phases(const struct rb_wide *wide, struct rb_packs *packs)
 {
 	int count = 0;
 
 	for (int c = 0; c < wide->colour_count; c++) {
 		const int blocks = packs->first_block[c + 1] - packs->first_block[c];
-		const bool goes_on = count > 0 && blocks == 1 && packs->blocks[count - 1] == 1;
+		const bool continues = count > 0 && blocks == 1 && packs->blocks[count - 1] == 1;
 
-		if (goes_on)
+		if (continues)
 			continue;
 		packs->phase[count] = c;
 		packs->blocks[count++] = blocks;
@@ -207,7 +212,7 @@ static void part_phases(const struct rb_wide *wide, struct rb_packs *packs)
 	memcpy(packs->blocks + count, packs->blocks, (size_t)count * sizeof *packs->blocks);
 }
 
-/* Packs by colour, without room for them. */
+/* Plans packs by colour, without memory for them. */
 static bool plan_packs(const struct rb_wide *wide, const struct rb_pack_kernel *kernel,
                        struct rb_packs *packs, struct rb_arena *arena)
 {
@@ -237,12 +242,14 @@ static bool plan_packs(const struct rb_wide *wide, const struct rb_pack_kernel *
 	}
 	packs->first[colours] = count;
 	packs->first_block[colours] = blocks;
-	part_phases(wide, packs);
+	group_phases(wide, packs);
 	packs->partial = rb_arena_take(arena, (size_t)blocks, sizeof *packs->partial);
 	return packs->partial != NULL;
 }
 
-/* Of what takes so many bytes a pack of 64 bits, and of 32: one at a time is there. */
+/*
+ * Takes memory of so many bytes per pack of 64 bits, or of 32: only one kind is in use at a time.
+ */
 static void *take_either(const struct rb_wide *wide, size_t double_bytes, size_t single_bytes,
                          struct rb_arena *arena)
 {
@@ -285,15 +292,15 @@ bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
 
 /* ---- 32 bits ---- */
 
-/* The power of two that x is divided by to be from 1 to 2; 1 of what has none. */
+/* Power of two that scales x to [1, 2); 1 if there is none. */
 static double unit_of(double x)
 {
 	return x > 0 && isfinite(x) ? ldexp(1, -ilogb(x)) : 1;
 }
 
 /*
- * Whether they tell more than the tolerance of the largest speeds and impulses. Units are as large
- * as what there is of it: found with the first packs.
+ * Whether 32 bits resolve the tolerance at the largest speeds and impulses. Units are powers of two
+ * near the largest values, chosen with the first packs.
  */
 static bool may_be_single(const struct rb_wide *wide, struct rb_packs *packs, double tolerance)
 {
@@ -324,7 +331,7 @@ static bool may_be_single(const struct rb_wide *wide, struct rb_packs *packs, do
 	return single_roundings * (double)FLT_EPSILON * size <= tolerance;
 }
 
-static void put_body(const struct rb_wide *wide, const struct rb_packs *packs, int i)
+static void convert_body(const struct rb_wide *wide, const struct rb_packs *packs, int i)
 {
 	const struct rb_solver_body *const body = &wide->dense->bodies.body[i];
 	const double turning = packs->per_speed / packs->per_length;
@@ -341,48 +348,49 @@ static void put_body(const struct rb_wide *wide, const struct rb_packs *packs, i
 	to[7] = (float)(inertia * body->inverse_inertia);
 }
 
-static void put_bodies(const struct rb_wide *wide, const struct rb_packs *packs)
+static void convert_bodies(const struct rb_wide *wide, const struct rb_packs *packs)
 {
 	const struct rb_solver_body *const body = wide->dense->bodies.body;
 
 	for (int k = 0; k < wide->member_count; k++)
-		put_body(wide, packs, wide->member[k]);
+		convert_body(wide, packs, wide->member[k]);
 	if (packs->filled)
 		return;
-	put_body(wide, packs, wide->fixed);
-	/* nobody's members are driven ones, and those that give no way while others are moved */
+	convert_body(wide, packs, wide->fixed);
+	/* driven bodies, and bodies held while others are moved, are no members */
 	for (int k = 0; k < wide->dense->row_count; k++) {
 		const int a = wide->dense->row[k].a, b = wide->dense->row[k].b;
 
 		if (body[a].inverse_mass == 0)
-			put_body(wide, packs, a);
+			convert_body(wide, packs, a);
 		if (b != wide->fixed && body[b].inverse_mass == 0)
-			put_body(wide, packs, b);
+			convert_body(wide, packs, b);
 	}
 }
 
-/* Whether packs stay as the call before has left them. */
-static bool is_gathered(enum rb_wide_start start)
+/* Whether packs stay as the call before left them. */
+static bool continues_last(enum rb_wide_start start)
 {
-	return start == RB_WIDE_GOES_ON || start == RB_WIDE_PRESSES_ON;
+	return start == RB_WIDE_CONTINUE || start == RB_WIDE_CONTINUE_UNDAMPED;
 }
 
-/* Chooses numbers and puts into packs what they need; those of a call that goes on stay. */
+/* Chooses 64 or 32 bits and loads the packs; a call that continues keeps both. */
 static const struct rb_packs *begin(struct rb_wide *wide, double tolerance,
                                     enum rb_wide_start start)
 {
 	struct rb_packs *const single = &wide->packs[1];
 
-	if (!is_gathered(start))
-		wide->single = start != RB_WIDE_HOLDS && single->body &&
+	if (!continues_last(start))
+		wide->single = start != RB_WIDE_HOLD_FRICTION && single->body &&
 		               may_be_single(wide, single, tolerance);
 	struct rb_packs *const packs = &wide->packs[wide->single];
-	wide->packs[!wide->single].filled = false; /* they stand in the same place */
-	RB_ASSERT(packs->filled || !is_gathered(start));
+	wide->packs[!wide->single].filled = false; /* both share their memory */
+	RB_ASSERT(packs->filled || !continues_last(start));
 	if (wide->single)
-		put_bodies(wide, packs);
-	if (!is_gathered(start))
-		run_all(wide, packs, start == RB_WIDE_HOLDS ? RB_PACK_LOAD_HELD : RB_PACK_LOAD, 0);
+		convert_bodies(wide, packs);
+	if (!continues_last(start))
+		run_all(wide, packs,
+		        start == RB_WIDE_HOLD_FRICTION ? RB_PACK_LOAD_HELD : RB_PACK_LOAD, 0);
 	packs->filled = true;
 	return packs;
 }
@@ -394,7 +402,10 @@ struct fall {
 	double least, before;
 };
 
-/* Within the slack, and not below the tolerance in half of the sweeps left if it falls so. */
+/*
+ * Whether the residual is within the slack, and would still exceed the tolerance after half of the
+ * remaining sweeps at the present rate of convergence.
+ */
 static bool creeps(const struct rb_wide *wide, struct fall *fall,
                    const struct rb_sweep_result *result, double tolerance, int max)
 {
@@ -416,17 +427,18 @@ struct rb_sweep_result rb_wide_solve(struct rb_wide *wide, double tolerance, int
                                      enum rb_wide_start start)
 {
 	struct rb_sweep_result result = {0};
-	const bool gathered = is_gathered(start);
+	const bool is_continued = continues_last(start);
 	int same = 0;
-	const bool presses = start == RB_WIDE_PRESSES_ON;
-	double lead = presses ? lead_pressed : lead_first, least = (double)INFINITY,
-	       before = (double)INFINITY;
+	const bool is_undamped = start == RB_WIDE_CONTINUE_UNDAMPED;
+	double momentum = is_undamped ? momentum_undamped : momentum_first,
+	       least = (double)INFINITY, before = (double)INFINITY;
 	struct fall fall = {(double)INFINITY, (double)INFINITY};
 
 	const struct rb_packs *const packs = begin(wide, tolerance, start);
 
 	while (result.sweeps < max) {
-		result.residual = sweep_all(wide, packs, result.sweeps > 0 || gathered ? lead : 0);
+		result.residual = sweep_all(wide, packs,
+		                            result.sweeps > 0 || is_continued ? momentum : 0);
 		result.sweeps++;
 		if (result.residual <= tolerance ||
 		    rb_interrupt_after(wide->interrupt,
@@ -434,9 +446,9 @@ struct rb_sweep_result rb_wide_solve(struct rb_wide *wide, double tolerance, int
 		    creeps(wide, &fall, &result, tolerance, max))
 			break;
 		least = fmin(least, result.residual);
-		if (!presses && result.sweeps % SWEEPS_WATCHED == 0) {
+		if (!is_undamped && result.sweeps % SWEEPS_WATCHED == 0) {
 			if (least > fall_share * before)
-				lead = fmax(0, 1 - lead_growth * (1 - lead));
+				momentum = fmax(0, 1 - damping_growth * (1 - momentum));
 			same = fabs(least - before) < same_share * before ? same + 1 : 0;
 			if (same == SAME_MAX)
 				break;

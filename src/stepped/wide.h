@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Contacts (CONE rows) by iteration, four at a time: sweeps as in stepped/gauss_seidel over packs
- * of rows that share no body, each impulse then led on along the way it goes (Nesterov's momentum,
- * Soviet Math. Doklady 27 (1983) 372, for each row on its own: a row that turns round loses half of
- * what it has gathered, B. O'Donoghue and E. Candes, Found. Comput. Math. 15 (2015) 715).
+ * of rows that share no body, each impulse extrapolated along its last change (Nesterov's momentum,
+ * Soviet Math. Doklady 27 (1983) 372, for each row on its own: a row that reverses loses half of
+ * its momentum, B. O'Donoghue and E. Candes, Found. Comput. Math. 15 (2015) 715).
  *
- * Jammed heaps have rows enough that change their face in every sweep; a mixture of earlier sweeps
- * has then to be forgotten as often, momentum has not. Blocks are of packs, so what comes out does
- * not depend on the workers.
+ * Jammed heaps have enough rows that some change between sticking, slipping and open in every
+ * sweep; a mixture of earlier sweeps would have to be discarded as often, momentum need not be.
+ * Blocks consist of packs, so results do not depend on the workers.
  */
 #ifndef RB_STEPPED_WIDE_H
 #define RB_STEPPED_WIDE_H
@@ -18,21 +18,21 @@
 
 struct rb_wide {
 	const struct rb_row_system *dense;
-	bool central;      /* all rows are: packs are smaller */
-	const int *order;  /* [rows]: these by colour */
-	int fixed;         /* a body that does not yield */
-	const int *member; /* [member_count]: bodies that do */
+	bool central;      /* all rows are central: packs are smaller */
+	const int *order;  /* [rows]: indices by colour */
+	int fixed;         /* a static body */
+	const int *member; /* [member_count]: dynamic bodies */
 	int member_count;
 	struct rb_team *team; /* NULL: in one thread */
-	const int *colour;    /* [colour_count + 1]: where each begins in `order` */
+	const int *colour;    /* [colour_count + 1]: start of each in `order` */
 	int colour_count;
-	bool tail; /* rows of the last colour share bodies after all: one after the other */
+	bool tail; /* rows of the last colour share bodies: solved one after the other */
 	/* scratch, rb_wide_take */
 	struct rb_packs packs[2]; /* in 64 bits, in 32 bits: one of them is filled */
-	bool single;              /* the latter are under way */
+	bool single;              /* the latter are in use */
 	/*
-	 * More than 0: sweeps that would not reach the tolerance soon are left once they are
-	 * within so many tolerances, from where others (`holds`) go on.
+	 * If positive: sweeps that would not reach the tolerance soon end once the residual is
+	 * within so many tolerances; friction is held from there on.
 	 */
 	double slack;
 	struct rb_interrupt *interrupt; /* borrowed; NULL: none */
@@ -41,17 +41,22 @@ struct rb_wide {
 /* Bytes of scratch for a row. */
 size_t rb_wide_row_bytes(bool central, bool tensors);
 
-/* Scratch, once the rest is known; false: no memory. */
+/* Takes scratch, once the rest is set; false: no memory. */
 bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena);
 
 /*
- * From the impulses that the rows have, which the bodies feel already. GOES_ON: as the call before
- * has left them, with the way that it has gathered. PRESSES_ON: so, and rows are led on as far as
- * may be to the end: where impulses creep on together, little changes until one of them slips or
- * opens, and what is led on by less comes to a stop before. HOLDS: what acts across the normals
- * stays as it is, and no normal impulse falls below what holds it within the cone.
+ * Starts from the impulses of the rows, which the bodies' velocities include already. CONTINUE:
+ * from where the call before ended, with its momentum. CONTINUE_UNDAMPED: likewise, with the
+ * largest momentum to the end: where impulses creep together, little changes until one contact
+ * slips or opens, and less momentum stalls before that. HOLD_FRICTION: tangential impulses stay as
+ * they are, and no normal impulse falls below the one whose cone contains them.
  */
-enum rb_wide_start { RB_WIDE_FRESH, RB_WIDE_GOES_ON, RB_WIDE_HOLDS, RB_WIDE_PRESSES_ON };
+enum rb_wide_start {
+	RB_WIDE_FRESH,
+	RB_WIDE_CONTINUE,
+	RB_WIDE_HOLD_FRICTION,
+	RB_WIDE_CONTINUE_UNDAMPED
+};
 struct rb_sweep_result rb_wide_solve(struct rb_wide *wide, double tolerance, int max,
                                      enum rb_wide_start start);
 
