@@ -11,44 +11,45 @@
 /* ---- order of elimination ---- */
 
 /*
- * Lists, not a matrix of bits: of a heap of 20,000 bodies that had 50 MB, of 200,000 five GB, for
- * an order that is given up after the first few thousand.
+ * Lists, not a bit matrix: for a heap of 20,000 bodies that took 50 MB, for 200,000 it would be 5
+ * GB, for an order that is given up after the first few thousand.
  */
 struct graph {
 	int count;
-	int **list; /* [count]: ascending: neighbours that are left, and the body itself */
-	int *length, *capacity; /* [count] of each, and what fits in */
-	uint64_t *least;        /* [2 count]: a tournament: the least of two below is at half */
-	int *order;             /* [count]: body at each place */
-	int *joined;            /* [count]: scratch */
+	int **list;             /* [count]: remaining neighbours and the body itself, ascending */
+	int *length, *capacity; /* [count]: length and capacity of each list */
+	/* [2 count]: tournament tree: each node has the lesser of its two children */
+	uint64_t *tree;
+	int *order;  /* [count]: body at each position */
+	int *merged; /* [count]: scratch */
 	struct rb_arena *arena;
 };
 
-static void play(struct graph *graph, size_t at)
+static void update_node(struct graph *graph, size_t at)
 {
-	const uint64_t left = graph->least[2 * at], right = graph->least[2 * at + 1];
+	const uint64_t left = graph->tree[2 * at], right = graph->tree[2 * at + 1];
 
-	graph->least[at] = left < right ? left : right;
+	graph->tree[at] = left < right ? left : right;
 }
 
-/* Degrees are compared first, then bodies; eliminated ones come last. */
-static void enter(struct graph *graph, int i, bool is_left)
+/* Keys compare degrees first, then bodies; eliminated bodies come last. */
+static void update_degree(struct graph *graph, int i, bool remains)
 {
 	size_t at = (size_t)graph->count + (size_t)i;
 
-	graph->least[at] = is_left ? (uint64_t)graph->length[i] << 32 | (uint64_t)i : UINT64_MAX;
+	graph->tree[at] = remains ? (uint64_t)graph->length[i] << 32 | (uint64_t)i : UINT64_MAX;
 	for (at /= 2; at > 0; at /= 2)
-		play(graph, at);
+		update_node(graph, at);
 }
 
 static int least_degree(const struct graph *graph)
 {
-	RB_ASSERT_COSTLY(graph->least[1] != UINT64_MAX);
-	return (int)(graph->least[1] & UINT32_MAX);
+	RB_ASSERT_COSTLY(graph->tree[1] != UINT64_MAX);
+	return (int)(graph->tree[1] & UINT32_MAX);
 }
 
-/* The union of the lists of i and k without k; returns its length. */
-static int join(const struct graph *graph, int i, int k)
+/* Merges the lists of i and k, without k, into `merged`; returns its length. */
+static int merge_lists(const struct graph *graph, int i, int k)
 {
 	const int *x = graph->list[i], *y = graph->list[k];
 	const int *const x_end = x + graph->length[i], *const y_end = y + graph->length[k];
@@ -60,12 +61,12 @@ static int join(const struct graph *graph, int i, int k)
 		x += x < x_end && *x == next;
 		y += y < y_end && *y == next;
 		if (next != k)
-			graph->joined[count++] = next;
+			graph->merged[count++] = next;
 	}
 	return count;
 }
 
-/* Joins the neighbours of `k` to each other and takes k out; false: no memory. */
+/* Connects the neighbours of `k` with each other and eliminates k; false: no memory. */
 static bool eliminate(struct graph *graph, int k)
 {
 	RB_ASSERT_COSTLY(k >= 0 && k < graph->count);
@@ -74,7 +75,7 @@ static bool eliminate(struct graph *graph, int k)
 
 		if (i == k)
 			continue;
-		const int count = join(graph, i, k);
+		const int count = merge_lists(graph, i, k);
 		if (count > graph->capacity[i]) {
 			graph->capacity[i] = 2 * count;
 			graph->list[i] = rb_arena_take(graph->arena, 2 * (size_t)count,
@@ -82,17 +83,17 @@ static bool eliminate(struct graph *graph, int k)
 			if (!graph->list[i])
 				return false;
 		}
-		memcpy(graph->list[i], graph->joined, (size_t)count * sizeof(int));
+		memcpy(graph->list[i], graph->merged, (size_t)count * sizeof(int));
 		graph->length[i] = count;
-		enter(graph, i, true);
+		update_degree(graph, i, true);
 	}
-	enter(graph, k, false);
+	update_degree(graph, k, false);
 	return true;
 }
 
 /*
- * Orders all; the lists of eliminated bodies keep what was left of their neighbours then. Returns
- * blocks, 0: too much, or no memory.
+ * Orders all bodies; the list of an eliminated body keeps its neighbours that remained then.
+ * Returns the number of blocks; 0: too many multiplications, or no memory.
  */
 static int order_all(struct graph *graph, struct rb_blocks *blocks, double max)
 {
@@ -123,7 +124,7 @@ static int by_number(const void *x, const void *y)
 	return (a > b) - (a < b);
 }
 
-/* Neighbours as the pairs say, each once; false: no memory. */
+/* Builds the graph from the pairs, each neighbour once; false: no memory. */
 static bool make_graph(struct graph *graph, const int (*pair)[2], int pair_count)
 {
 	const size_t n = (size_t)graph->count;
@@ -131,12 +132,12 @@ static bool make_graph(struct graph *graph, const int (*pair)[2], int pair_count
 
 	graph->list = rb_arena_take(graph->arena, n, sizeof *graph->list);
 	graph->length = rb_arena_take(graph->arena, 4 * n, sizeof *graph->length);
-	graph->least = rb_arena_take(graph->arena, 2 * n, sizeof *graph->least);
-	if (!all || !graph->list || !graph->length || !graph->least)
+	graph->tree = rb_arena_take(graph->arena, 2 * n, sizeof *graph->tree);
+	if (!all || !graph->list || !graph->length || !graph->tree)
 		return false;
 	graph->capacity = graph->length + n;
 	graph->order = graph->capacity + n;
-	graph->joined = graph->order + n;
+	graph->merged = graph->order + n;
 	for (int i = 0; i < graph->count; i++)
 		graph->capacity[i] = 1;
 	for (int p = 0; p < 2 * pair_count; p++)
@@ -160,10 +161,10 @@ static bool make_graph(struct graph *graph, const int (*pair)[2], int pair_count
 			if (kept == 0 || list[kept - 1] != list[k])
 				list[kept++] = list[k];
 		graph->length[i] = kept;
-		graph->least[n + (size_t)i] = (uint64_t)kept << 32 | (uint64_t)i;
+		graph->tree[n + (size_t)i] = (uint64_t)kept << 32 | (uint64_t)i;
 	}
 	for (size_t at = n; at-- > 1;)
-		play(graph, at);
+		update_node(graph, at);
 	return true;
 }
 
@@ -224,11 +225,11 @@ void rb_blocks_clear(struct rb_blocks *blocks)
 	memset(blocks->value, 0, (size_t)blocks->first[blocks->count] * sizeof *blocks->value);
 }
 
-rb_block *rb_blocks_at(struct rb_blocks *blocks, int a, int b, bool *turned)
+rb_block *rb_blocks_at(struct rb_blocks *blocks, int a, int b, bool *transposed)
 {
 	int column = blocks->place[a], row = blocks->place[b];
 
-	*turned = column <= row; /* kept as (row, column) = (b, a) */
+	*transposed = column <= row; /* stored as (row, column) = (b, a) */
 	if (column > row) {
 		column = blocks->place[b];
 		row = blocks->place[a];
@@ -245,13 +246,13 @@ rb_block *rb_blocks_at(struct rb_blocks *blocks, int a, int b, bool *turned)
 	return &blocks->value[low];
 }
 
-/* A pivot that leaves nothing of an unknown. */
+/* Root of the pivot of a dependent unknown: makes it zero. */
 static const double dropped_root = (double)INFINITY;
 
 /*
- * What a system is multiplied by before it is factored, so that roots of pivots scale with it by
- * any power of two, and with all masses: that of twice a number has other digits, that of four
- * times it has the same.
+ * Scale of a system before it is factored, so that roots of pivots scale exactly with any power of
+ * two, and with all masses: the root of 2x has other digits than that of x, the root of 4x has the
+ * same.
  */
 static double even_scale(const struct rb_blocks *blocks)
 {
@@ -268,25 +269,25 @@ static void scale_all(struct rb_blocks *blocks, double scale)
 
 	for (size_t i = 0; i < count; i++)
 		value[i] *= scale;
-	for (int i = 0; blocks->least && i < RB_BLOCK * blocks->count; i++)
-		blocks->least[i] *= scale;
+	for (int i = 0; blocks->pivot_min && i < RB_BLOCK * blocks->count; i++)
+		blocks->pivot_min[i] *= scale;
 }
 
 /* Cholesky's factor of a diagonal block, in its lower half. */
-static bool factor_diagonal(rb_block *d, double *least)
+static bool factor_diagonal(rb_block *d, double *pivot_min)
 {
 	for (int j = 0; j < RB_BLOCK; j++) {
 		double sum = d->m[j][j];
 
 		for (int k = 0; k < j; k++)
 			sum -= d->m[j][k] * d->m[j][k];
-		const bool depends = least && sum <= least[j];
+		const bool depends = pivot_min && sum <= pivot_min[j];
 
 		if (!(sum > 0) && !depends)
 			return false;
 		const double root = depends ? dropped_root : sqrt(sum);
 		if (depends)
-			least[j] = (double)INFINITY;
+			pivot_min[j] = (double)INFINITY;
 		d->m[j][j] = root;
 		for (int i = j + 1; i < RB_BLOCK; i++) {
 			double s = d->m[i][j];
@@ -299,7 +300,7 @@ static bool factor_diagonal(rb_block *d, double *least)
 	return true;
 }
 
-/* Of two numbers side by side each is computed as it would be alone: digits do not change. */
+/* Two numbers side by side, each computed as it would be alone: with the same bits. */
 typedef double pair __attribute__((vector_size(2 * sizeof(double)), aligned(8), may_alias));
 
 struct six {
@@ -381,7 +382,7 @@ bool rb_blocks_factor(struct rb_blocks *blocks)
 		const int first = blocks->first[c], end = blocks->first[c + 1];
 
 		if (!factor_diagonal(&blocks->value[first],
-		                     blocks->least ? blocks->least + RB_BLOCK * c : NULL))
+		                     blocks->pivot_min ? blocks->pivot_min + RB_BLOCK * c : NULL))
 			return false;
 		for (int i = first + 1; i < end; i++)
 			divide(&blocks->value[i], &blocks->value[first]);

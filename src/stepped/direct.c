@@ -8,29 +8,32 @@
 #include "stepped/blocks.h"
 
 enum { OUTER_MAX = 30, INNER_MAX = 20, HALVINGS_MAX = 20 };
-/* Multiplications of a row in a step beside the factorization, about. */
+/* Approximate multiplications per row in a step besides the factorization. */
 enum { ROW_WORK = 512 };
 
 /*
- * First weight of a row, over its own yield; how much it grows where impulses follow slowly, and
- * how far.
+ * First penalty weight of a row, times its inverse effective mass; growth factor if multipliers
+ * converge slowly, and its limit.
  */
 static const double weight_first = 1, weight_first_resting = 30, weight_growth = 10,
 		    weight_max = 1e5;
-/* Of joints, which hold whatever happens: chains answer by far less than their rows do. */
+/* For joints, which are always active: chains have far larger effective masses than their rows. */
 static const double weight_first_joint = 1e3;
 static const double relax_least = 0.3;
 
-/* A row while it is solved. */
+/* Solver data of a row. */
 struct face {
-	rb_vec3 impulse; /* of the outer iteration */
-	rb_vec3 now;     /* the impulse on the cone at the present velocities */
-	/* of both, of cones: by their sums friction that is much larger would round it away */
+	rb_vec3 impulse; /* multiplier of the outer iteration */
+	rb_vec3 now;     /* projected impulse at the present velocities */
+	/*
+	 * normal parts of both, for cones: computed from the vectors they would be lost to rounding
+	 * beside much larger friction
+	 */
 	double along, along_now;
-	rb_mat3 slope; /* of the projection onto the cone */
+	rb_mat3 slope; /* derivative of the projection onto the set */
 	double weight; /* kg */
 	double shift;  /* m/s: friction times slip */
-	bool soft; /* its weight is 1 over its softness, for good, and no impulse is kept outside */
+	bool soft; /* soft row: its weight is 1 / softness throughout, and it has no multiplier */
 };
 
 struct newton {
@@ -38,12 +41,12 @@ struct newton {
 	const struct rb_row_system *dense;
 	struct face *face;
 	struct rb_blocks blocks;
-	double *gradient, *move, *scratch; /* [6 members] */
-	struct rb_solver_body *kept;       /* [members]: where a line search begins */
+	double *gradient, *step, *scratch; /* [6 members] */
+	struct rb_solver_body *kept;       /* [members]: velocities at the start of a line search */
 	rb_mat3 *inertia;                  /* [members] */
 	double *mass;                      /* [members] */
 	double ratio;                      /* of the masses */
-	double lever;                      /* m: the largest of a couple; 0: there is none */
+	double lever;                      /* m: largest lever of a couple; 0: no couples */
 };
 
 static rb_vec3 slip_of(const struct rb_constraint *row, rb_vec3 u)
@@ -61,7 +64,7 @@ static void add_outer(rb_mat3 *m, double s, rb_vec3 a, rb_vec3 b)
 			m->m[i][j] += s * x[i] * y[j];
 }
 
-/* Nearest point of the friction cone, and how it follows. */
+/* Nearest point of the friction cone, and the derivative of the projection. */
 static void project_cone(const struct rb_constraint *row, struct face *face, rb_vec3 z)
 {
 	const rb_vec3 n = row->normal;
@@ -90,8 +93,8 @@ static void project_cone(const struct rb_constraint *row, struct face *face, rb_
 	}
 	if (mu * across <= -along)
 		return;
-	const rb_vec3 way = rb_vec3_scale(1 / across, t);
-	const rb_vec3 edge = rb_vec3_add_scaled(n, mu, way);
+	const rb_vec3 tangent = rb_vec3_scale(1 / across, t);
+	const rb_vec3 edge = rb_vec3_add_scaled(n, mu, tangent);
 	const double normal_impulse = (along + mu * across) / (1 + mu * mu);
 	const double side = mu * normal_impulse / across;
 
@@ -99,11 +102,11 @@ static void project_cone(const struct rb_constraint *row, struct face *face, rb_
 	face->along_now = normal_impulse;
 	face->slope = rb_mat3_diagonal(side, side, side);
 	add_outer(&face->slope, -side, n, n);
-	add_outer(&face->slope, -side, way, way);
+	add_outer(&face->slope, -side, tangent, tangent);
 	add_outer(&face->slope, 1 / (1 + mu * mu), edge, edge);
 }
 
-/* Nearest point of the row's set; returns what it adds to the function, times the weight. */
+/* Nearest point of the row's set; returns its term of the function, times the weight. */
 static inline double project(const struct rb_constraint *row, struct face *face, rb_vec3 z)
 {
 	const double along = rb_vec3_dot(z, row->normal);
@@ -111,7 +114,8 @@ static inline double project(const struct rb_constraint *row, struct face *face,
 	switch (row->set) {
 	case RB_CONSTRAINT_CONE:
 		project_cone(row, face, z);
-		return 0.5 * rb_vec3_dot(face->now, face->now); /* z.now is now.now, of a cone */
+		/* z.now equals now.now for a cone */
+		return 0.5 * rb_vec3_dot(face->now, face->now);
 	case RB_CONSTRAINT_FREE:
 		face->now = z;
 		face->slope = rb_mat3_diagonal(1, 1, 1);
@@ -128,7 +132,7 @@ static inline double project(const struct rb_constraint *row, struct face *face,
 	return n * along - 0.5 * n * n;
 }
 
-/* ---- the function that is minimized, and its gradient ---- */
+/* ---- the function to be minimized, and its gradient ---- */
 
 static double inertial(const struct newton *s)
 {
@@ -161,33 +165,33 @@ static void add_to(double *g, double sign, rb_vec3 force, rb_vec3 torque)
 	g[5] += sign * torque.z;
 }
 
-static rb_vec3 arm_of(const struct newton *s, const struct rb_constraint *row, bool of_a)
+static rb_vec3 arm_of(const struct newton *s, const struct rb_constraint *row, bool is_a)
 {
 	const rb_vec3 none = {0, 0, 0};
 
-	if (s->dense->bodies.body[of_a ? row->a : row->b].inverse_inertia == 0)
+	if (s->dense->bodies.body[is_a ? row->a : row->b].inverse_inertia == 0)
 		return none;
-	return of_a ? rb_constraint_arm_a(row) : rb_constraint_arm_b(row);
+	return is_a ? rb_constraint_arm_a(row) : rb_constraint_arm_b(row);
 }
 
-/* Adds what an impulse on a member by a row does to the gradient. */
+/* Adds the load of a row's impulse on a member to the gradient. */
 static inline __attribute__((always_inline)) void add_load(struct newton *s,
                                                            const struct rb_constraint *row,
-                                                           bool of_a, rb_vec3 impulse)
+                                                           bool is_a, rb_vec3 impulse)
 {
-	const int body = of_a ? row->a : row->b, member = s->direct->local[body];
+	const int body = is_a ? row->a : row->b, member = s->direct->local[body];
 	const rb_vec3 none = {0, 0, 0};
 	double *const g = s->gradient + RB_BLOCK * member;
 
 	if (member < 0)
 		return;
 	if (!row->couple)
-		add_to(g, of_a ? 1 : -1, impulse, rb_vec3_cross(arm_of(s, row, of_a), impulse));
+		add_to(g, is_a ? 1 : -1, impulse, rb_vec3_cross(arm_of(s, row, is_a), impulse));
 	else if (s->dense->bodies.body[body].inverse_inertia != 0)
-		add_to(g, of_a ? 1 : -1, none, rb_vec3_scale(row->arm_a.x, impulse));
+		add_to(g, is_a ? 1 : -1, none, rb_vec3_scale(row->arm_a.x, impulse));
 }
 
-/* At the bodies' present velocities: faces, gradient, value, and its rounding. */
+/* Evaluates faces, gradient, value and its rounding at the bodies' present velocities. */
 static double evaluate(struct newton *s, double *rounding)
 {
 	const struct rb_row_system *dense = s->dense;
@@ -204,7 +208,7 @@ static double evaluate(struct newton *s, double *rounding)
 		                 s->direct->local[row->b] < s->direct->member_count);
 		if (row->set == RB_CONSTRAINT_FREE)
 			u = rb_vec3_sub(u, row->target.t);
-		if (isinf(row->target.n)) { /* open whatever happens */
+		if (isinf(row->target.n)) { /* inactive */
 			face->now = (rb_vec3){0, 0, 0};
 			face->along_now = 0;
 			continue;
@@ -264,7 +268,7 @@ static void add_block(rb_block *block, double sign, const rb_mat3 *k, rb_vec3 ro
 	}
 }
 
-/* The same of a couple, which only turns. */
+/* The same for a couple, which acts on rotation only. */
 static void add_couple(rb_block *block, double sign, const rb_mat3 *k, double lever)
 {
 	RB_ASSERT_COSTLY(block != NULL);
@@ -273,8 +277,8 @@ static void add_couple(rb_block *block, double sign, const rb_mat3 *k, double le
 			block->m[i + 3][j + 3] += sign * lever * lever * k->m[i][j];
 }
 
-/* Places of two members in a row; -1: none that a couple turns. */
-static int place_of(const struct newton *s, const struct rb_constraint *row, int body)
+/* Index of a member in the system; -1: none, or a couple's body that cannot rotate. */
+static int member_of(const struct newton *s, const struct rb_constraint *row, int body)
 {
 	return row->couple && s->dense->bodies.body[body].inverse_inertia == 0
 	               ? -1
@@ -283,36 +287,38 @@ static int place_of(const struct newton *s, const struct rb_constraint *row, int
 
 static void assemble_row(struct newton *s, const struct rb_constraint *row, const rb_mat3 *weighted)
 {
-	const int a = place_of(s, row, row->a), b = place_of(s, row, row->b);
+	const int a = member_of(s, row, row->a), b = member_of(s, row, row->b);
 	const rb_vec3 arm_a = arm_of(s, row, true), arm_b = arm_of(s, row, false);
 	const double lever = row->arm_a.x;
-	bool turned;
+	bool transposed;
 
 	for (int e = 0; e < 2; e++) {
 		const int i = e ? b : a;
 		const rb_vec3 arm = e ? arm_b : arm_a;
 
 		if (i >= 0 && row->couple)
-			add_couple(rb_blocks_at(&s->blocks, i, i, &turned), 1, weighted, lever);
+			add_couple(rb_blocks_at(&s->blocks, i, i, &transposed), 1, weighted, lever);
 		else if (i >= 0)
-			add_block(rb_blocks_at(&s->blocks, i, i, &turned), 1, weighted, arm, arm);
+			add_block(rb_blocks_at(&s->blocks, i, i, &transposed), 1, weighted, arm,
+			          arm);
 	}
 	if (a < 0 || b < 0)
 		return;
-	rb_block *both = rb_blocks_at(&s->blocks, a, b, &turned);
+	rb_block *both = rb_blocks_at(&s->blocks, a, b, &transposed);
 	if (row->couple)
 		add_couple(both, -1, weighted, lever);
 	else
-		add_block(both, -1, weighted, turned ? arm_b : arm_a, turned ? arm_a : arm_b);
+		add_block(both, -1, weighted, transposed ? arm_b : arm_a,
+		          transposed ? arm_a : arm_b);
 }
 
 static void assemble(struct newton *s)
 {
-	bool turned;
+	bool transposed;
 
 	rb_blocks_clear(&s->blocks);
 	for (int k = 0; k < s->direct->member_count; k++) {
-		rb_block *block = rb_blocks_at(&s->blocks, k, k, &turned);
+		rb_block *block = rb_blocks_at(&s->blocks, k, k, &transposed);
 
 		for (int i = 0; i < 3; i++) {
 			block->m[i][i] += s->mass[k];
@@ -333,21 +339,21 @@ static void assemble(struct newton *s)
 	}
 }
 
-/* From where the line search began, by a share of the step. */
-static void go(struct newton *s, double share)
+/* Moves velocities from the start of the line search by a fraction of the step. */
+static void move_by(struct newton *s, double share)
 {
 	for (int k = 0; k < s->direct->member_count; k++) {
 		struct rb_solver_body *body = &s->dense->bodies.body[s->direct->member[k]];
-		const double *move = s->move + RB_BLOCK * k;
+		const double *step = s->step + RB_BLOCK * k;
 
-		body->linear = rb_vec3_add_scaled(s->kept[k].linear, share, rb_vec3_from(move));
+		body->linear = rb_vec3_add_scaled(s->kept[k].linear, share, rb_vec3_from(step));
 		if (body->inverse_inertia != 0)
 			body->angular = rb_vec3_add_scaled(s->kept[k].angular, share,
-			                                   rb_vec3_from(move + 3));
+			                                   rb_vec3_from(step + 3));
 	}
 }
 
-/* What the gradient would change velocities by at most, m/s. */
+/* Largest change of velocity corresponding to the gradient, m/s. */
 static double imbalance(const struct newton *s)
 {
 	double max = 0;
@@ -364,8 +370,8 @@ static double imbalance(const struct newton *s)
 	return max;
 }
 
-/* False: nothing more to gain. */
-static bool improve(struct newton *s, double *value, double *rounding)
+/* One Newton step with line search. False: no more improvement. */
+static bool newton_step(struct newton *s, double *value, double *rounding)
 {
 	const int n = RB_BLOCK * s->direct->member_count;
 	double slope = 0, share = 1;
@@ -374,35 +380,35 @@ static bool improve(struct newton *s, double *value, double *rounding)
 	if (!rb_blocks_factor(&s->blocks))
 		return false;
 	for (int i = 0; i < n; i++)
-		s->move[i] = -s->gradient[i];
-	rb_blocks_solve(&s->blocks, s->move, s->scratch);
+		s->step[i] = -s->gradient[i];
+	rb_blocks_solve(&s->blocks, s->step, s->scratch);
 	for (int i = 0; i < n; i++)
-		slope += s->move[i] * s->gradient[i];
+		slope += s->step[i] * s->gradient[i];
 	for (int k = 0; k < s->direct->member_count; k++)
 		s->kept[k] = s->dense->bodies.body[s->direct->member[k]];
 	for (int halving = 0; halving < HALVINGS_MAX; halving++, share *= 0.5) {
-		go(s, share);
-		const double there = evaluate(s, rounding);
+		move_by(s, share);
+		const double new_value = evaluate(s, rounding);
 
-		if (there <= *value + 1e-4 * share * slope + *rounding) {
-			*value = there;
+		if (new_value <= *value + 1e-4 * share * slope + *rounding) {
+			*value = new_value;
 			return true;
 		}
 	}
-	go(s, 0);
+	move_by(s, 0);
 	*value = evaluate(s, rounding);
 	return false;
 }
 
-/* By how much velocities were off, m/s: of contacts; of joints; of the cones' shifts. */
-struct off {
-	double closed, joined, shifted;
+/* Residuals, m/s: of contacts; of joints; of the cones' shifts. */
+struct residuals {
+	double contacts, joints, shifts;
 };
 
-/* Impulses take what the cones have come to. */
-static struct off follow(struct newton *s, double relax)
+/* Updates the multipliers to the projected impulses. */
+static struct residuals update_multipliers(struct newton *s, double relax)
 {
-	struct off off = {0};
+	struct residuals residual = {0};
 
 	for (int k = 0; k < s->dense->row_count; k++) {
 		const struct rb_constraint *row = &s->dense->row[k];
@@ -411,34 +417,37 @@ static struct off follow(struct newton *s, double relax)
 
 		if (face->soft)
 			continue;
-		double *const max = row->set == RB_CONSTRAINT_CONE ? &off.closed : &off.joined;
+		double *const max = row->set == RB_CONSTRAINT_CONE ? &residual.contacts
+		                                                   : &residual.joints;
 		*max = fmax(*max, sqrt(rb_vec3_dot(d, d)) / face->weight);
 		face->impulse = face->now;
 		face->along = face->along_now;
 		if (row->friction > 0) {
 			const rb_vec3 u = rb_constraint_velocity(&s->dense->bodies, row);
 			const double shift = row->friction * rb_vec3_length(slip_of(row, u));
-			/* what a shift that is too large holds open would close */
+			/* closing velocity that reducing an excessive shift would give */
 			const double closes = row->target.n - rb_vec3_dot(u, row->normal);
-			const double by = fabs(shift - face->shift);
-			const bool pushes = rb_vec3_dot(face->now, face->now) > 0;
+			const double change = fabs(shift - face->shift);
+			const bool is_active = rb_vec3_dot(face->now, face->now) > 0;
 
-			off.shifted = fmax(off.shifted, pushes ? by : fmin(by, closes));
+			residual.shifts = fmax(residual.shifts,
+			                       is_active ? change : fmin(change, closes));
 			if (relax > 0) {
 				const double mean = sqrt(shift) * sqrt(face->shift);
 
 				face->shift += relax * (shift - face->shift);
-				if (!pushes && closes > 0) /* it may be off by many decades */
+				/* it may be wrong by orders of magnitude */
+				if (!is_active && closes > 0)
 					face->shift = fmin(face->shift, mean);
 			}
 		}
 	}
-	return off;
+	return residual;
 }
 
-/* ---- the whole ---- */
+/* ---- driver ---- */
 
-/* The plan first: large groups are given up over it, before they take room for all else. */
+/* The plan first: large islands are rejected by it, before memory is taken for the rest. */
 static bool prepare(struct newton *s)
 {
 	const struct rb_direct *direct = s->direct;
@@ -469,12 +478,14 @@ static bool prepare(struct newton *s)
 	s->mass = rb_arena_take(direct->arena, n, sizeof *s->mass);
 	if (!s->face || !s->gradient || !s->kept || !s->inertia || !s->mass)
 		return false;
-	s->move = s->gradient + RB_BLOCK * n;
-	s->scratch = s->move + RB_BLOCK * n;
+	s->step = s->gradient + RB_BLOCK * n;
+	s->scratch = s->step + RB_BLOCK * n;
 	return true;
 }
 
-/* Of contacts, over their own yields. Through joints they yield by less. */
+/*
+ * First weight of contacts, times their inverse effective masses. Joints increase effective masses.
+ */
 static double first_weight(const struct newton *s)
 {
 	return s->direct->holds || !rb_row_system_is_of_contacts(s->dense) ? weight_first_resting
@@ -522,10 +533,7 @@ static void fill(struct newton *s)
 	}
 }
 
-/*
- * What rounding of the impulses makes of velocities, m/s: closer than that there is nothing to be
- * had.
- */
+/* Velocity error due to rounding of the impulses, m/s: no residual can be smaller. */
 static double noise_of(const struct newton *s)
 {
 	double max = 0;
@@ -555,49 +563,53 @@ static struct rb_direct_result solve(struct newton *s)
 			const double from = value, was = imbalance(s);
 
 			result.steps++;
-			if (!improve(s, &value, &rounding) ||
+			if (!newton_step(s, &value, &rounding) ||
 			    rb_interrupt_after(s->direct->interrupt,
 			                       (uint64_t)s->blocks.work + ROW_WORK * rows))
 				break;
-			/* by weights of joints rounding may be larger than the tolerance */
+			/* with weights of joints rounding may exceed the tolerance */
 			if (joined && from - value <= rounding && imbalance(s) > 0.5 * was)
 				break;
 			tolerance = fmax(s->direct->tolerance, noise_of(s));
 		}
 		const double balance = imbalance(s);
-		const struct off off = follow(s, relax);
+		const struct residuals residual = update_multipliers(s, relax);
 
-		/* what is still to be closed, as a multiple of what may be left */
-		const double open = fmax(off.closed / tolerance,
-		                         off.joined / fmax(s->direct->joint_tolerance, tolerance));
+		/* largest residual as a multiple of its tolerance */
+		const double excess = fmax(residual.contacts / tolerance,
+		                           residual.joints /
+		                                   fmax(s->direct->joint_tolerance, tolerance));
 
-		result.residual = fmax(fmax(balance, off.shifted), fmax(off.closed, off.joined));
-		if (balance <= tolerance && open <= 1 && off.shifted <= s->direct->slip_tolerance)
+		result.residual = fmax(fmax(balance, residual.shifts),
+		                       fmax(residual.contacts, residual.joints));
+		if (balance <= tolerance && excess <= 1 &&
+		    residual.shifts <= s->direct->slip_tolerance)
 			break;
 		if (s->direct->steps_few > 0 && result.steps >= s->direct->steps_few &&
 		    result.residual <= s->direct->acceptable)
 			break;
-		if (open > 1 && open > 0.1 * before && grown < weight_max * s->ratio) {
+		if (excess > 1 && excess > 0.1 * before && grown < weight_max * s->ratio) {
 			grown *= weight_growth;
 			for (int k = 0; k < s->dense->row_count; k++)
 				if (!s->face[k].soft)
 					s->face[k].weight *= weight_growth;
 		}
-		/* who stood slips after all */
-		if (relax == 0 && fmax(off.closed, off.joined) <= s->direct->slip_tolerance &&
-		    off.shifted > s->direct->slip_tolerance)
+		/* a contact assumed to stick slips after all */
+		if (relax == 0 &&
+		    fmax(residual.contacts, residual.joints) <= s->direct->slip_tolerance &&
+		    residual.shifts > s->direct->slip_tolerance)
 			relax = 1;
-		/* the shifts' own iteration may swing to and fro */
-		else if (relax > 0 && off.shifted > 0.9 * shifted)
+		/* the iteration of the shifts may oscillate */
+		else if (relax > 0 && residual.shifts > 0.9 * shifted)
 			relax = fmax(relax_least, 0.6 * relax);
-		before = open;
-		shifted = off.shifted;
+		before = excess;
+		shifted = residual.shifts;
 	}
 	return result;
 }
 
-/* What the outer iteration has come to, within the row's set. */
-static rb_along_across found(const struct rb_constraint *row, const struct face *face)
+/* Impulse of a row after the outer iteration, within its set. */
+static rb_along_across impulse_of(const struct rb_constraint *row, const struct face *face)
 {
 	const rb_vec3 impulse = face->soft ? face->now : face->impulse;
 	const double n = rb_vec3_dot(impulse, row->normal);
@@ -625,10 +637,10 @@ struct rb_direct_result rb_direct_solve(const struct rb_direct *direct)
 		for (int k = 0; k < direct->dense->row_count; k++) {
 			struct rb_constraint *row = &direct->dense->row[k];
 
-			row->impulse = found(row, &s.face[k]);
+			row->impulse = impulse_of(row, &s.face[k]);
 		}
 		RB_ASSERT(result.steps <= direct->steps_max);
-		/* velocities are what the impulses make of them */
+		/* recompute velocities from the impulses */
 		for (int k = 0; k < direct->member_count; k++)
 			direct->dense->bodies.body[direct->member[k]] =
 				direct->free[direct->member[k]];

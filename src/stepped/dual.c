@@ -7,45 +7,42 @@
 #include "base/error.h"
 #include "stepped/blocks.h"
 
-/* Changes of who is at a bound, all at once at first, then one at a time; refinements of each. */
+/* Rounds of pivoting, all violations at once at first, then one at a time; refinements in each. */
 enum { ROUNDS_MAX = 48, ROUNDS_TOGETHER = 8, REFINEMENTS_MAX = 10 };
 
-/*
- * Refinements after which targets are those that agree: a share e of compliance to what a row
- * answers has then become e cubed.
- */
-enum { AGREEMENTS = 3 };
+/* Refinements that make targets consistent: a relative compliance e is then reduced to e cubed. */
+enum { CONSISTENCY_PASSES = 3 };
 
-/* Blocks that share a body with a block, in the mean: more are not tried. */
+/* Largest mean number of blocks that share a body with a block; more are not tried. */
 enum { NEIGHBOURS_MAX = 96 };
 
 /*
- * Of its diagonal, the pivot up to which a row is redundant: far above rounding and what drift
- * makes of geometry, 1e-15, and below that of a link between two bodies of a million times its
- * mass, 1e-6.
+ * A row is redundant if its pivot is at most this fraction of its diagonal: far above rounding and
+ * the effect of drift on geometry, 1e-15, and below that of a link between two bodies of a million
+ * times its mass, 1e-6.
  */
 static const double redundant_share = 1e-10;
 /*
- * Of its diagonal, what a row gives way by: where rows are redundant but for next to nothing, as
- * those of a chain that is held taut, which sags within the tolerance, drift of second order would
- * else make velocities that are as many times larger. Others drift by this share of what they
- * change in a step, beyond the impulses that they begin with.
+ * Compliance of a row, relative to its diagonal: where rows are almost redundant, as those of a
+ * taut chain, which sags within the tolerance, second-order drift would otherwise be amplified to
+ * velocities as many times larger. Other rows drift by this fraction of the change of their
+ * impulses in a step.
  */
 static const double compliance_share = 1e-9;
 /*
- * Of its diagonal, by how much the factors take a bounded row to give way. Refinement takes it back
- * where that can be: it only makes factors exist for several bounded rows on one coordinate. Where
- * these want different speeds their impulses then grow against each other until all but one of them
- * are at a bound. Several times the share of what is redundant: no row without bounds is taken for
- * one that depends on those with bounds.
+ * Damping of a bounded row in the factors, relative to its diagonal. Refinement removes its effect
+ * where possible: it only makes the matrix regular with several bounded rows on one coordinate. If
+ * these have different target speeds, their impulses then grow against each other until all but one
+ * are at a bound. Several times the share of redundancy: no row without bounds is taken for one
+ * that depends on bounded rows.
  */
 static const double damping_share = 5e-10;
 /*
- * Of its diagonal, the pivot up to which a row may depend on others: what those give way by is in
- * it.
+ * A row may depend on others if its pivot is at most this fraction of its diagonal: the others'
+ * compliance contributes to it.
  */
-static const double suspect_share = 1e-6;
-/* A refinement that leaves more than this of what was off is the last one. */
+static const double dependent_share = 1e-6;
+/* Refinement ends if the residual stays above this fraction of the previous one. */
 static const double progress_share = 0.5;
 
 enum bound { INSIDE, AT_LOW, AT_HIGH };
@@ -53,17 +50,21 @@ enum bound { INSIDE, AT_LOW, AT_HIGH };
 /* One direction of a row. */
 struct unknown {
 	int row;
-	rb_vec3 along;              /* of its impulse */
-	rb_vec3 linear;             /* along, or 0 of couples */
+	rb_vec3 along;              /* direction of its impulse */
+	rb_vec3 linear;             /* `along`; 0 for couples */
 	rb_vec3 torque_a, torque_b; /* of a unit impulse, on a and b */
-	rb_vec3 turn_a, turn_b;     /* spin that it makes */
+	rb_vec3 turn_a, turn_b;     /* spins due to it */
 	double diagonal;            /* K_ii, softness, and compliance or damping, 1/kg */
 	double compliance;          /* 1/kg */
-	bool gives_way;             /* by that, in truth; what holds one way does not */
+	/* has that compliance in the solution, too; unilateral rows have not */
+	bool is_compliant;
 	enum bound bound;
-	/* it holds one way, and others did not let it have what it wants; it is not asked again */
+	/*
+	 * `changed`: unilateral, and its target was changed for consistency; `dropped`: it left the
+	 * active set with that target, and does not return
+	 */
 	bool changed, dropped;
-	bool is_wrong; /* where it is, as found by the round under way */
+	bool is_violated; /* violates its bound, or wants to leave it, in this round */
 };
 
 struct system {
@@ -71,32 +72,36 @@ struct system {
 	const struct rb_row_system *dense;
 	struct unknown *unknown;
 	int count;
-	int *block, *place; /* [count]: which, and where in it */
+	int *block, *place; /* [count]: block, and index in it */
 	int (*ends)[2];     /* [blocks]: bodies */
 	int *first;         /* [blocks + 1]: unknowns */
 	int block_count;
-	int (*pair)[2]; /* blocks that share a body that yields */
+	int (*pair)[2]; /* blocks that share a dynamic body */
 	int pair_count;
-	rb_along_across *begun, *was; /* [rows]: impulses as it and as a round began */
-	rb_along_across *wanted;      /* [rows]: targets */
-	struct rb_solver_body *end;   /* [2 blocks]: as it began */
+	/* [rows]: impulses at the start and at the start of a round */
+	rb_along_across *initial, *round_start;
+	rb_along_across *original_target;    /* [rows]: original targets */
+	struct rb_solver_body *initial_body; /* [2 blocks]: bodies at the start */
 	struct rb_blocks blocks;
 	double *change, *scratch; /* [6 blocks] */
-	double *least;            /* [6 blocks] */
-	bool stiff;               /* rows are off by what they give way by, too */
+	double *pivot_min;        /* [6 blocks] */
+	bool is_rigid;            /* compliance counts as residual */
 };
 
 /* ---- unknowns ---- */
 
-/* Motors, limits and springs are redundant to nothing. */
-static bool is_held(const struct rb_constraint *row)
+/* Whether a row is bilateral and rigid. Motors, limits and springs are never redundant. */
+static bool is_bilateral(const struct rb_constraint *row)
 {
 	return row->set == RB_CONSTRAINT_FREE ||
 	       (row->softness == 0 && isinf(row->low) && isinf(row->high));
 }
 
-/* What holds one way, as limits and ropes do: where it holds it is as redundant as what is held. */
-static bool holds_one_way(const struct rb_constraint *row)
+/*
+ * Whether a row is unilateral, as limits and ropes are: while active it may be redundant as
+ * bilateral rows are.
+ */
+static bool is_unilateral(const struct rb_constraint *row)
 {
 	return rb_constraint_side(row) != 0 && isinf(row->high - row->low);
 }
@@ -125,9 +130,9 @@ static void add_unknown(struct system *s, int row_number, rb_vec3 along)
 		u->diagonal += bodies->body[row->a].inverse_mass +
 		               bodies->body[row->b].inverse_mass;
 	RB_ASSERT_COSTLY(u->diagonal > 0);
-	if (is_held(row) || holds_one_way(row)) {
+	if (is_bilateral(row) || is_unilateral(row)) {
 		u->compliance = compliance_share * u->diagonal;
-		u->gives_way = is_held(row);
+		u->is_compliant = is_bilateral(row);
 		u->diagonal += u->compliance;
 	} else {
 		u->diagonal += damping_share * u->diagonal;
@@ -139,7 +144,7 @@ static void add_unknown(struct system *s, int row_number, rb_vec3 along)
 	                                                                   : AT_HIGH;
 }
 
-/* Rows of one pair of bodies fill a block as long as they fit into it. */
+/* Rows of one pair of bodies share a block as long as they fit. */
 static void list_unknowns(struct system *s)
 {
 	static const rb_vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -164,9 +169,9 @@ static void list_unknowns(struct system *s)
 	s->first[s->block_count] = s->count;
 }
 
-/* ---- which blocks meet ---- */
+/* ---- coupled blocks ---- */
 
-/* Pairs of blocks by body: blocks sorted by counting; false: too many, or no memory. */
+/* Lists pairs of blocks by body, by a counting sort; false: too many, or no memory. */
 static bool list_pairs(struct system *s, int bodies)
 {
 	struct rb_arena *arena = s->dual->arena;
@@ -221,27 +226,31 @@ static bool prepare(struct system *s)
 			bodies = s->ends[k][e] >= bodies ? s->ends[k][e] + 1 : bodies;
 	if (!list_pairs(s, bodies))
 		return false;
-	s->begun = rb_arena_take(arena, rows, sizeof *s->begun);
-	s->was = rb_arena_take(arena, rows, sizeof *s->was);
-	s->wanted = rb_arena_take(arena, rows, sizeof *s->wanted);
-	s->end = rb_arena_take(arena, 2 * (size_t)s->block_count, sizeof *s->end);
+	s->initial = rb_arena_take(arena, rows, sizeof *s->initial);
+	s->round_start = rb_arena_take(arena, rows, sizeof *s->round_start);
+	s->original_target = rb_arena_take(arena, rows, sizeof *s->original_target);
+	s->initial_body = rb_arena_take(arena, 2 * (size_t)s->block_count, sizeof *s->initial_body);
 	s->change = rb_arena_take(arena, RB_BLOCK * (size_t)s->block_count, sizeof *s->change);
 	s->scratch = rb_arena_take(arena, RB_BLOCK * (size_t)s->block_count, sizeof *s->scratch);
-	s->least = rb_arena_take(arena, RB_BLOCK * (size_t)s->block_count, sizeof *s->least);
-	return s->begun && s->was && s->wanted && s->end && s->change && s->scratch && s->least &&
+	s->pivot_min = rb_arena_take(arena, RB_BLOCK * (size_t)s->block_count,
+	                             sizeof *s->pivot_min);
+	return s->initial && s->round_start && s->original_target && s->initial_body && s->change &&
+	       s->scratch && s->pivot_min &&
 	       rb_blocks_plan(&s->blocks, s->block_count, (const int(*)[2])s->pair, s->pair_count,
 	                      s->dual->max, arena);
 }
 
 /* ---- factors ---- */
 
-/* A body that two blocks share: which end it is of either. */
+/* A body that two blocks share; which end it is in each. */
 struct shared {
 	double inverse_mass;
-	bool a_x, a_y;
+	bool is_a_of_x, is_a_of_y;
 };
 
-/* Those that yield, in the order of block i's ends; returns their number. */
+/*
+ * Finds the dynamic bodies that blocks share, in the order of block i's ends; returns their number.
+ */
 static int find_shared(const struct system *s, int i, int j, struct shared shared[2])
 {
 	int count = 0;
@@ -257,38 +266,38 @@ static int find_shared(const struct system *s, int i, int j, struct shared share
 	return count;
 }
 
-/* K_ij by one body: torques on it, signs of impulses on it. */
-static double answer_by(const struct shared *by, const struct unknown *x, const struct unknown *y)
+/* K_ij through one body. */
+static double response_by(const struct shared *by, const struct unknown *x, const struct unknown *y)
 {
 	const double sum = by->inverse_mass * rb_vec3_dot(x->linear, y->linear) +
-	                   rb_vec3_dot(by->a_x ? x->torque_a : x->torque_b,
-	                               by->a_y ? y->turn_a : y->turn_b);
+	                   rb_vec3_dot(by->is_a_of_x ? x->torque_a : x->torque_b,
+	                               by->is_a_of_y ? y->turn_a : y->turn_b);
 
-	return by->a_x == by->a_y ? sum : -sum;
+	return by->is_a_of_x == by->is_a_of_y ? sum : -sum;
 }
 
-static double *least_of(const struct system *s, int x)
+static double *pivot_min_of(const struct system *s, int x)
 {
-	return &s->least[RB_BLOCK * s->blocks.place[s->block[x]] + s->place[x]];
+	return &s->pivot_min[RB_BLOCK * s->blocks.place[s->block[x]] + s->place[x]];
 }
 
 static void fill_block(struct system *s, int i, int j)
 {
-	bool turned;
-	rb_block *const block = rb_blocks_at(&s->blocks, i, j, &turned);
+	bool transposed;
+	rb_block *const block = rb_blocks_at(&s->blocks, i, j, &transposed);
 	struct shared shared[2];
 	const int count = find_shared(s, i, j, shared);
 
 	for (int x = s->first[i]; x < s->first[i + 1]; x++)
 		for (int y = s->first[j]; y < s->first[j + 1]; y++) {
 			const struct unknown *of_x = &s->unknown[x], *of_y = &s->unknown[y];
-			const int r = turned ? s->place[y] : s->place[x];
-			const int c = turned ? s->place[x] : s->place[y];
+			const int r = transposed ? s->place[y] : s->place[x];
+			const int c = transposed ? s->place[x] : s->place[y];
 			double sum = x == y ? of_x->diagonal : 0;
 
 			if (x != y && of_x->bound == INSIDE && of_y->bound == INSIDE)
 				for (int e = 0; e < count; e++)
-					sum += answer_by(&shared[e], of_x, of_y);
+					sum += response_by(&shared[e], of_x, of_y);
 			block->m[r][c] = sum;
 		}
 	for (int k = s->first[i + 1] - s->first[i]; i == j && k < RB_BLOCK; k++)
@@ -298,13 +307,13 @@ static void fill_block(struct system *s, int i, int j)
 static bool factor(struct system *s)
 {
 	rb_blocks_clear(&s->blocks);
-	memset(s->least, 0, RB_BLOCK * (size_t)s->block_count * sizeof *s->least);
+	memset(s->pivot_min, 0, RB_BLOCK * (size_t)s->block_count * sizeof *s->pivot_min);
 	for (int x = 0; x < s->count; x++)
-		*least_of(s, x) = s->unknown[x].compliance > 0
-		                          ? (redundant_share + compliance_share) *
-		                                    s->unknown[x].diagonal
-		                          : 0;
-	s->blocks.least = s->least;
+		*pivot_min_of(s, x) = s->unknown[x].compliance > 0
+		                              ? (redundant_share + compliance_share) *
+		                                        s->unknown[x].diagonal
+		                              : 0;
+	s->blocks.pivot_min = s->pivot_min;
 	for (int k = 0; k < s->block_count; k++)
 		fill_block(s, k, k);
 	for (int k = 0; k < s->pair_count; k++)
@@ -314,20 +323,20 @@ static bool factor(struct system *s)
 
 /* ---- refinement ---- */
 
-/* What a row is short of, m/s. */
-static double short_of(const struct system *s, const struct unknown *x)
+/* Residual of a row, target minus velocity, m/s. */
+static double residual_of(const struct system *s, const struct unknown *x)
 {
 	const struct rb_constraint *row = &s->dense->row[x->row];
 	const rb_vec3 u = rb_constraint_velocity(&s->dense->bodies, row);
 	const rb_vec3 off = rb_vec3_sub(rb_constraint_joined(row, row->target), u);
-	const rb_vec3 begun = rb_constraint_joined(row, s->begun[x->row]);
+	const rb_vec3 initial = rb_constraint_joined(row, s->initial[x->row]);
 
 	return rb_vec3_dot(off, x->along) - row->softness * row->impulse.n -
-	       (s->stiff || !x->gives_way ? 0 : x->compliance) *
-	               rb_vec3_dot(rb_vec3_sub(rb_constraint_impulse(row), begun), x->along);
+	       (s->is_rigid || !x->is_compliant ? 0 : x->compliance) *
+	               rb_vec3_dot(rb_vec3_sub(rb_constraint_impulse(row), initial), x->along);
 }
 
-static void give(struct system *s, const struct unknown *x, double impulse)
+static void add_impulse(struct system *s, const struct unknown *x, double impulse)
 {
 	struct rb_constraint *row = &s->dense->row[x->row];
 	const rb_vec3 more = rb_vec3_scale(impulse, x->along);
@@ -343,7 +352,10 @@ static void give(struct system *s, const struct unknown *x, double impulse)
 	rb_constraint_apply(&s->dense->bodies, row, more);
 }
 
-/* Of rows inside their bounds, into `change`; returns the largest but of redundant ones. */
+/*
+ * Residuals of rows inside their bounds, into `change`; returns the largest one of non-redundant
+ * rows.
+ */
 static double residuals(struct system *s)
 {
 	double max = 0;
@@ -352,11 +364,11 @@ static double residuals(struct system *s)
 	for (int k = 0; k < s->count; k++) {
 		if (s->unknown[k].bound != INSIDE)
 			continue;
-		const double off = short_of(s, &s->unknown[k]);
+		const double off = residual_of(s, &s->unknown[k]);
 
 		s->change[RB_BLOCK * s->block[k] + s->place[k]] = off;
-		/* written so that NaN stays */
-		if (!isinf(*least_of(s, k)))
+		/* written so that NaN is kept */
+		if (!isinf(*pivot_min_of(s, k)))
 			max = fabs(off) <= max ? max : fabs(off);
 	}
 	return max;
@@ -367,7 +379,8 @@ static void correct(struct system *s)
 	rb_blocks_solve(&s->blocks, s->change, s->scratch);
 	for (int x = 0; x < s->count; x++)
 		if (s->unknown[x].bound == INSIDE)
-			give(s, &s->unknown[x], s->change[RB_BLOCK * s->block[x] + s->place[x]]);
+			add_impulse(s, &s->unknown[x],
+			            s->change[RB_BLOCK * s->block[x] + s->place[x]]);
 }
 
 static double refine(struct system *s)
@@ -387,57 +400,57 @@ static double refine(struct system *s)
 
 /* ---- bounds ---- */
 
-/* Impulses, targets, and velocities of what they act on, as it begins. */
-static void keep_begin(struct system *s)
+/* Saves impulses, targets, and velocities of the bodies involved. */
+static void save_start(struct system *s)
 {
 	const struct rb_row_system *dense = s->dense;
 
 	for (int k = 0; k < dense->row_count; k++) {
-		s->begun[k] = dense->row[k].impulse;
-		s->wanted[k] = dense->row[k].target;
+		s->initial[k] = dense->row[k].impulse;
+		s->original_target[k] = dense->row[k].target;
 	}
 	for (int k = 0; k < s->block_count; k++)
 		for (int e = 0; e < 2; e++)
-			s->end[2 * k + e] = dense->bodies.body[s->ends[k][e]];
+			s->initial_body[2 * k + e] = dense->bodies.body[s->ends[k][e]];
 }
 
-static void keep_round(struct system *s)
+static void save_round(struct system *s)
 {
 	for (int k = 0; k < s->dense->row_count; k++)
-		s->was[k] = s->dense->row[k].impulse;
+		s->round_start[k] = s->dense->row[k].impulse;
 }
 
 /*
- * After a pivot: impulses within bounds go back to those that the round began with, and velocities
- * become what impulses make of them. Those that rows against each other came to were large, and so
- * was their rounding.
+ * After a pivot: impulses inside their bounds are reset to the start of the round, and velocities
+ * recomputed from the impulses. Rows acting against each other had large impulses, and so large
+ * rounding errors.
  */
-static void go_back(struct system *s)
+static void restore_round(struct system *s)
 {
 	const struct rb_row_system *dense = s->dense;
 
 	for (int k = 0; k < s->count; k++)
 		if (s->unknown[k].bound == INSIDE)
-			dense->row[s->unknown[k].row].impulse = s->was[s->unknown[k].row];
+			dense->row[s->unknown[k].row].impulse = s->round_start[s->unknown[k].row];
 	for (int k = 0; k < s->block_count; k++)
 		for (int e = 0; e < 2; e++)
-			/* what does not yield may be shared: not written to */
+			/* static bodies may be shared: not written to */
 			if (rb_solver_is_dynamic(&dense->bodies.body[s->ends[k][e]]))
-				dense->bodies.body[s->ends[k][e]] = s->end[2 * k + e];
+				dense->bodies.body[s->ends[k][e]] = s->initial_body[2 * k + e];
 	for (int k = 0; k < dense->row_count; k++) {
-		const rb_vec3 begun = rb_constraint_joined(&dense->row[k], s->begun[k]);
+		const rb_vec3 initial = rb_constraint_joined(&dense->row[k], s->initial[k]);
 
 		rb_constraint_apply(&dense->bodies, &dense->row[k],
-		                    rb_vec3_sub(rb_constraint_impulse(&dense->row[k]), begun));
+		                    rb_vec3_sub(rb_constraint_impulse(&dense->row[k]), initial));
 	}
 }
 
 /*
- * Whether an impulse is beyond a bound, or is at one that it should leave. Asked of all before any
- * is changed: where rows against each other come to large impulses, what is at a bound would else
- * be asked amid these.
+ * Whether an impulse is beyond a bound, or at one that it should leave. Evaluated for all rows
+ * before any is changed: where rows act against each other with large impulses, rows at a bound
+ * would otherwise be judged amid these.
  */
-static bool is_wrong(const struct system *s, const struct unknown *x, double tolerance)
+static bool is_violated(const struct system *s, const struct unknown *x, double tolerance)
 {
 	const struct rb_constraint *row = &s->dense->row[x->row];
 
@@ -447,12 +460,12 @@ static bool is_wrong(const struct system *s, const struct unknown *x, double tol
 		return row->impulse.n < row->low || row->impulse.n > row->high;
 	if (x->dropped || row->low == row->high)
 		return false;
-	const double off = short_of(s, x);
+	const double off = residual_of(s, x);
 
 	return x->bound == AT_LOW ? off > tolerance : off < -tolerance;
 }
 
-/* Brings an impulse that is beyond a bound there, or lets one go that should leave it. */
+/* Sets an impulse that is beyond a bound to the bound, or releases one that should leave it. */
 static void pivot(struct system *s, struct unknown *x)
 {
 	struct rb_constraint *row = &s->dense->row[x->row];
@@ -464,7 +477,7 @@ static void pivot(struct system *s, struct unknown *x)
 	}
 	x->dropped = x->changed;
 	x->bound = p < row->low ? AT_LOW : AT_HIGH;
-	give(s, x, (p < row->low ? row->low : row->high) - p);
+	add_impulse(s, x, (p < row->low ? row->low : row->high) - p);
 	row->impulse.n = x->bound == AT_LOW ? row->low : row->high;
 }
 
@@ -473,40 +486,40 @@ static bool pivot_all(struct system *s, bool together, double tolerance)
 	bool any = false;
 
 	for (int k = 0; k < s->count; k++) {
-		s->unknown[k].is_wrong = (together || !any) &&
-		                         is_wrong(s, &s->unknown[k], tolerance);
-		any = any || s->unknown[k].is_wrong;
+		s->unknown[k].is_violated = (together || !any) &&
+		                            is_violated(s, &s->unknown[k], tolerance);
+		any = any || s->unknown[k].is_violated;
 	}
 	for (int k = 0; k < s->count; k++)
-		if (s->unknown[k].is_wrong)
+		if (s->unknown[k].is_violated)
 			pivot(s, &s->unknown[k]);
 	return any;
 }
 
 /* ---- targets ---- */
 
-/* Whether some row may depend on others; the system is factored. */
-static bool has_suspects(struct system *s)
+/* Whether a row may depend on others; the system is factored. */
+static bool has_dependent_rows(struct system *s)
 {
 	for (int x = 0; x < s->count; x++) {
-		bool turned;
+		bool transposed;
 		const struct unknown *const u = &s->unknown[x];
 		const rb_block *const d = rb_blocks_at(&s->blocks, s->block[x], s->block[x],
-		                                       &turned);
+		                                       &transposed);
 		const double root = d->m[s->place[x]][s->place[x]];
 
 		if (u->compliance > 0 &&
-		    root * root <= suspect_share * s->blocks.scale * u->diagonal)
+		    root * root <= dependent_share * s->blocks.scale * u->diagonal)
 			return true;
 	}
 	return false;
 }
 
 /*
- * Leaves out motors, friction and springs, and what holds one way but does not now; whether that
- * changes the system.
+ * Deactivates motors, friction, springs, and inactive unilateral rows; returns whether that changes
+ * the system.
  */
-static bool without_bounded(struct system *s, enum bound *bound)
+static bool exclude_bounded(struct system *s, enum bound *bound)
 {
 	bool any = false;
 
@@ -522,11 +535,11 @@ static bool without_bounded(struct system *s, enum bound *bound)
 	return any;
 }
 
-/* A row is to do what it does now. */
-static void take_target(struct system *s, const struct unknown *x)
+/* Sets the target of a row to its present velocity. */
+static void target_present(struct system *s, const struct unknown *x)
 {
 	struct rb_constraint *const row = &s->dense->row[x->row];
-	const double off = short_of(s, x);
+	const double off = residual_of(s, x);
 
 	if (row->set == RB_CONSTRAINT_FREE)
 		row->target = rb_constraint_split(
@@ -537,62 +550,65 @@ static void take_target(struct system *s, const struct unknown *x)
 }
 
 /*
- * Rows that depend on each other get targets that do not contradict each other: those nearest to
- * what they want. Joints are off by something within the tolerance, and what rows give way by would
- * answer contradictions by forces of joints against each other, a thousand million times larger.
- * Refinement that takes back what rows give way by comes to what can be done, with impulses that
- * are of no use. Which rows depend on which is not asked: it changes as a mechanism moves.
+ * Replaces targets of rows that depend on each other by the nearest consistent ones. Joints have
+ * errors within the tolerance, and the rows' compliance would answer contradictory targets by
+ * self-stress of joints, 1e9 times larger. Refinement that removes the compliance converges to
+ * feasible velocities, with impulses that are meaningless. Dependent rows are not identified: they
+ * change as a mechanism moves.
  *
- * What holds one way is among them while it does: a rope beside a rod, or across slides. If it
- * would have to push all the same it is left to what others do.
+ * Unilateral rows are included while they are active: a rope beside a rod, or across slides. If one
+ * would have to push after all, it is left to the others.
  */
-static bool agree(struct system *s)
+static bool make_consistent(struct system *s)
 {
 	enum bound *const bound = rb_arena_take(s->dual->arena, (size_t)s->count, sizeof *bound);
 	bool good = bound != NULL;
 
 	if (!good)
 		return false;
-	const bool fewer = without_bounded(s, bound);
-	good = !fewer || factor(s);
-	s->stiff = true;
-	for (int k = 0; good && k < AGREEMENTS; k++) {
+	const bool is_changed = exclude_bounded(s, bound);
+	good = !is_changed || factor(s);
+	s->is_rigid = true;
+	for (int k = 0; good && k < CONSISTENCY_PASSES; k++) {
 		(void)residuals(s);
 		correct(s);
 	}
 	for (int x = 0; good && x < s->count; x++) {
 		struct unknown *const u = &s->unknown[x];
 
-		if (u->bound != INSIDE || isinf(*least_of(s, x)))
+		if (u->bound != INSIDE || isinf(*pivot_min_of(s, x)))
 			continue;
-		take_target(s, u);
-		u->changed = holds_one_way(&s->dense->row[u->row]) &&
-		             fabs(s->dense->row[u->row].target.n - s->wanted[u->row].n) >
+		target_present(s, u);
+		u->changed = is_unilateral(&s->dense->row[u->row]) &&
+		             fabs(s->dense->row[u->row].target.n - s->original_target[u->row].n) >
 		                     s->dual->tolerance;
 	}
-	s->stiff = false;
-	go_back(s);
+	s->is_rigid = false;
+	restore_round(s);
 	for (int x = 0; x < s->count; x++)
 		s->unknown[x].bound = bound[x];
-	return good && (!fewer || factor(s));
+	return good && (!is_changed || factor(s));
 }
 
-/* Whether targets are to agree anew: what holds one way has come or gone. */
-static bool is_to_agree(struct system *s, int round, bool *one_way)
+/*
+ * Whether targets are to be made consistent again: unilateral rows have become active or inactive.
+ * Restores the original targets then.
+ */
+static bool needs_consistency(struct system *s, int round, bool *one_way)
 {
-	const bool was = *one_way;
+	const bool had_one_way = *one_way;
 
 	*one_way = false;
 	for (int x = 0; x < s->count && !*one_way; x++)
 		*one_way = s->unknown[x].bound == INSIDE &&
-		           holds_one_way(&s->dense->row[s->unknown[x].row]);
-	if (round > 0 && !was && !*one_way)
+		           is_unilateral(&s->dense->row[s->unknown[x].row]);
+	if (round > 0 && !had_one_way && !*one_way)
 		return false;
 	for (int k = 0; k < s->dense->row_count; k++)
-		s->dense->row[k].target = s->wanted[k];
+		s->dense->row[k].target = s->original_target[k];
 	for (int x = 0; x < s->count; x++)
 		s->unknown[x].changed = false;
-	return has_suspects(s);
+	return has_dependent_rows(s);
 }
 
 struct rb_dual_result rb_dual_solve(const struct rb_dual *dual)
@@ -605,12 +621,13 @@ struct rb_dual_result rb_dual_solve(const struct rb_dual *dual)
 	if (dual->dense->row_count > 0 && prepare(&s)) {
 		bool more = true, one_way = false;
 
-		keep_begin(&s);
+		save_start(&s);
 		result.tried = true;
 		for (int round = 0; more && round < ROUNDS_MAX; round++) {
 			result.steps++;
-			keep_round(&s);
-			if (!factor(&s) || (is_to_agree(&s, round, &one_way) && !agree(&s)) ||
+			save_round(&s);
+			if (!factor(&s) ||
+			    (needs_consistency(&s, round, &one_way) && !make_consistent(&s)) ||
 			    rb_interrupt_after(dual->interrupt, (uint64_t)s.blocks.work))
 				break;
 			const double left = refine(&s);
@@ -619,7 +636,7 @@ struct rb_dual_result rb_dual_solve(const struct rb_dual *dual)
 			                 fmax(dual->tolerance, 2 * left));
 			result.residual = more ? (double)INFINITY : left;
 			if (more)
-				go_back(&s);
+				restore_round(&s);
 		}
 	}
 	rb_arena_back(dual->arena, here);
