@@ -8,19 +8,24 @@
 #include "stepped/reduced_step.h"
 #include "stepped/strategies.h"
 
-/* Masses and moments, as shares of the largest: digits of articulated inertias are lost by it. */
+/*
+ * Least mass and moment of inertia, as fractions of the largest: articulated inertias lose digits
+ * by their ratio.
+ */
 static const double lightest_share = 1e-8;
 
 static const rb_vec3 none = {0, 0, 0};
 
-/* ---- which groups ---- */
+/* ---- which islands ---- */
 
 static bool is_static(const struct rb_reduced_step *s, int body)
 {
 	return body < 0 || body >= s->world->model->body_count;
 }
 
-/* Whether nothing of the joint but what holds on may act within the step. */
+/*
+ * Whether the joint has only rows that stay in force within the step: no drive, spring, or limit.
+ */
 static bool joint_moves_freely(const struct rb_joint_query *query, int k,
                                const struct rb_step_joint *of)
 {
@@ -37,9 +42,12 @@ static bool joint_moves_freely(const struct rb_joint_query *query, int k,
 	       rb_step_joint_rows_are_smooth(query, k, of);
 }
 
-/* Whether the group's joints, as many as `joints`, are free; other ends are statics. */
-static bool may_hang(const struct rb_reduced_step *s, const struct rb_solver *solver,
-                     const struct rb_island *island, int *joints)
+/*
+ * Whether all joints of the island move freely, and their other ends are static or dynamic; counts
+ * those that are not ropes in `joints`.
+ */
+static bool joints_move_freely(const struct rb_reduced_step *s, const struct rb_solver *solver,
+                               const struct rb_island *island, int *joints)
 {
 	const struct rb_joints *const all = s->world->model->joints;
 	const struct rb_joint_query query = rb_islands_joints(solver, s->world);
@@ -65,8 +73,8 @@ static bool may_hang(const struct rb_reduced_step *s, const struct rb_solver *so
 	return good;
 }
 
-/* Whether no mass or moment is next to nothing beside the others. */
-static bool is_even(const struct rb_reduced_step *s)
+/* Whether masses and moments are of comparable size. */
+static bool has_comparable_masses(const struct rb_reduced_step *s)
 {
 	const struct rb_model *const model = s->world->model;
 	double least[2] = {(double)INFINITY, (double)INFINITY}, max[2] = {0, 0};
@@ -76,16 +84,17 @@ static bool is_even(const struct rb_reduced_step *s)
 		const rb_mat3 *const inertia = rb_model_inertia(model, i);
 		const double trace = inertia->m[0][0] + inertia->m[1][1] + inertia->m[2][2];
 		const rb_mat3 *const inverse = rb_model_inverse_inertia(model, i);
-		const double back = isnan(model->inverse_inertia_scalar[i])
-		                            ? inverse->m[0][0] + inverse->m[1][1] + inverse->m[2][2]
-		                            : 3 * model->inverse_inertia_scalar[i];
+		const double trace_of_inverse = isnan(model->inverse_inertia_scalar[i])
+		                                        ? inverse->m[0][0] + inverse->m[1][1] +
+		                                                  inverse->m[2][2]
+		                                        : 3 * model->inverse_inertia_scalar[i];
 
 		least[0] = fmin(least[0], model->mass[i]);
 		max[0] = fmax(max[0], model->mass[i]);
-		least[1] = fmin(least[1], 1 / back);
+		least[1] = fmin(least[1], 1 / trace_of_inverse);
 		max[1] = fmax(max[1], trace);
 	}
-	/* written so that NaN is not even */
+	/* written so that NaN fails */
 	return least[0] >= lightest_share * max[0] && least[1] >= lightest_share * max[1];
 }
 
@@ -108,10 +117,10 @@ static bool take_memory(struct rb_reduced_step *s, size_t count, struct rb_arena
 
 	s->tree.link = rb_arena_take(arena, count, sizeof *s->tree.link);
 	s->tree.freedom = rb_arena_take(arena, 3 * count, sizeof *s->tree.freedom);
-	s->course = rb_arena_take(arena, count, sizeof *s->course);
+	s->path = rb_arena_take(arena, count, sizeof *s->path);
 	s->lost = rb_arena_take(arena, count, sizeof *s->lost);
 	*link_of = rb_arena_take(arena, count, sizeof **link_of);
-	if (!vectors || !poses || !wrenches || !s->tree.link || !s->tree.freedom || !s->course ||
+	if (!vectors || !poses || !wrenches || !s->tree.link || !s->tree.freedom || !s->path ||
 	    !s->lost || !*link_of)
 		return false;
 	for (size_t at = 0; at <= RB_REDUCED_STEP_NODES; at++) {
@@ -129,7 +138,7 @@ static bool take_memory(struct rb_reduced_step *s, size_t count, struct rb_arena
 	return true;
 }
 
-/* Forces but those of joints and drag, which has left a share of given velocities. */
+/* Forces other than those of joints and drag; drag has left a known fraction of the velocities. */
 static void take_forces(struct rb_reduced_step *s, const struct rb_solver *solver)
 {
 	const struct rb_model *const model = s->world->model;
@@ -145,13 +154,14 @@ static void take_forces(struct rb_reduced_step *s, const struct rb_solver *solve
 		                            none};
 		if (stated) {
 			const double each = 1 / solver->h_s;
-			const double left = solver->undragged ? solver->undragged[i] : 1;
+			const double undragged = solver->undragged ? solver->undragged[i] : 1;
 			const rb_vec3 w = rb_vec3_sub(solver->given[i].angular,
 			                              rb_world_row3(s->before->spin, i));
 
 			force->force = rb_vec3_scale(
-				each, rb_vec3_sub(rb_vec3_scale(1 / left, solver->given[i].linear),
-			                          rb_world_row3(s->before->velocity, i)));
+				each,
+				rb_vec3_sub(rb_vec3_scale(1 / undragged, solver->given[i].linear),
+			                    rb_world_row3(s->before->velocity, i)));
 			force->torque = rb_vec3_scale(
 				each,
 				rb_reduced_step_weigh(
@@ -161,7 +171,7 @@ static void take_forces(struct rb_reduced_step *s, const struct rb_solver *solve
 	}
 }
 
-/* Whether nothing moves, nor will, faster than what rests: rows bring it to rest. */
+/* Whether nothing is or becomes faster than a body at rest: rows bring it to rest. */
 static bool is_at_rest(struct rb_reduced_step *s, const struct rb_solver *solver)
 {
 	const double rest_speed = rb_stillness_speed(solver);
@@ -170,11 +180,11 @@ static bool is_at_rest(struct rb_reduced_step *s, const struct rb_solver *solver
 	       solver->h_s * rb_reduced_step_acceleration(s) <= rest_speed;
 }
 
-/* ---- points that it comes near ---- */
+/* ---- contact points nearby ---- */
 
-/* m: what the end of an arm has moved by; bodies that forces do not move go straight on. */
-static rb_vec3 moved_by(const struct rb_reduced_step *s, const struct rb_solver *solver, int i,
-                        rb_vec3 arm)
+/* m: displacement of the end of an arm; bodies that are not dynamic move at constant velocities. */
+static rb_vec3 displacement_of(const struct rb_reduced_step *s, const struct rb_solver *solver,
+                               int i, rb_vec3 arm)
 {
 	if (i >= solver->body_count)
 		return none;
@@ -191,9 +201,9 @@ static rb_vec3 moved_by(const struct rb_reduced_step *s, const struct rb_solver 
 	return rb_vec3_add(rb_pose_between(&begin, end), rb_vec3_sub(turned, arm));
 }
 
-/* Whether no gap has closed at the end, along its normal as the step begins. */
-static bool goes_free(const struct rb_reduced_step *s, const struct rb_solver *solver,
-                      const struct rb_group_points *points)
+/* Whether no gap has closed at the end of the step, along its normal at the beginning. */
+static bool has_no_contact(const struct rb_reduced_step *s, const struct rb_solver *solver,
+                           const struct rb_group_points *points)
 {
 	bool free = true;
 
@@ -201,16 +211,17 @@ static bool goes_free(const struct rb_reduced_step *s, const struct rb_solver *s
 		const struct rb_step_point *const point = &points->row[points->number[k]];
 		const rb_vec3 arm_a = point->central ? none : point->arm_a;
 		const rb_vec3 arm_b = point->central ? none : point->arm_b;
-		const rb_vec3 way = rb_vec3_sub(moved_by(s, solver, point->b, arm_b),
-		                                moved_by(s, solver, point->a, arm_a));
+		const rb_vec3 displacement = rb_vec3_sub(
+			displacement_of(s, solver, point->b, arm_b),
+			displacement_of(s, solver, point->a, arm_a));
 
 		/* written so that NaN is not free */
-		free = point->gap + rb_vec3_dot(way, point->normal) > 0;
+		free = point->gap + rb_vec3_dot(displacement, point->normal) > 0;
 	}
 	return free;
 }
 
-/* ---- what has come of it ---- */
+/* ---- results ---- */
 
 /* Momentum of a body, N s, and about the origin, N m s. */
 static struct rb_wrench momentum_of(const struct rb_model *model, int i, const struct rb_pose *pose)
@@ -222,8 +233,8 @@ static struct rb_wrench momentum_of(const struct rb_model *model, int i, const s
 	                       rb_reduced_step_weigh(model, i, pose->orientation, pose->spin))};
 }
 
-/* What a static has given to all: what momentum has changed by, but for forces. */
-static struct rb_wrench held(const struct rb_reduced_step *s, double h)
+/* Impulse of a static body on all: change of momentum less that by forces. */
+static struct rb_wrench static_impulse(const struct rb_reduced_step *s, double h)
 {
 	const struct rb_model *const model = s->world->model;
 	struct rb_wrench sum = {none, none};
@@ -261,7 +272,7 @@ static void store_joint(const struct rb_reduced_step *s, const struct rb_solver 
 	of->work = (struct rb_joint_work){0};
 	of->swings = true;
 	if (link->parent < 0) {
-		const struct rb_wrench by = held(s, solver->h_s);
+		const struct rb_wrench by = static_impulse(s, solver->h_s);
 
 		of->work.linear = by.force;
 		of->work.angular = by.torque;
@@ -310,7 +321,9 @@ static void store(const struct rb_reduced_step *s, struct rb_solver *solver,
 		if (joint < 0)
 			continue;
 		store_joint(s, solver, k);
-		/* where none was set, they are errors of rows before, which are not explained */
+		/*
+		 * where none was set, it is due to errors of earlier rows, and is not accounted for
+		 */
 		if (s->world->joint[joint].was_set) {
 			solver->joint[joint].work.impacts = taken;
 			taken = 0;
@@ -337,7 +350,7 @@ bool rb_reduced_islands_try(struct rb_solver *solver, const struct rb_world *wor
 	                                     .fixed_pose = fixed_pose}};
 	int joints, *link_of;
 
-	if (!may_hang(&s, solver, island, &joints) || !is_even(&s) ||
+	if (!joints_move_freely(&s, solver, island, &joints) || !has_comparable_masses(&s) ||
 	    !take_memory(&s, count, arena, &link_of))
 		return false;
 	s.tree.user = &s;
@@ -350,7 +363,8 @@ bool rb_reduced_islands_try(struct rb_solver *solver, const struct rb_world *wor
 	/* else there is a ring */
 	take_forces(&s, solver);
 	const bool good = joints == 0 && !is_at_rest(&s, solver) &&
-	                  rb_reduced_step_take(&s, solver->h_s) && goes_free(&s, solver, points);
+	                  rb_reduced_step_take(&s, solver->h_s) &&
+	                  has_no_contact(&s, solver, points);
 
 	for (int k = 0; k < s.tree.body_count; k++)
 		solver->local[s.tree.body[k]] = -1;

@@ -8,145 +8,154 @@
 #include "math/quat.h"
 
 /*
- * Parts of a step, at most: they cost what rows do that are looked at as often as may be. Rounds
- * for orientations, which cost next to nothing.
+ * Largest number of parts of a step: these cost as much as rows with the most passes. Iterations
+ * for orientations, which are cheap.
  */
-enum { NODES = RB_REDUCED_STEP_NODES, BEGIN = NODES, PARTS_MAX = 16, TURNS_MAX = 12 };
-
-/* What a visit may leave of a change, lest two halves of the step cost less; and visits. */
-static const double slowest = 1.0 / 8;
-enum { VISITS_MAX = 18 };
+enum { NODES = RB_REDUCED_STEP_NODES, BEGIN = NODES, PARTS_MAX = 16, ORIENTATION_PASSES_MAX = 12 };
 
 /*
- * Of speeds: by so much a visit may still change them. Visits that no longer get anywhere have come
- * to rounding if they change them by less than the second, for each body.
+ * Slowest contraction accepted per pass over the nodes, lest two halves of the step cost less; most
+ * passes.
+ */
+static const double contraction_max = 1.0 / 8;
+enum { PASSES_MAX = 18 };
+
+/*
+ * Relative to speeds: change per pass at which the iteration has converged. Passes that no longer
+ * contract have reached rounding if they change speeds by less than the second, for each body.
  */
 static const double close_share = DBL_EPSILON / 256, rounding_share = 1024 * DBL_EPSILON;
 
 /*
- * Values at a part c of the step: x_0 + c h v_0 + h^2 sum_j twice_j a_j, v_0 + h sum_j once_j a_j.
+ * Values at fraction c of the step: x_0 + c h v_0 + h^2 sum_j twice_j a_j, v_0 + h sum_j once_j
+ * a_j.
  */
 struct weights {
 	double c, once[NODES], twice[NODES];
 };
 
-#define ROOT 3.872983346207416885 /* of 15 */
+#define ROOT_15 3.872983346207416885 /* sqrt(15) */
 static const struct weights node[NODES + 1] = {
-	{0.5 - ROOT / 10,
-         {5.0 / 36, 2.0 / 9 - ROOT / 15, 5.0 / 36 - ROOT / 30},
-         {1.0 / 90, 7.0 / 90 - ROOT / 45, 1.0 / 9 - ROOT / 36}},
+	{0.5 - ROOT_15 / 10,
+         {5.0 / 36, 2.0 / 9 - ROOT_15 / 15, 5.0 / 36 - ROOT_15 / 30},
+         {1.0 / 90, 7.0 / 90 - ROOT_15 / 45, 1.0 / 9 - ROOT_15 / 36}},
 	{0.5,
-         {5.0 / 36 + ROOT / 24, 2.0 / 9, 5.0 / 36 - ROOT / 24},
-         {7.0 / 144 + ROOT / 72, 1.0 / 36, 7.0 / 144 - ROOT / 72}},
-	{0.5 + ROOT / 10,
-         {5.0 / 36 + ROOT / 30, 2.0 / 9 + ROOT / 15, 5.0 / 36},
-         {1.0 / 9 + ROOT / 36, 7.0 / 90 + ROOT / 45, 1.0 / 90}},
-	{1, {5.0 / 18, 4.0 / 9, 5.0 / 18}, {5.0 / 36 + ROOT / 36, 2.0 / 9, 5.0 / 36 - ROOT / 36}},
+         {5.0 / 36 + ROOT_15 / 24, 2.0 / 9, 5.0 / 36 - ROOT_15 / 24},
+         {7.0 / 144 + ROOT_15 / 72, 1.0 / 36, 7.0 / 144 - ROOT_15 / 72}},
+	{0.5 + ROOT_15 / 10,
+         {5.0 / 36 + ROOT_15 / 30, 2.0 / 9 + ROOT_15 / 15, 5.0 / 36},
+         {1.0 / 9 + ROOT_15 / 36, 7.0 / 90 + ROOT_15 / 45, 1.0 / 90}},
+	{1,
+         {5.0 / 18, 4.0 / 9, 5.0 / 18},
+         {5.0 / 36 + ROOT_15 / 36, 2.0 / 9, 5.0 / 36 - ROOT_15 / 36}},
 };
 
 /*
- * Of a node that was not visited yet, from the rates as the step begins and those of the nodes
- * before it: [visited - 1][node][beginning, nodes].
+ * Extrapolation to nodes not evaluated yet, from the rates as the step begins and those of the
+ * nodes before: [evaluated - 1][node][beginning, nodes].
  */
-static const double ahead[NODES - 1][NODES][NODES] = {
+static const double extrapolation[NODES - 1][NODES][NODES] = {
 	{{0}, {-3.436491673103709, 4.436491673103709}, {-6.872983346207418, 7.872983346207418}},
 	{{0}, {0}, {5.323790007724451, -7.872983346207418, 3.549193338482967}},
 };
 
 static const rb_vec3 none = {0, 0, 0};
-enum { SPIN = 0, VELOCITY = 3 }; /* rates of what turns and floats */
+enum { SPIN = 0, VELOCITY = 3 }; /* offsets in `rate` of links that turn or float */
 
 /* ---- from coordinates to poses ---- */
 
-static rb_vec3 added(rb_vec3 x, double h, const double *weight,
-                     const struct rb_reduced_link *course, int first)
+static rb_vec3 integrate_rate(rb_vec3 x, double h, const double *weight,
+                              const struct rb_reduced_link *path, int first)
 {
 	for (int j = 0; j < NODES; j++)
-		x = rb_vec3_add_scaled(x, h * weight[j], rb_vec3_from(course->rate[j] + first));
+		x = rb_vec3_add_scaled(x, h * weight[j], rb_vec3_from(path->rate[j] + first));
 	return x;
 }
 
-static double speed_of(const struct rb_reduced_link *course, int way, double h,
+static double speed_at(const struct rb_reduced_link *path, int coordinate, double h,
                        const struct weights *at)
 {
 	double speed = 0;
 
 	for (int j = 0; j < NODES; j++)
-		speed += at->once[j] * course->rate[j][way];
-	return course->speed[way] + h * speed;
+		speed += at->once[j] * path->rate[j][coordinate];
+	return path->speed[coordinate] + h * speed;
 }
 
-static double way_of(const struct rb_reduced_link *course, int way, double h,
-                     const struct weights *at)
+static double displacement_at(const struct rb_reduced_link *path, int coordinate, double h,
+                              const struct weights *at)
 {
 	double sum = 0;
 
 	for (int j = 0; j < NODES; j++)
-		sum += at->twice[j] * course->rate[j][way];
-	return h * (at->c * course->speed[way] + h * sum);
+		sum += at->twice[j] * path->rate[j][coordinate];
+	return h * (at->c * path->speed[coordinate] + h * sum);
 }
 
-/* Orientations of what turns freely, at the nodes and the end: q' = w q / 2. */
-static rb_quat turned(const struct rb_reduced_link *course, double h, const struct weights *at)
+/* Orientation of a freely turning link, at the nodes and the end: q' = w q / 2. */
+static rb_quat orientation_at(const struct rb_reduced_link *path, double h,
+                              const struct weights *at)
 {
-	rb_quat q = course->begin.orientation;
+	rb_quat q = path->begin.orientation;
 
 	for (int j = 0; j < NODES; j++) {
-		const rb_vec3 w = rb_vec3_scale(0.5 * h * at->once[j], course->spin[j]);
+		const rb_vec3 w = rb_vec3_scale(0.5 * h * at->once[j], path->spin[j]);
 		const rb_quat rate = rb_quat_multiply((rb_quat){0, w.x, w.y, w.z},
-		                                      course->orientation[j]);
+		                                      path->orientation[j]);
 
 		q = (rb_quat){q.w + rate.w, q.x + rate.x, q.y + rate.y, q.z + rate.z};
 	}
 	return q;
 }
 
-/* A link where its coordinates have it, by node (or NODES: the end); its parent is there. */
+/* Places a link by its coordinates, at a node (or NODES: the end); its parent is placed already. */
 static void place_link(const struct rb_reduced_step *s, int k, int at)
 {
 	const struct rb_joint_tree_link *const link = &s->tree.link[k];
-	const struct rb_reduced_link *const course = &s->course[k];
+	const struct rb_reduced_link *const path = &s->path[k];
 	const struct weights *const weights = &node[at];
 	const double h = s->h_s;
 	struct rb_pose *const pose = &s->pose[at][link->place];
 
-	*pose = (struct rb_pose){.orientation = course->begin.orientation};
-	if (course->turns) {
-		pose->orientation = at < NODES ? course->orientation[at]
-		                               : turned(course, h, weights);
+	*pose = (struct rb_pose){.orientation = path->begin.orientation};
+	if (path->turns) {
+		pose->orientation = at < NODES ? path->orientation[at]
+		                               : orientation_at(path, h, weights);
 		pose->orientation = rb_quat_unit(pose->orientation);
-		pose->spin = added(course->begin.spin, h, weights->once, course, SPIN);
+		pose->spin = integrate_rate(path->begin.spin, h, weights->once, path, SPIN);
 	}
-	if (course->floats) {
-		pose->velocity = added(course->begin.velocity, h, weights->once, course, VELOCITY);
-		pose->position = rb_vec3_add_scaled(course->begin.position, weights->c * h,
-		                                    course->begin.velocity);
-		pose->position = added(pose->position, h * h, weights->twice, course, VELOCITY);
+	if (path->floats) {
+		pose->velocity = integrate_rate(path->begin.velocity, h, weights->once, path,
+		                                VELOCITY);
+		pose->position = rb_vec3_add_scaled(path->begin.position, weights->c * h,
+		                                    path->begin.velocity);
+		pose->position = integrate_rate(pose->position, h * h, weights->twice, path,
+		                                VELOCITY);
 		return;
 	}
 	const struct rb_pose parent = rb_joint_tree_parent(&s->tree, link, 0);
 	rb_vec3 along = none, rate = none;
-	int way = 0;
+	int coordinate = 0;
 	double shift = 0, shift_rate = 0;
 
 	if (link->free & RB_FREE_ALONG) {
-		shift = way_of(course, way, h, weights);
-		shift_rate = speed_of(course, way++, h, weights);
+		shift = displacement_at(path, coordinate, h, weights);
+		shift_rate = speed_at(path, coordinate++, h, weights);
 	}
-	if (!course->turns) {
-		rb_quat turn = course->turn;
+	if (!path->turns) {
+		rb_quat turn = path->turn;
 		rb_vec3 spin = parent.spin;
 
 		if (link->free & (RB_FREE_ABOUT | RB_FREE_ABOUT_BOTH)) {
-			const double angle = way_of(course, way, h, weights);
+			const double angle = displacement_at(path, coordinate, h, weights);
 
-			rate = rb_vec3_scale(speed_of(course, way++, h, weights), link->axis);
+			rate = rb_vec3_scale(speed_at(path, coordinate++, h, weights), link->axis);
 			turn = rb_quat_multiply(
 				turn, rb_quat_from_turn(rb_vec3_scale(angle, link->axis)));
 		}
 		if (link->free & RB_FREE_ABOUT_BOTH) {
-			const double angle = way_of(course, way, h, weights);
-			const double speed = speed_of(course, way, h, weights);
+			const double angle = displacement_at(path, coordinate, h, weights);
+			const double speed = speed_at(path, coordinate, h, weights);
 
 			turn = rb_quat_multiply(
 				rb_quat_from_turn(rb_vec3_scale(angle, link->parent_axis)), turn);
@@ -158,7 +167,7 @@ static void place_link(const struct rb_reduced_step *s, int k, int at)
 		pose->spin = rb_vec3_add(spin, rb_quat_rotate(pose->orientation, rate));
 	}
 	const rb_vec3 arm = rb_quat_rotate(pose->orientation, link->arm);
-	rb_vec3 reach = rb_quat_rotate(parent.orientation, course->point);
+	rb_vec3 reach = rb_quat_rotate(parent.orientation, path->point);
 
 	if (link->free & RB_FREE_ALONG) {
 		along = rb_quat_rotate(pose->orientation, link->axis);
@@ -187,7 +196,7 @@ static rb_vec3 drag_at(const struct rb_reduced_step *s, const struct rb_pose *po
 	return rb_vec3_scale(-(s->drag.linear + s->drag.quadratic * speed), pose->velocity);
 }
 
-/* Without joints: forces, and what turns goes on turning. */
+/* Accelerations without joints: forces and gyroscopic terms. */
 static void accelerate_freely(const struct rb_reduced_step *s, int at, rb_vec3 *linear,
                               rb_vec3 *angular)
 {
@@ -215,19 +224,19 @@ static void accelerate_freely(const struct rb_reduced_step *s, int at, rb_vec3 *
 	}
 }
 
-/* Rates of coordinates, from accelerations at the poses. */
+/* Stores second rates of coordinates, from accelerations at the poses. */
 static void take_rates(struct rb_reduced_step *s, int at, int to)
 {
 	for (int k = 0; k < s->tree.count; k++) {
 		const struct rb_joint_tree_link *const link = &s->tree.link[k];
-		struct rb_reduced_link *const course = &s->course[k];
+		struct rb_reduced_link *const path = &s->path[k];
 
-		for (int f = 0; f < course->ways; f++)
-			course->rate[to][f] = link->freedom[f].rate;
-		if (course->turns)
-			rb_vec3_to(course->rate[to] + SPIN, s->angular[at][link->place]);
-		if (course->floats)
-			rb_vec3_to(course->rate[to] + VELOCITY, s->linear[at][link->place]);
+		for (int f = 0; f < path->coordinate_count; f++)
+			path->rate[to][f] = link->freedom[f].rate;
+		if (path->turns)
+			rb_vec3_to(path->rate[to] + SPIN, s->angular[at][link->place]);
+		if (path->floats)
+			rb_vec3_to(path->rate[to] + VELOCITY, s->linear[at][link->place]);
 	}
 }
 
@@ -246,25 +255,28 @@ static double reach_of(const struct rb_reduced_step *s, int place)
 
 /* ---- a part of the step ---- */
 
-/* Of v, in units of an axis whose length is 1 but for rounding, which must not add up. */
+/* Component of v along an axis whose length is 1 but for rounding, which must not add up. */
 static double share_along(rb_vec3 v, rb_vec3 axis)
 {
 	return rb_vec3_dot(v, axis) / rb_vec3_dot(axis, axis);
 }
 
-/* Coordinates of a link from the poses as the part begins; its parent moves as its joints do. */
+/*
+ * Coordinates of a link from the poses as the part begins; its parent already moves as its joints
+ * allow.
+ */
 static void begin_link(struct rb_reduced_step *s, int k, const struct rb_pose *own)
 {
 	const struct rb_joint_tree_link *const link = &s->tree.link[k];
-	struct rb_reduced_link *const course = &s->course[k];
+	struct rb_reduced_link *const path = &s->path[k];
 
-	memset(course, 0, sizeof *course);
-	course->begin = *own;
-	course->floats = link->joint < 0;
-	course->turns = course->floats || (link->free & RB_FREE_TURNING);
+	memset(path, 0, sizeof *path);
+	path->begin = *own;
+	path->floats = link->joint < 0;
+	path->turns = path->floats || (link->free & RB_FREE_TURNING);
 	for (int j = 0; j < NODES; j++)
-		course->orientation[j] = own->orientation;
-	if (course->floats)
+		path->orientation[j] = own->orientation;
+	if (path->floats)
 		return;
 	const struct rb_pose parent = rb_joint_tree_parent(&s->tree, link, 0);
 	const rb_quat back = {parent.orientation.w, -parent.orientation.x, -parent.orientation.y,
@@ -273,27 +285,27 @@ static void begin_link(struct rb_reduced_step *s, int k, const struct rb_pose *o
 	const rb_vec3 reach = rb_vec3_add(rb_pose_between(&parent, own), arm);
 	const rb_vec3 spin = rb_vec3_sub(own->spin, parent.spin);
 
-	course->turn = rb_quat_multiply(back, own->orientation);
-	course->point = rb_quat_rotate(back, reach);
+	path->turn = rb_quat_multiply(back, own->orientation);
+	path->point = rb_quat_rotate(back, reach);
 	if (link->free & RB_FREE_ALONG) {
 		const rb_vec3 v = rb_vec3_sub(
 			rb_vec3_add(own->velocity, rb_vec3_cross(own->spin, arm)),
 			rb_vec3_add(parent.velocity, rb_vec3_cross(parent.spin, reach)));
 
-		course->speed[course->ways++] = share_along(
+		path->speed[path->coordinate_count++] = share_along(
 			v, rb_quat_rotate(own->orientation, link->axis));
 	}
 	if (link->free & (RB_FREE_ABOUT | RB_FREE_ABOUT_BOTH))
-		course->speed[course->ways++] = share_along(
+		path->speed[path->coordinate_count++] = share_along(
 			spin, rb_quat_rotate(own->orientation, link->axis));
 	if (link->free & RB_FREE_ABOUT_BOTH)
-		course->speed[course->ways++] = share_along(
+		path->speed[path->coordinate_count++] = share_along(
 			spin, rb_quat_rotate(parent.orientation, link->parent_axis));
 }
 
 /*
- * Coordinates from where the part begins (pose[BEGIN]), which is then where these have it; m/s: by
- * how much velocities are others.
+ * Coordinates from the poses at the beginning of the part (pose[BEGIN]), which are then replaced by
+ * those of the coordinates; m/s: largest change of velocity by that.
  */
 static double begin_part(struct rb_reduced_step *s)
 {
@@ -308,17 +320,17 @@ static double begin_part(struct rb_reduced_step *s)
 
 		begin_link(s, k, &own);
 		place_link(s, k, BEGIN);
-		const struct rb_pose *const is = &s->pose[BEGIN][place];
-		off = fmax(off, rb_vec3_length(rb_vec3_sub(own.velocity, is->velocity)) +
-		                        reach_of(s, place) *
-		                                rb_vec3_length(rb_vec3_sub(own.spin, is->spin)));
+		const struct rb_pose *const placed = &s->pose[BEGIN][place];
+		off = fmax(off, rb_vec3_length(rb_vec3_sub(own.velocity, placed->velocity)) +
+		                        reach_of(s, place) * rb_vec3_length(rb_vec3_sub(
+								     own.spin, placed->spin)));
 	}
 	s->h_s = h;
 	return off;
 }
 
-/* m/s: the largest of what moves. */
-static double fastest(const struct rb_reduced_step *s)
+/* m/s: largest speed of a point of the bodies. */
+static double speed_max(const struct rb_reduced_step *s)
 {
 	double max = 0;
 
@@ -347,8 +359,8 @@ static double energy_of(const struct rb_reduced_step *s)
 }
 
 /*
- * What of velocities joints do not let be is taken away, by the impulses that take the least
- * energy: those are accelerations without any motion.
+ * Removes the velocities that violate joints, by the impulses that dissipate the least energy:
+ * computed as accelerations at zero velocity.
  */
 static void project(struct rb_reduced_step *s)
 {
@@ -367,52 +379,56 @@ static void project(struct rb_reduced_step *s)
 	}
 }
 
-/* Spins and orientations of what turns freely, at all nodes, as far as rates are known. */
+/* Spins and orientations of freely turning links, at all nodes, with the present rates. */
 static void turn_all(struct rb_reduced_step *s)
 {
 	for (int k = 0; k < s->tree.count; k++) {
-		struct rb_reduced_link *const course = &s->course[k];
+		struct rb_reduced_link *const path = &s->path[k];
 		double change = 1;
 
-		for (int j = 0; course->turns && j < NODES; j++)
-			course->spin[j] = added(course->begin.spin, s->h_s, node[j].once, course,
-			                        SPIN);
-		for (int turns = 0; course->turns && turns < TURNS_MAX && change > DBL_EPSILON;
+		for (int j = 0; path->turns && j < NODES; j++)
+			path->spin[j] = integrate_rate(path->begin.spin, s->h_s, node[j].once, path,
+			                               SPIN);
+		for (int turns = 0;
+		     path->turns && turns < ORIENTATION_PASSES_MAX && change > DBL_EPSILON;
 		     turns++) {
 			change = 0;
 			for (int j = 0; j < NODES; j++) {
-				const rb_quat was = course->orientation[j];
-				const rb_quat q = turned(course, s->h_s, &node[j]);
+				const rb_quat was = path->orientation[j];
+				const rb_quat q = orientation_at(path, s->h_s, &node[j]);
 
 				change = fmax(change,
 				              fmax(fmax(fabs(q.w - was.w), fabs(q.x - was.x)),
 				                   fmax(fabs(q.y - was.y), fabs(q.z - was.z))));
-				course->orientation[j] = q;
+				path->orientation[j] = q;
 			}
 		}
 	}
 }
 
-/* Rates at nodes that were not visited, from those that were. */
-static void guess(struct rb_reduced_step *s, int visited)
+/* Extrapolates rates to nodes not evaluated yet. */
+static void extrapolate(struct rb_reduced_step *s, int evaluated)
 {
 	for (int k = 0; k < s->tree.count; k++) {
-		struct rb_reduced_link *const course = &s->course[k];
+		struct rb_reduced_link *const path = &s->path[k];
 
-		for (int i = visited; i < NODES; i++)
+		for (int i = evaluated; i < NODES; i++)
 			for (int r = 0; r < 6; r++) {
-				const double *const share = ahead[visited - 1][i];
-				double sum = share[0] * course->first[r];
+				const double *const share = extrapolation[evaluated - 1][i];
+				double sum = share[0] * path->first[r];
 
-				for (int j = 0; j < visited; j++)
-					sum += share[j + 1] * course->rate[j][r];
-				course->rate[i][r] = sum;
+				for (int j = 0; j < evaluated; j++)
+					sum += share[j + 1] * path->rate[j][r];
+				path->rate[i][r] = sum;
 			}
 	}
 }
 
-/* m/s^2: by how much accelerations at a node have changed since they were kept; `max`: largest. */
-static double changed(const struct rb_reduced_step *s, int at, double *max)
+/*
+ * m/s^2: largest change of accelerations at a node since they were kept; `max`: largest
+ * acceleration.
+ */
+static double acceleration_change(const struct rb_reduced_step *s, int at, double *max)
 {
 	double change = 0;
 
@@ -428,14 +444,14 @@ static double changed(const struct rb_reduced_step *s, int at, double *max)
 	return change;
 }
 
-/* Visits all nodes; m/s^2: the largest change of accelerations. */
-static double visit(struct rb_reduced_step *s, bool first, double *max)
+/* Evaluates all nodes once; m/s^2: largest change of accelerations. */
+static double evaluate_nodes(struct rb_reduced_step *s, bool first, double *max)
 {
 	double change = 0;
 
 	for (int at = 0; at < NODES; at++) {
 		if (first && at > 0)
-			guess(s, at);
+			extrapolate(s, at);
 		turn_all(s);
 		place_all(s, at);
 		for (int k = 0; k < s->tree.count; k++) {
@@ -445,16 +461,16 @@ static double visit(struct rb_reduced_step *s, bool first, double *max)
 		evaluate(s, at);
 		take_rates(s, at, at);
 		/* written so that NaN is a change */
-		const double here = changed(s, at, max);
+		const double here = acceleration_change(s, at, max);
 		change = here <= change ? change : here;
 	}
 	return change;
 }
 
-/* Finds the nodes; not 0: that does not converge, by what a visit leaves of a change. */
+/* Iterates the nodes; not 0: no convergence, the last contraction factor. */
 static double find_nodes(struct rb_reduced_step *s)
 {
-	const double speed = fastest(s);
+	const double speed = speed_max(s);
 	double was = (double)INFINITY;
 
 	evaluate(s, BEGIN);
@@ -466,22 +482,22 @@ static double find_nodes(struct rb_reduced_step *s)
 	for (int j = 0; j < NODES; j++)
 		take_rates(s, BEGIN, j);
 	for (int k = 0; k < s->tree.count; k++)
-		memcpy(s->course[k].first, s->course[k].rate[0], sizeof s->course[k].first);
-	for (int visits = 0; visits < VISITS_MAX; visits++) {
+		memcpy(s->path[k].first, s->path[k].rate[0], sizeof s->path[k].first);
+	for (int passes = 0; passes < PASSES_MAX; passes++) {
 		double max = 0;
-		const double change = visit(s, visits == 0, &max);
+		const double change = evaluate_nodes(s, passes == 0, &max);
 		const double least = speed + s->h_s * max, next = s->h_s * change * (change / was);
 
-		if (visits > 0 && next <= close_share * least)
+		if (passes > 0 && next <= close_share * least)
 			return 0;
 		/* written so that NaN does not converge */
-		if (visits > 1 && !(change < slowest * was))
+		if (passes > 1 && !(change < contraction_max * was))
 			return s->h_s * change <= rounding_share * s->tree.count * least
 			               ? 0
 			               : change / was;
 		was = change;
 	}
-	return slowest;
+	return contraction_max;
 }
 
 rb_vec3 rb_reduced_step_weigh(const struct rb_model *model, int i, rb_quat q, rb_vec3 v)
@@ -492,7 +508,7 @@ rb_vec3 rb_reduced_step_weigh(const struct rb_model *model, int i, rb_quat q, rb
 	                      rb_mat3_apply(rb_model_inertia(model, i), rb_quat_rotate_back(q, v)));
 }
 
-/* What joints exert at a node, from the leaves on: by link, what moves a body but forces. */
+/* Loads of joints at a node, from the leaves on: by link, inertial force minus external force. */
 static void find_joints(struct rb_reduced_step *s, int at)
 {
 	const struct rb_model *const model = s->world->model;
@@ -513,17 +529,17 @@ static void find_joints(struct rb_reduced_step *s, int at)
 		if (link->parent < 0)
 			continue;
 		const struct rb_pose *const parent = &s->pose[at][s->tree.link[link->parent].place];
-		const rb_vec3 way = rb_pose_between(parent, &s->pose[at][link->place]);
+		const rb_vec3 arm = rb_pose_between(parent, &s->pose[at][link->place]);
 		struct rb_wrench *const to = &s->on[link->parent];
 
 		to->force = rb_vec3_add(to->force, s->on[k].force);
 		to->torque = rb_vec3_add(
 			to->torque,
-			rb_vec3_add(s->on[k].torque, rb_vec3_cross(way, s->on[k].force)));
+			rb_vec3_add(s->on[k].torque, rb_vec3_cross(arm, s->on[k].force)));
 	}
 }
 
-/* The same about the point of the joint's b, on b: times `weight` to the sums. */
+/* Adds them, about the joint's point of b and acting on b, times `weight` to the sums. */
 static void add_joints(struct rb_reduced_step *s, int at, double weight)
 {
 	find_joints(s, at);
@@ -559,7 +575,7 @@ static void add_drag(struct rb_reduced_step *s, const struct rb_pose *pose, doub
 	s->lost[place] -= rb_vec3_dot(drag, pose->velocity);
 }
 
-/* The nodes are found: sums over the step go on, and bodies to the end of the part. */
+/* After the iteration: adds to the sums over the step, and moves bodies to the end of the part. */
 static void end_part(struct rb_reduced_step *s)
 {
 	for (int at = 0; at < NODES; at++) {
@@ -585,7 +601,7 @@ static void begin_step(struct rb_reduced_step *s)
 	s->tree.pose = s->pose[BEGIN];
 }
 
-/* The whole step in equal parts; not 0: not so (find_nodes). */
+/* Takes the whole step in equal parts; not 0: no convergence (find_nodes). */
 static double take_parts(struct rb_reduced_step *s, double h, int parts)
 {
 	const size_t count = (size_t)s->tree.count;
@@ -599,17 +615,17 @@ static double take_parts(struct rb_reduced_step *s, double h, int parts)
 	memset(s->lost, 0, count * sizeof *s->lost);
 	s->h_s = h / parts;
 	for (int part = 0; part < parts; part++) {
-		if (begin_part(s) > rounding_share * s->tree.count * fastest(s) && part == 0) {
+		if (begin_part(s) > rounding_share * s->tree.count * speed_max(s) && part == 0) {
 			begin_step(s);
 			s->taken = energy_of(s);
 			project(s);
 			(void)begin_part(s);
 			s->taken -= energy_of(s);
 		}
-		const double leaves = find_nodes(s);
+		const double contraction = find_nodes(s);
 
-		if (leaves != 0)
-			return leaves;
+		if (contraction != 0)
+			return contraction;
 		end_part(s);
 	}
 	return 0;
@@ -618,13 +634,13 @@ static double take_parts(struct rb_reduced_step *s, double h, int parts)
 bool rb_reduced_step_take(struct rb_reduced_step *s, double h)
 {
 	for (int parts = 1; parts <= PARTS_MAX; parts *= 2) {
-		double leaves = take_parts(s, h, parts);
+		double contraction = take_parts(s, h, parts);
 
-		if (leaves == 0)
+		if (contraction == 0)
 			return true;
 		/* written so that NaN is too many */
-		for (; !(leaves <= 4 * slowest) && parts <= PARTS_MAX; parts *= 2)
-			leaves /= 4;
+		for (; !(contraction <= 4 * contraction_max) && parts <= PARTS_MAX; parts *= 2)
+			contraction /= 4;
 	}
 	return false;
 }
@@ -632,7 +648,7 @@ bool rb_reduced_step_take(struct rb_reduced_step *s, double h)
 double rb_reduced_step_speed(struct rb_reduced_step *s)
 {
 	begin_step(s);
-	return fastest(s);
+	return speed_max(s);
 }
 
 double rb_reduced_step_acceleration(struct rb_reduced_step *s)

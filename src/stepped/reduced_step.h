@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The way of a tree of joints through a step, by what its joints leave free.
+ * Motion of a tree of joints through a step in reduced coordinates.
  *
- *     coordinates   of each joint what it leaves free, from where bodies stand as the step begins;
- *                   of balls, and of what hangs on nothing, orientation and spin
+ *     coordinates   the degrees of freedom of each joint, relative to the poses at the beginning of
+ *                   the step; orientation and spin of balls and of links without a parent
  *     rates         step/joint_tree
  *     step          Gauss-Legendre collocation with three nodes: order 6, symplectic, reversible
  *
- * Joints cannot drift: bodies are placed from the roots on. What errors joints begin with stay;
- * velocities that they do not let be are taken away, by the impulses that take the least energy.
- * Nodes are found by iteration to rounding.
+ * Joints cannot drift: bodies are placed from the roots on. Position errors that joints begin with
+ * stay; velocities that violate joints are removed, by the impulses that dissipate the least
+ * energy. Nodes are found by fixed-point iteration to rounding.
  *
  * Arrays are the caller's (stepped/reduced_islands), who fills `world`, `before`, `tree`, `force`
  * and `drag`.
@@ -22,16 +22,20 @@
 
 enum { RB_REDUCED_STEP_NODES = 3 };
 
-/* What of a link's motion is free, in one part of the step. */
+/* Degrees of freedom of a link, in one part of the step. */
 struct rb_reduced_link {
-	int ways;        /* free ways and angles of its joint */
-	bool turns;      /* its orientation is free */
-	bool floats;     /* so is its place: it hangs on nothing */
-	double speed[2]; /* of ways and angles as the part begins */
-	rb_quat turn;    /* then, from the body that it hangs on */
-	rb_vec3 point; /* then, of the joint: in the axes of that body, m from its centre of mass */
+	int coordinate_count; /* free displacements and angles of its joint */
+	bool turns;           /* its orientation is free (quaternion) */
+	bool floats;          /* so is its position: it has no parent */
+	double speed[2];      /* of displacements and angles as the part begins */
+	rb_quat turn;         /* orientation then, relative to its parent */
+	/* point of the joint then: in the parent's axes, m from its centre of mass */
+	rb_vec3 point;
 	struct rb_pose begin;
-	/* ways and angles; or the spin, and the velocity of the centre of mass */
+	/*
+	 * second rates of displacements and angles; or of the spin, and of the velocity of the
+	 * centre of mass
+	 */
 	double first[6], rate[RB_REDUCED_STEP_NODES][6]; /* as the part begins, and at the nodes */
 	rb_vec3 spin[RB_REDUCED_STEP_NODES];
 	rb_quat orientation[RB_REDUCED_STEP_NODES];
@@ -42,34 +46,38 @@ struct rb_reduced_step {
 	const struct rb_state *before;
 	double h_s; /* of a part */
 	struct rb_joint_tree tree;
-	struct rb_reduced_link *course;                  /* [count] by link */
-	struct rb_pose *pose[RB_REDUCED_STEP_NODES + 1]; /* [count] by place */
+	struct rb_reduced_link *path;                    /* [count] by link */
+	struct rb_pose *pose[RB_REDUCED_STEP_NODES + 1]; /* [count] by place in `tree` */
 	rb_vec3 *linear[RB_REDUCED_STEP_NODES + 1];      /* [count] by place: accelerations */
 	rb_vec3 *angular[RB_REDUCED_STEP_NODES + 1];
-	struct rb_wrench *force; /* [count] m/s^2; N m: by all but joints and drag */
+	struct rb_wrench *force; /* [count] m/s^2; N m: of all but joints and drag */
 	struct rb_drag_def drag;
-	struct rb_wrench *on;  /* [count] by link: what its joint exerts on it */
-	struct rb_wrench *sum; /* [count] the same over the step */
-	/* [count] by place, over the step: N s, N m s about the origin; J, what it has taken */
+	struct rb_wrench *on;  /* [count] by link: load of its joint on it */
+	struct rb_wrench *sum; /* [count] integral of it over the step */
+	/*
+	 * [count] by place, over the step, of drag: N s, N m s about the origin; J, energy
+	 * dissipated
+	 */
 	struct rb_wrench *dragged;
 	double *lost;
 	rb_vec3 *place, *spin; /* [count] by place: integrals over the step */
 	rb_vec3 *kept;         /* [2 count] scratch */
 	uint64_t evaluations;
-	double taken; /* J: with velocities that joints do not let be, as the step begins */
+	/* J: energy of the velocities violating joints that were removed as the step began */
+	double taken;
 };
 
 /*
- * Takes the step of h_s in as few equal parts as converge, by powers of two: bodies end at
- * pose[RB_REDUCED_STEP_NODES], sums are filled. False: these are too many.
+ * Takes the step of h_s in as few equal parts as converge, a power of two: bodies end at
+ * pose[RB_REDUCED_STEP_NODES], sums are filled. False: too many parts.
  */
 bool rb_reduced_step_take(struct rb_reduced_step *s, double h_s);
 
-/* As the step begins: m/s, m/s^2, the largest of what moves and of what it is accelerated by. */
+/* As the step begins: m/s, m/s^2, the largest speed and acceleration of a point of the bodies. */
 double rb_reduced_step_speed(struct rb_reduced_step *s);
 double rb_reduced_step_acceleration(struct rb_reduced_step *s);
 
-/* I v of a body in world axes: kg m^2/s for a spin. */
+/* I v of a body in world axes: kg m^2/s if v is a spin. */
 rb_vec3 rb_reduced_step_weigh(const struct rb_model *model, int i, rb_quat q, rb_vec3 v);
 
 #endif
