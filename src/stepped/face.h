@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the points of one face of a pair have in common, as rows are filled. */
+/* Common properties of the contact points of one face of a pair, as rows are filled. */
 #ifndef RB_STEPPED_FACE_H
 #define RB_STEPPED_FACE_H
 
@@ -32,24 +32,24 @@ static inline const struct rb_step_point *rb_face_nearest(const struct rb_step_p
 	return nearest;
 }
 
-/* What points of one face have in common. */
+/* Common properties of points of one face. */
 struct rb_face {
-	const struct rb_step_point *last; /* the point that it was asked about last; NULL: none */
-	const struct rb_step_point *nearest; /* of them */
+	const struct rb_step_point *last;    /* last point of rb_face_take; NULL: none */
+	const struct rb_step_point *nearest; /* point with the smallest gap */
 	bool pivots;
-	rb_pivot mean; /* of arms over the step */
+	rb_pivot mean; /* mean of arms over the step */
 };
 
-/* Points are asked about in their order. */
+/* Sets the properties for a point; to be called in the order of points. */
 static inline void rb_face_take(struct rb_face *face, const struct rb_step_points *points,
                                 int number, const struct rb_world *world, double h_s)
 {
 	const struct rb_step_point *const point = &points->row[number];
-	const bool goes_on = face->last && face->last + 1 == point && !face->last->central &&
-	                     rb_face_is_shared(face->last, point);
+	const bool is_same_face = face->last && face->last + 1 == point && !face->last->central &&
+	                          rb_face_is_shared(face->last, point);
 
 	face->last = point;
-	if (goes_on)
+	if (is_same_face)
 		return;
 	face->nearest = rb_face_nearest(points, number);
 	const double angle = rb_pivot_angle(world, point->a, point->b, point->normal, h_s);

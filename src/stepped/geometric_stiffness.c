@@ -2,12 +2,13 @@
 #include "stepped/geometric_stiffness.h"
 
 /*
- * (h w)^2 of turning under the pull of joints, up to which steps are stable: 4, over what inertia
- * is overestimated by (stiffness_of) in a chain of rods whose links turn to and fro by turns, 2.2.
+ * Largest (h w)^2 of rotation under joint forces for which steps are stable: 4, divided by the
+ * factor by which inertia is overestimated (stiffness_of) in a chain of rods whose links rotate
+ * alternately, 2.2.
  */
 static const double resolved_max = 4 / 2.2;
 
-/* Adds `scale` times what a unit of mass at r has of inertia: r.r - r r^T. */
+/* Adds `scale` times the inertia of a unit mass at r: r.r - r r^T. */
 static void add_about(rb_mat3 *sum, double scale, rb_vec3 r)
 {
 	const double x[3] = {r.x, r.y, r.z}, square = rb_vec3_dot(r, r);
@@ -21,7 +22,10 @@ static double trace(const rb_mat3 *x)
 	return x->m[0][0] + x->m[1][1] + x->m[2][2];
 }
 
-/* 1/kg: a bound of how a body yields at a point `arm` m from its centre of mass; -1: the world. */
+/*
+ * 1/kg: upper bound of a body's inverse effective mass at a point `arm` m from its centre of mass;
+ * 0 for statics and the world (-1).
+ */
 static double inverse_mass_at(const struct rb_model *model, int i, double arm)
 {
 	if (i < 0 || i >= model->body_count)
@@ -33,8 +37,8 @@ static double inverse_mass_at(const struct rb_model *model, int i, double arm)
 }
 
 /*
- * kg m^2. Turning also moves what is joined at r, or the body about it: `joined`, kg m^2, the mass
- * of both there.
+ * Geometric stiffness, kg m^2. Rotation also moves the bodies joined at r, or this body about them:
+ * `joined`, kg m^2, inertia of the effective mass of both there.
  */
 static rb_mat3 stiffness_of(const struct rb_world *world, const struct rb_step_joint *all, int i,
                             double h, rb_mat3 *joined)

@@ -12,7 +12,7 @@ RB_FIELDS_DEFINE(rb_joint_memory_fields, struct rb_joint_memory, RB_JOINT_MEMORY
 
 static const rb_vec3 none = {0, 0, 0};
 
-/* Whether the joint has that part, of those after the rows of its linkage. */
+/* Whether the joint has that part, for parts after the rows of its linkage. */
 static bool has_part(const struct rb_joint *joint, int part)
 {
 	if (!rb_linkage_has_free(&joint->link))
@@ -31,7 +31,7 @@ static bool has_part(const struct rb_joint *joint, int part)
 	}
 }
 
-/* The part of each row, of a FREE one the first of three; returns their number. */
+/* Lists the part of each row, for a FREE one the first of three; returns their number. */
 static int list_parts(const struct rb_joint *joint, int part[RB_JOINT_PARTS])
 {
 	const int count = rb_linkage_row_count(&joint->link);
@@ -57,12 +57,12 @@ static bool is_dynamic(const struct rb_model *model, int i)
 	return i >= 0 && i < model->body_count && model->inverse_mass[i] > 0;
 }
 
-static bool is_turned_round(const struct rb_model *model, const struct rb_joint *joint)
+static bool is_swapped(const struct rb_model *model, const struct rb_joint *joint)
 {
 	return rb_step_joint_rows_owner(model, joint) != joint->a;
 }
 
-/* Of the state; velocities are those before the step. */
+/* Pose in the state; velocities are those before the step. */
 static struct rb_pose pose_of(const struct rb_world *world, const struct rb_state *before, int i)
 {
 	if (i < 0)
@@ -85,17 +85,17 @@ struct filling {
 	struct rb_linkage_row link[RB_LINKAGE_ROWS_MAX];
 	struct rb_linkage_free free;
 	struct rb_pose a, b;
-	double way; /* of the free coordinate, turns counted */
+	double value; /* free coordinate, turns counted */
 };
 
-/* N s, N m s: what a part's impulse begins from. */
-static double given_by(const struct filling *f, int part)
+/* N s, N m s: warm-start impulse of a part. */
+static double warm_impulse(const struct filling *f, int part)
 {
 	return f->query->at_end ? f->of->impulse[part]
 	                        : f->query->lasts_s * f->of->last.force[part];
 }
 
-/* Three rows of a point: at the middle of both, so that no torque is left over. */
+/* Three rows of a point: midway between both, so that no torque remains. */
 static struct rb_constraint point_row(const struct filling *f)
 {
 	const double h = f->query->h_s;
@@ -112,13 +112,14 @@ static struct rb_constraint point_row(const struct filling *f)
 	row.target = rb_constraint_split(&row, target);
 	if (f->query->before)
 		row.impulse = rb_constraint_split(
-			&row, (rb_vec3){given_by(f, 0), given_by(f, 1), given_by(f, 2)});
+			&row,
+			(rb_vec3){warm_impulse(f, 0), warm_impulse(f, 1), warm_impulse(f, 2)});
 	return row;
 }
 
 /*
- * One row of a linkage for a rate of it: arms across the normal, or a couple; `*scale`: what a unit
- * of the rate is of the row's velocity, m/s.
+ * One row of a linkage with a target rate: arms across the normal, or a couple; `*scale`: row
+ * velocity, m/s, per unit of the rate.
  */
 static struct rb_constraint line_row(const struct filling *f, const struct rb_linkage_row *link,
                                      double rate, double *scale)
@@ -134,20 +135,20 @@ static struct rb_constraint line_row(const struct filling *f, const struct rb_li
 		row.couple = true;
 		row.normal = rb_vec3_unit(link->angular_b, (rb_vec3){0, 0, 1});
 		row.arm_a.x = f->joint->size;
-		/* of errors: turning by angles whose directions are not units away from zero */
+		/* of errors: rotations about axes that are not unit vectors away from zero */
 		*scale = f->joint->size / rb_vec3_length(link->angular_b);
 	}
 	row.target.n = *scale * rate;
 	return row;
 }
 
-/* N s of a row's impulse for a multiplier: impulse along or about its unit axis. */
+/* N s: impulse of a row for an impulse along or about its unit axis. */
 static double impulse_of(const struct rb_constraint *row, double given)
 {
 	return given / (row->couple ? row->arm_a.x : 1);
 }
 
-/* In a second half: what pushes one way holds on where it has done so in the first. */
+/* In a second half: unilateral rows are active if they were in the first. */
 static void keep_open(const struct filling *f, struct rb_constraint *row, int part)
 {
 	if (f->query->at_end && f->of->impulse[part] == 0)
@@ -171,8 +172,8 @@ static struct rb_constraint linkage_row(const struct filling *f, int k)
 }
 
 /*
- * Springs are at the end of `ahead`, s, which is also what they act for: of their stretch there,
- * and of their rate.
+ * Makes a row soft: a spring with its stretch and rate at the end of `ahead`, s, which is also the
+ * time that it acts.
  */
 static void soften(const struct filling *f, struct rb_constraint *row, double ahead)
 {
@@ -180,9 +181,9 @@ static void soften(const struct filling *f, struct rb_constraint *row, double ah
 	const double softness = 1 / (ahead * (ahead * k + c));
 	const double scale = row->couple ? row->arm_a.x / rb_vec3_length(f->free.row.angular_b) : 1;
 
-	/* an impulse p of the row is scale p of torque, its velocity scale times the rate */
+	/* an impulse p of the row is a torque impulse scale p, its velocity scale times the rate */
 	row->softness = scale * scale * softness;
-	row->target.n = -scale * softness * ahead * k * (f->way - f->joint->rest);
+	row->target.n = -scale * softness * ahead * k * (f->value - f->joint->rest);
 }
 
 static rb_vec3 turn_by(const struct filling *f, int i, rb_vec3 torque)
@@ -192,10 +193,11 @@ static rb_vec3 turn_by(const struct filling *f, int i, rb_vec3 torque)
 }
 
 /*
- * What the joint's other rows leave of how its free coordinate yields if its bodies are free: what
- * slides does not turn, what turns goes about the axis. A bound of how it yields in a mechanism.
+ * Fraction of the free coordinate's inverse effective mass that the joint's other rows leave, with
+ * its bodies free: a slider does not rotate, a hinge rotates about its axis. A bound of it in a
+ * mechanism.
  */
-static double left_by_linkage(const struct filling *f)
+static double share_left_by_linkage(const struct filling *f)
 {
 	const struct rb_joint *joint = f->joint;
 	const int count = rb_linkage_row_count(&joint->link);
@@ -230,8 +232,8 @@ static double left_by_linkage(const struct filling *f)
 }
 
 /*
- * At the end of the step, or at its middle where impulses are halved and the step resolves it; a
- * second half repeats that.
+ * Sets up a spring's row: tension at the end of the step, or at its middle if impulses are in
+ * halves and the step resolves it; a second half repeats that.
  */
 static void make_spring(const struct filling *f, struct rb_constraint *row)
 {
@@ -247,26 +249,26 @@ static void make_spring(const struct filling *f, struct rb_constraint *row)
 	row->low = -(double)INFINITY;
 	row->high = (double)INFINITY;
 	soften(f, row, query->h_s);
-	/* written so that NaN is late */
-	f->of->spring_is_late = !(query->lasts_s < query->h_s &&
-	                          (row->inverse_mass_n <= row->softness ||
-	                           row->inverse_mass_n * left_by_linkage(f) <= row->softness));
+	/* written so that NaN counts as late */
+	f->of->spring_is_late = !(
+		query->lasts_s < query->h_s &&
+		(row->inverse_mass_n <= row->softness ||
+	         row->inverse_mass_n * share_left_by_linkage(f) <= row->softness));
 	if (!f->of->spring_is_late)
 		soften(f, row, query->lasts_s);
 }
 
-/* ---- motors that follow ---- */
+/* ---- following motors ---- */
 
 /*
- * Of its part in the braking that a motor has beside the load (located/follow.h). And the share of
- * its bound by which its force must have changed, for what came of that to tell how its joint
- * answers.
+ * Fraction of the motor's available braking that is used besides the load (located/follow.h).
+ * Fraction of its bound by which its force must have changed for its response to be measured.
  */
 static const double brake_share = 0.5, change_share = 0.1;
-/* Share of its bound within which a force is at it. */
+/* Relative distance from its bound within which a force is at it. */
 static const double at_bound = 1e-9;
 
-/* Has it a motor that follows, in a step that bodies move in? */
+/* Whether it has a motor that follows a target, in a step that bodies move in. */
 static bool follows(const struct filling *f)
 {
 	return f->query->before && !isnan(f->of->wanted) &&
@@ -274,10 +276,10 @@ static bool follows(const struct filling *f)
 }
 
 /*
- * What the step before tells: what the motor's force has changed in the acceleration of the free
- * coordinate. `answer_max`: if its bodies were free, which is more.
+ * Measures the motor's response in the step before: change of the free coordinate's acceleration
+ * per change of force. `answer_max`: response if its bodies were free, which is larger.
  */
-static void learn(const struct filling *f, double answer_max)
+static void measure_response(const struct filling *f, double answer_max)
 {
 	struct rb_joint_memory *const last = &f->of->last;
 	const double max = f->query->world->joint[f->joint->def].motor_max;
@@ -292,7 +294,7 @@ static void learn(const struct filling *f, double answer_max)
 	const double change = force - last->motor;
 	const double answer = (acceleration - last->acceleration) / change;
 
-	/* written so that NAN tells nothing; what moves nothing is not tried again */
+	/* written so that NAN changes nothing; a motor that moves nothing is not probed again */
 	if (fabs(change) >= change_share * max && answer > 0 && answer <= answer_max)
 		last->answer = answer;
 	else if (fabs(change) >= change_share * max && !(last->answer > 0) && !isnan(answer))
@@ -302,53 +304,54 @@ static void learn(const struct filling *f, double answer_max)
 }
 
 /*
- * With which deceleration it begins to brake what it closes in `way` (1 or -1), relative to what it
- * follows, which itself has the acceleration `bends`; 0: at once, it has nothing to brake with;
- * INFINITY: not known.
+ * Deceleration with which it begins to brake its approach in `direction` (1 or -1), relative to the
+ * target, which itself has the acceleration `bends`; 0: at once, it cannot brake; INFINITY: not
+ * known.
  */
-static double braking_of(const struct filling *f, double way, double bends)
+static double braking_of(const struct filling *f, double direction, double bends)
 {
 	const struct rb_joint_memory *const last = &f->of->last;
 	const double max = f->query->world->joint[f->joint->def].motor_max;
 	const double force = last->force[RB_JOINT_MOTOR];
-	/* what is followed moves away from it, or towards it */
+	/* the target moves away from it, or towards it */
 	const double load = last->acceleration - last->answer * force - bends;
 
-	return last->answer > 0 ? fmax(0, brake_share * (last->answer * max - way * load))
+	return last->answer > 0 ? fmax(0, brake_share * (last->answer * max - direction * load))
 	                        : (double)INFINITY;
 }
 
-/* The rate that a motor which follows is asked for. */
+/* Target rate of a following motor. */
 static double follow_rate(const struct filling *f)
 {
 	struct rb_step_joint *const of = f->of;
-	const double h = f->query->h_s, off = of->wanted_before - f->way, way = off < 0 ? -1 : 1;
+	const double h = f->query->h_s, off = of->wanted_before - f->value,
+		     direction = off < 0 ? -1 : 1;
 	const double mean = (of->wanted - of->wanted_before) / h;
-	const double closes = way * (f->free.rate - mean), d = fabs(off);
-	const double brake_max = braking_of(f, way, 2 * (of->wanted_rate - mean) / h);
-	const double keeps = sqrt(2 * brake_max * d); /* what could just be braked */
-	double a = of->last.brakes * way;
+	const double closes = direction * (f->free.rate - mean), d = fabs(off);
+	const double brake_max = braking_of(f, direction, 2 * (of->wanted_rate - mean) / h);
+	const double brakable = sqrt(2 * brake_max * d); /* speed that could just be braked */
+	double a = of->last.brakes * direction;
 
 	of->end_rate = (double)NAN;
 	if (!(a > 0) || closes < 0.5 * sqrt(2 * a * d))
-		a = closes > 0.5 * keeps && closes >= keeps - brake_max * h
+		a = closes > 0.5 * brakable && closes >= brakable - brake_max * h
 		            ? closes * closes / (2 * d)
 		            : 0;
-	of->last.brakes = way * a;
+	of->last.brakes = direction * a;
 	if (!(a > 0))
 		a = brake_max > 0 ? brake_max : (double)INFINITY;
-	/* written so that NAN is there within the step */
+	/* written so that NAN counts as reached within the step */
 	if (!(d > 0.5 * fmax(a, brake_max) * h * h)) {
 		of->last.brakes = 0;
-		return (of->wanted - f->way) / h;
+		return (of->wanted - f->value) / h;
 	}
-	of->end_rate = mean + way * (sqrt(2 * a * d) - a * h);
-	return mean + way * (sqrt(2 * a * d) - 0.5 * a * h);
+	of->end_rate = mean + direction * (sqrt(2 * a * d) - a * h);
+	return mean + direction * (sqrt(2 * a * d) - 0.5 * a * h);
 }
 
 /*
- * It gives all that it has, and has done so ever since it began: for a step it gives half of it, to
- * see how its joint answers.
+ * Whether the motor has been at its bound ever since it began: for one step it gives half of it, to
+ * measure its response.
  */
 static bool must_probe(const struct filling *f)
 {
@@ -358,13 +361,13 @@ static bool must_probe(const struct filling *f)
 	return last->answer == 0 && fabs(last->force[RB_JOINT_MOTOR]) >= max * (1 - at_bound);
 }
 
-/* In a second half: whether the first one had all of motor and friction. */
+/* In a second half: whether motor and friction acted entirely in the first one. */
 static bool is_given(const struct filling *f)
 {
 	return f->query->at_end && f->of->spring_is_late;
 }
 
-/* Once it is known how its bodies yield; `scale`: the row's velocity per rate. */
+/* Sets up a motor's row, once its effective mass is known; `scale`: row velocity per rate. */
 static void make_motor(const struct filling *f, struct rb_constraint *row)
 {
 	const double lever = row->couple ? row->arm_a.x : 1;
@@ -374,7 +377,7 @@ static void make_motor(const struct filling *f, struct rb_constraint *row)
 	if (!follows(f) || is_given(f))
 		return;
 	if (!f->query->at_end) {
-		learn(f, row->inverse_mass_n / (scale * lever));
+		measure_response(f, row->inverse_mass_n / (scale * lever));
 		row->target.n = scale * follow_rate(f);
 		if (must_probe(f))
 			row->high *= 0.5;
@@ -383,14 +386,15 @@ static void make_motor(const struct filling *f, struct rb_constraint *row)
 		return;
 	}
 	row->target.n = scale * (isnan(f->of->end_rate) ? f->of->wanted_rate : f->of->end_rate);
-	/* all of it is all of it in both halves: it is asked for what it cannot reach */
+	/* at its bound in both halves: its target cannot be reached */
 	if (fabs(given) >= f->of->motor_bound * (1 - at_bound))
 		row->low = row->high = given;
 }
 
 /*
- * m/s, rad/s: with which a limit is come to by the end; `ahead`: it is that far. What turns of a
- * step have taken beyond it comes back within a whole step: in a short part that would throw it.
+ * m/s, rad/s: rate at which a limit is reached by the end; `ahead`: distance to it. Excess rotation
+ * beyond it left by earlier steps is corrected within a whole step: in a short part that would be
+ * violent.
  */
 static double limit_rate(const struct rb_joint_query *query, double ahead, bool is_beyond)
 {
@@ -400,7 +404,7 @@ static double limit_rate(const struct rb_joint_query *query, double ahead, bool 
 static struct rb_constraint free_row(const struct filling *f, int part)
 {
 	const double speed = f->query->world->joint[f->joint->def].motor_speed;
-	const double low = f->joint->low - f->way, high = f->joint->high - f->way;
+	const double low = f->joint->low - f->value, high = f->joint->high - f->value;
 	double rate = 0;
 
 	if (part == RB_JOINT_LOW && !f->query->at_end)
@@ -408,7 +412,7 @@ static struct rb_constraint free_row(const struct filling *f, int part)
 	else if (part == RB_JOINT_HIGH && !f->query->at_end)
 		rate = limit_rate(f->query, high, high < 0);
 	else if (part == RB_JOINT_MOTOR && !isnan(speed))
-		rate = speed; /* of what follows it is known with how its bodies yield */
+		rate = speed; /* a following motor's is set once its effective mass is known */
 	double scale, max = 0;
 	struct rb_constraint row = line_row(f, &f->free.row, rate, &scale);
 
@@ -419,12 +423,12 @@ static struct rb_constraint free_row(const struct filling *f, int part)
 		return row;
 	}
 	if (!f->query->before)
-		return row; /* positions are moved: 0 and 0 */
+		return row; /* position projection: bounds 0 and 0 */
 	if (part == RB_JOINT_SPRING)
-		return row; /* made when it is known how its bodies yield */
+		return row; /* set up once its effective mass is known */
 	max = part == RB_JOINT_MOTOR ? f->query->world->joint[f->joint->def].motor_max
 	                             : f->joint->friction;
-	if (is_given(f)) /* 0 and 0 */
+	if (is_given(f)) /* bounds 0 and 0 */
 		return row;
 	row.high = impulse_of(&row,
 	                      (f->of->spring_is_late ? f->query->h_s : f->query->lasts_s) * max);
@@ -432,8 +436,8 @@ static struct rb_constraint free_row(const struct filling *f, int part)
 	return row;
 }
 
-/* A body that is not dynamic is the second. */
-static void turn_round(struct rb_constraint *row)
+/* Swaps the ends of a row: a body that is not dynamic is the second. */
+static void swap_ends(struct rb_constraint *row)
 {
 	const rb_vec3 arm = row->arm_a;
 
@@ -449,17 +453,17 @@ static void turn_round(struct rb_constraint *row)
 static void set_ends(const struct filling *f, struct rb_constraint *row)
 {
 	const struct rb_model *model = f->query->world->model;
-	const bool round = is_turned_round(model, f->joint);
-	const int a = round ? f->joint->b : f->joint->a, b = round ? f->joint->a : f->joint->b;
+	const bool swapped = is_swapped(model, f->joint);
+	const int a = swapped ? f->joint->b : f->joint->a, b = swapped ? f->joint->a : f->joint->b;
 
-	if (round)
-		turn_round(row);
+	if (swapped)
+		swap_ends(row);
 	row->a = a;
 	row->b = b >= 0 && b < model->body_count ? b : f->query->fixed;
 	RB_ASSERT_COSTLY(is_dynamic(model, a));
 }
 
-/* Its poses alone. */
+/* Sets the poses only. */
 static struct filling begin_poses(const struct rb_joint_query *query, int k,
                                   struct rb_step_joint *of)
 {
@@ -480,16 +484,16 @@ static struct filling begin(const struct rb_joint_query *query, int k, struct rb
 	(void)rb_linkage_rows(&joint->link, &f.a, &f.b, f.link);
 	if (rb_linkage_has_free(&joint->link)) {
 		f.free = rb_linkage_free(&joint->link, &f.a, &f.b);
-		f.way = rb_linkage_turns(&joint->link)
-		                ? rb_linkage_angle_near(f.free.value, of->last.way)
-		                : f.free.value;
+		f.value = rb_linkage_turns(&joint->link)
+		                  ? rb_linkage_angle_near(f.free.value, of->last.way)
+		                  : f.free.value;
 	}
 	return f;
 }
 
 /*
- * What steps have left of errors goes within a whole step, too: in a short part it would throw
- * bodies. Of what is within a rope, nothing is an error.
+ * Errors left by earlier steps are corrected within a whole step, too: in a short part that would
+ * throw bodies. For a slack rope there is no error.
  */
 static void keep_errors(const struct filling *f)
 {
@@ -522,7 +526,7 @@ void rb_step_joint_rows_fill(const struct rb_joint_query *query, int k, struct r
 			row[r] = part[r] < RB_JOINT_LOW ? linkage_row(&f, part[r])
 			                                : free_row(&f, part[r]);
 			if (query->before)
-				row[r].impulse.n = impulse_of(&row[r], given_by(&f, part[r]));
+				row[r].impulse.n = impulse_of(&row[r], warm_impulse(&f, part[r]));
 		}
 		set_ends(&f, &row[r]);
 		rb_effective_mass_fill(query->bodies, &row[r]);
@@ -534,9 +538,9 @@ void rb_step_joint_rows_fill(const struct rb_joint_query *query, int k, struct r
 	}
 }
 
-/* ---- what has come of it ---- */
+/* ---- results ---- */
 
-/* The middle of the velocities before and after; of bodies that do not yield there is one. */
+/* Mean of the velocities before and after; bodies that are not dynamic have only one. */
 static struct rb_solver_body mean_of(const struct rb_joint_query *query, int i)
 {
 	struct rb_solver_body body = query->bodies->body[i], was = body;
@@ -556,9 +560,9 @@ static struct rb_solver_body mean_of(const struct rb_joint_query *query, int i)
 	return body;
 }
 
-/* Of what is dynamic by what is not; `at`: the second body's centre of mass. */
-static void note_fixed(struct rb_joint_work *work, const struct rb_constraint *row, rb_vec3 at,
-                       const struct rb_solver_body *fixed)
+/* Adds impulses on a dynamic body by one that is not; `at`: the second body's centre of mass. */
+static void add_fixed(struct rb_joint_work *work, const struct rb_constraint *row, rb_vec3 at,
+                      const struct rb_solver_body *fixed)
 {
 	const rb_vec3 p = rb_vec3_neg(rb_constraint_impulse(row));
 
@@ -574,7 +578,7 @@ static void note_fixed(struct rb_joint_work *work, const struct rb_constraint *r
 	work->driven += rb_vec3_dot(p, rb_solver_point_velocity(fixed, row->arm_b));
 }
 
-static void note_work(struct rb_joint_work *work, bool one_sided, int part, double done)
+static void add_work(struct rb_joint_work *work, bool one_sided, int part, double done)
 {
 	if (part == RB_JOINT_MOTOR)
 		work->motor += done;
@@ -587,10 +591,10 @@ static void note_work(struct rb_joint_work *work, bool one_sided, int part, doub
 }
 
 /*
- * `done`: by the middle of the velocities before and after. What velocities did not fit the joint
- * by as the step began has been taken away, whatever the step: of halves, and where they were set.
+ * `done`: work at the mean of the velocities before and after. Velocities that violated the joint
+ * as the step began are removed, whatever the step: in halves, and where they were set.
  */
-static void note_held(const struct filling *f, int k, const struct rb_constraint *row, double done)
+static void add_held(const struct filling *f, int k, const struct rb_constraint *row, double done)
 {
 	const bool was_set = f->query->world->joint[k].was_set && !f->query->at_end;
 	const bool first = f->query->lasts_s < f->query->h_s && !f->query->at_end;
@@ -598,17 +602,17 @@ static void note_held(const struct filling *f, int k, const struct rb_constraint
 	const double at_end = 0.5 * rb_vec3_dot(p, rb_constraint_velocity(f->query->bodies, row));
 	const bool rope = f->joint->link.type->one_sided;
 
-	/* what comes taut is an impact, of which no shorter step takes less */
+	/* a rope becoming taut is an impact, whose work no shorter step reduces */
 	if (!rope || f->of->last.force[0] != 0)
 		f->of->work.held += first || was_set ? at_end : done;
 	f->of->work.pushed += rb_vec3_length(p);
-	/* of ropes all of it is */
+	/* for ropes all of it is counted already */
 	if (was_set && !rope)
 		f->of->work.impacts -= done - at_end;
 }
 
 /* Adds a row's impulse to the sums of the joint. */
-static void note_row(const struct filling *f, int k, int part, const struct rb_constraint *whole)
+static void add_row(const struct filling *f, int k, int part, const struct rb_constraint *whole)
 {
 	struct rb_constraint given = *whole;
 	const struct rb_constraint *const row = &given;
@@ -618,7 +622,7 @@ static void note_row(const struct filling *f, int k, int part, const struct rb_c
 
 	const struct rb_model *model = f->query->world->model;
 	struct rb_step_joint *const of = f->of;
-	const double sign = is_turned_round(model, f->joint) ? -1 : 1;
+	const double sign = is_swapped(model, f->joint) ? -1 : 1;
 	const rb_vec3 p = rb_vec3_scale(sign, rb_constraint_impulse(row));
 	const rb_vec3 to_point = rb_quat_rotate(f->b.orientation, f->joint->link.at_b);
 	const struct rb_solver_body two[2] = {mean_of(f->query, row->a), mean_of(f->query, row->b)};
@@ -645,15 +649,15 @@ static void note_row(const struct filling *f, int k, int part, const struct rb_c
 	const double done = rb_vec3_dot(rb_constraint_impulse(row),
 	                                rb_constraint_velocity(&pair, &alone));
 
-	note_work(&of->work, f->joint->link.type->one_sided, part, done);
+	add_work(&of->work, f->joint->link.type->one_sided, part, done);
 	if (part < RB_JOINT_LOW)
-		note_held(f, k, &given, done);
+		add_held(f, k, &given, done);
 	if (two[1].inverse_mass == 0)
-		note_fixed(&of->work, row, sign < 0 ? f->a.position : f->b.position, &two[1]);
+		add_fixed(&of->work, row, sign < 0 ? f->a.position : f->b.position, &two[1]);
 }
 
-/* As the solution has it. */
-static void give_velocity(const struct rb_joint_query *query, int i, struct rb_pose *pose)
+/* Sets the velocity of the solution. */
+static void set_velocity(const struct rb_joint_query *query, int i, struct rb_pose *pose)
 {
 	if (i < 0 || i >= query->world->model->body_count)
 		return;
@@ -661,13 +665,13 @@ static void give_velocity(const struct rb_joint_query *query, int i, struct rb_p
 	pose->spin = query->bodies->body[i].angular;
 }
 
-/* Where errors of the linkage would be at the end, on straight lines. */
+/* Errors of the linkage at the end if they grew at constant rates. */
 static void go_straight(const struct filling *f)
 {
 	struct rb_pose a = f->a, b = f->b;
 
-	give_velocity(f->query, f->joint->a, &a);
-	give_velocity(f->query, f->joint->b, &b);
+	set_velocity(f->query, f->joint->a, &a);
+	set_velocity(f->query, f->joint->b, &b);
 	for (int r = 0; r < rb_linkage_row_count(&f->joint->link); r++)
 		f->of->straight[r] = f->link[r].error +
 		                     f->query->h_s * rb_linkage_row_velocity(&f->link[r], &a, &b);
@@ -691,7 +695,7 @@ void rb_step_joint_rows_store(const struct rb_joint_query *query, int k, struct 
 		}
 	}
 	for (int r = 0; r < rows; r++)
-		note_row(&f, k, part[r], &row[r]);
+		add_row(&f, k, part[r], &row[r]);
 }
 
 bool rb_step_joint_rows_are_smooth(const struct rb_joint_query *query, int k,
@@ -711,11 +715,11 @@ bool rb_step_joint_rows_are_smooth(const struct rb_joint_query *query, int k,
 		                                                              &f.b)) <
 		               0;
 	for (int part = RB_JOINT_LOW; part <= RB_JOINT_HIGH; part++) {
-		const double way = part == RB_JOINT_LOW ? f.way - f.joint->low
-		                                        : f.joint->high - f.way;
+		const double distance = part == RB_JOINT_LOW ? f.value - f.joint->low
+		                                             : f.joint->high - f.value;
 
 		if (has_part(f.joint, part) && of->last.force[part] == 0 &&
-		    !(way > reach * fabs(f.free.rate)))
+		    !(distance > reach * fabs(f.free.rate)))
 			return false;
 	}
 	return true;
@@ -733,7 +737,7 @@ void rb_step_joint_rows_double(struct rb_step_joint *of)
 
 /* ---- rebounds ---- */
 
-/* m/s: with which a limit or rope is left, of its row; 0: it has not been met. */
+/* m/s: rebound velocity of a limit's or rope's row; 0: no impact. */
 static double rebound_of(const struct rb_joint *joint, int part, const struct rb_step_joint *of,
                          const struct rb_constraint *row)
 {
@@ -755,14 +759,16 @@ bool rb_step_joint_rows_rebound(const struct rb_joint_query *query, int k,
 
 	const struct rb_pose a = pose_of(query->world, NULL, joint->a);
 	const struct rb_pose b = pose_of(query->world, NULL, joint->b);
-	const bool round = is_turned_round(query->world->model, joint);
-	const rb_vec3 way = rb_vec3_scale(round ? -1 : 1, rb_vec3_sub(b.position, a.position));
+	const bool swapped = is_swapped(query->world->model, joint);
+	const rb_vec3 between = rb_vec3_scale(swapped ? -1 : 1,
+	                                      rb_vec3_sub(b.position, a.position));
 
 	for (int r = 0; r < rows; r++) {
 		/* bodies have moved since its arms were made */
 		if (!row[r].couple) {
 			rb_constraint_join_arms(
-				&row[r], rb_vec3_add(way, rb_vec3_sub(row[r].arm_b, row[r].arm_a)));
+				&row[r],
+				rb_vec3_add(between, rb_vec3_sub(row[r].arm_b, row[r].arm_a)));
 			rb_effective_mass_fill(query->bodies, &row[r]);
 		}
 		const rb_vec3 now = rb_constraint_velocity(query->bodies, &row[r]);
@@ -778,7 +784,7 @@ bool rb_step_joint_rows_rebound(const struct rb_joint_query *query, int k,
 		const double back = rebound_of(joint, part[r], of, &row[r]);
 		const double sign = low ? 1 : -1;
 
-		/* what has not been met stays open */
+		/* without an impulse it stays inactive */
 		if (of->impulse[part[r]] == 0)
 			row[r].target.n = -sign * (double)INFINITY;
 		if (!(back > tolerance))

@@ -23,7 +23,7 @@ static struct rb_island *group_of(const struct rb_solver *solver, const struct r
 	return &solver->island[solver->island_of[owner]];
 }
 
-/* The joint, of those of the step, if its group has a second half; NULL: it has none. */
+/* The step data of a joint if its island has a second half; else NULL. */
 static struct rb_step_joint *joint_due(const struct rb_solver *solver, const struct rb_world *world,
                                        int joint)
 {
@@ -35,8 +35,8 @@ static struct rb_step_joint *joint_due(const struct rb_solver *solver, const str
 }
 
 /*
- * The change of velocity by the first half of forces is repeated; of spin, it is the change of
- * angular momentum, since the body has turned.
+ * Repeats the change of velocity by the first half of forces; for spin, the change of angular
+ * momentum, since the body has turned.
  */
 static void begin_body(struct rb_solver *solver, const struct rb_world *world, int i)
 {
@@ -65,7 +65,7 @@ static bool is_driven(const struct rb_solver *solver, int i)
 	return solver->dense.bodies.body[i].inverse_mass == 0;
 }
 
-/* As rows of a second half are asked for. */
+/* Query for rows of a second half. */
 static struct rb_joint_query query_of(const struct rb_solver *solver, const struct rb_world *world)
 {
 	struct rb_joint_query query = rb_islands_joints(solver, world);
@@ -76,9 +76,9 @@ static struct rb_joint_query query_of(const struct rb_solver *solver, const stru
 	return query;
 }
 
-/* The group of a spring that has rows, if it takes halves; NULL: it does not. */
-static const struct rb_island *halved(const struct rb_solver *solver,
-                                      const struct rb_step_spring *spring)
+/* The island of a spring with rows, if it takes halves; else NULL. */
+static const struct rb_island *island_in_halves(const struct rb_solver *solver,
+                                                const struct rb_step_spring *spring)
 {
 	if (!spring->joined || spring->first_row < 0)
 		return NULL;
@@ -98,12 +98,12 @@ static struct rb_spring_query query_of_spring(const struct rb_solver *solver,
 	return query;
 }
 
-/* Springs as they stand now; of groups that rest they do the same again. */
+/* Updates springs to the present poses; in islands at rest they repeat their impulse. */
 static void make_springs(struct rb_solver *solver, const struct rb_world *world)
 {
 	for (int k = 0; k < solver->spring_count; k++) {
 		struct rb_step_spring *const spring = &solver->spring[k];
-		const struct rb_island *const island = halved(solver, spring);
+		const struct rb_island *const island = island_in_halves(solver, spring);
 		struct rb_pose pose[2];
 		rb_vec3 way[2];
 
@@ -124,7 +124,7 @@ static void make_springs(struct rb_solver *solver, const struct rb_world *world)
 		const double impulse = rb_vec3_dot(spring->impulse, spring->along);
 
 		rb_step_spring_turn(spring, pose, way);
-		/* without a length it has pulled in all directions */
+		/* with rest length 0 it has acted in all directions */
 		if (query.repeats && spring->rest > 0)
 			spring->impulse = rb_vec3_scale(impulse, spring->along);
 		rb_step_spring_fill(&query, spring, solver->dense.row + spring->first_row);
@@ -172,7 +172,10 @@ void rb_second_half_end(struct rb_solver *solver, struct rb_world *world)
 {
 	const struct rb_joint_query query = query_of(solver, world);
 
-	/* others have met driven bodies as these moved through the step; so is their power */
+	/*
+	 * other islands have used the velocities of driven bodies during the step, as does their
+	 * power
+	 */
 	for (int k = 0; k < solver->active_count; k++)
 		if (is_driven(solver, solver->active[k]))
 			solver->dense.bodies.body[solver->active[k]] =
@@ -188,7 +191,7 @@ void rb_second_half_end(struct rb_solver *solver, struct rb_world *world)
 	}
 	for (int k = 0; k < solver->spring_count; k++) {
 		struct rb_step_spring *const spring = &solver->spring[k];
-		const struct rb_island *const island = halved(solver, spring);
+		const struct rb_island *const island = island_in_halves(solver, spring);
 
 		if (!island || !rb_second_half_is_due(solver, island))
 			continue;

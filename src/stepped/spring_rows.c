@@ -4,12 +4,11 @@
 #include "base/error.h"
 #include "constraint/effective_mass.h"
 
-/* Of what a row answers, what is left where others hold the same: rounding, and drift. */
+/* A row is redundant if elimination leaves this fraction of its diagonal: rounding and drift. */
 static const double redundant_share = 1e-10;
 
 /* A body that is not dynamic is the second of a row. */
-static bool is_turned_round(const struct rb_spring_query *query,
-                            const struct rb_step_spring *spring)
+static bool is_swapped(const struct rb_spring_query *query, const struct rb_step_spring *spring)
 {
 	return rb_step_spring_owner(spring, query->bodies, query->fixed) != spring->end[0];
 }
@@ -17,14 +16,14 @@ static bool is_turned_round(const struct rb_spring_query *query,
 static struct rb_constraint row_of(const struct rb_spring_query *query,
                                    const struct rb_step_spring *spring, rb_vec3 normal)
 {
-	const bool round = is_turned_round(query, spring);
-	const int a = round, b = !round;
+	const bool swapped = is_swapped(query, spring);
+	const int a = swapped, b = !swapped;
 
 	return (struct rb_constraint){
 		.set = RB_CONSTRAINT_INTERVAL,
 		.a = spring->end[a],
 		.b = spring->end[b] < query->fixed ? spring->end[b] : query->fixed,
-		.normal = round ? rb_vec3_neg(normal) : normal,
+		.normal = swapped ? rb_vec3_neg(normal) : normal,
 		.arm_a = spring->arm[a],
 		.arm_b = spring->arm[b],
 		.low = -(double)INFINITY,
@@ -32,7 +31,7 @@ static struct rb_constraint row_of(const struct rb_spring_query *query,
 	};
 }
 
-/* An impulse that is known. */
+/* Fixes the impulse of a row. */
 static void fix(struct rb_constraint *row, double impulse)
 {
 	row->low = row->high = row->impulse.n = impulse;
@@ -54,7 +53,10 @@ void rb_step_spring_fill(const struct rb_spring_query *query, const struct rb_st
 		row[r] = row_of(query, spring, normal[r]);
 		row[r].impulse.n = rb_vec3_dot(spring->impulse, normal[r]);
 		rb_effective_mass_fill(query->bodies, &row[r]);
-		/* what is resolved along it has tension across it only if it has no length */
+		/*
+		 * a spring resolved along its direction has tension across it only if its rest
+		 * length is 0
+		 */
 		if (fixed || (r > 0 && spring->time == RB_SPRING_AT_MEAN && spring->rest > 0)) {
 			fix(&row[r], fixed ? row[r].impulse.n : 0);
 			continue;
@@ -68,12 +70,12 @@ void rb_step_spring_fill(const struct rb_spring_query *query, const struct rb_st
 	}
 }
 
-/* ---- how it yields ---- */
+/* ---- effective mass ---- */
 
-/* Rows at once that are looked at: a bound whatever is left out. */
+/* Most rows taken into account: still a bound if some are left out. */
 enum { HELD_MAX = 24 };
 
-/* What a unit impulse does: on the two bodies of its row, and what that makes of them. */
+/* Unit impulse of a row: force and torque on its two bodies, and change of spin. */
 struct unit {
 	int body[2];
 	rb_vec3 force[2], torque[2], turn[2];
@@ -98,9 +100,9 @@ static struct unit unit_of(const struct rb_spring_query *query, const struct rb_
 	return unit;
 }
 
-/* 1/kg: what a unit of one makes along the other. */
-static double answer(const struct rb_spring_query *query, const struct unit *x,
-                     const struct unit *y)
+/* 1/kg: velocity along one per unit impulse of the other. */
+static double response(const struct rb_spring_query *query, const struct unit *x,
+                       const struct unit *y)
 {
 	double sum = 0;
 
@@ -133,7 +135,7 @@ double rb_step_spring_gives(const struct rb_spring_query *query,
 	unit[count] = unit_of(query, &own_row, own_row.normal);
 	for (int i = 0; i <= count; i++) {
 		for (int j = 0; j <= i; j++)
-			g[i][j] = answer(query, &unit[i], &unit[j]);
+			g[i][j] = response(query, &unit[i], &unit[j]);
 		own[i] = g[i][i];
 	}
 	for (int k = 0; k < count; k++)
@@ -157,7 +159,7 @@ void rb_step_spring_add(struct rb_step_spring *spring, rb_vec3 impulse)
 void rb_step_spring_store(const struct rb_spring_query *query, struct rb_step_spring *spring,
                           const struct rb_constraint *row)
 {
-	const double sign = is_turned_round(query, spring) ? -1 : 1;
+	const double sign = is_swapped(query, spring) ? -1 : 1;
 
 	spring->impulse = (rb_vec3){0, 0, 0};
 	for (int r = 0; r < rb_step_spring_row_count(spring); r++)
@@ -187,7 +189,9 @@ rb_vec3 rb_step_spring_way(const struct rb_step_spring *spring, const struct rb_
 	const rb_vec3 d = between(spring, pose), n = spring->along;
 	const double length = spring->rest + spring->stretch;
 	const rb_vec3 gone = rb_vec3_add_scaled(d, -length, n);
-	/* a spring without a length pulls in proportion, whichever way its ends have parted */
+	/*
+	 * a spring of rest length 0 has a force proportional to the displacement in any direction
+	 */
 	const double longer = spring->rest > 0 ? rb_vec3_length(d) - length : rb_vec3_dot(gone, n);
 
 	if (!(spring->across > 0))

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the next step starts from (stepped/contact_points): impulses of the step before, or forces
- * that another method has found, by name.
+ * Warm start of the next step (stepped/contact_points): impulses of the step before, or forces
+ * found by another method, matched by contact name.
  */
 #include "stepped/contact_points.h"
 
@@ -11,7 +11,10 @@
 #include "base/error.h"
 #include "base/memory.h"
 
-/* Marks stand for all bodies of the model: those of others are of no use, but of no harm either. */
+/*
+ * Marks bodies that have earlier contacts. Marks exist for all bodies of the model: those of other
+ * bodies are unused, and harmless.
+ */
 static void mark_held(struct rb_step_points *points)
 {
 	for (size_t k = 0; k < points->last_count; k++) {
@@ -49,8 +52,8 @@ static int by_name(const void *left, const void *right)
 	return rb_contact_name_compare(&of_x, &of_y);
 }
 
-static struct rb_named_impulse taken_over(const struct rb_world *world,
-                                          const struct rb_contact *contact)
+static struct rb_named_impulse convert_contact(const struct rb_world *world,
+                                               const struct rb_contact *contact)
 {
 	const bool swapped = world->model->inverse_mass[contact->a] == 0; /* driven */
 
@@ -65,7 +68,7 @@ static struct rb_named_impulse taken_over(const struct rb_world *world,
 	};
 }
 
-/* The mean of points of one rim, out of those of a pair. */
+/* Mean of the points of one rim, among those of a pair. */
 static struct rb_named_impulse mean_of_rim(const struct rb_named_impulse *pair, size_t length,
                                            uint32_t parts, uint64_t rim)
 {
@@ -86,7 +89,9 @@ static struct rb_named_impulse mean_of_rim(const struct rb_named_impulse *pair, 
 	return mean;
 }
 
-/* Those of a pair as they are, then each rim's mean for points that have no name there. */
+/*
+ * Copies the impulses of a pair, then adds each rim's mean for points whose name is not among them.
+ */
 static size_t take_pair(const struct rb_named_impulse *pair, size_t length,
                         struct rb_named_impulse *to)
 {
@@ -121,7 +126,7 @@ enum rb_status rb_step_points_take_over(struct rb_step_points *points, struct rb
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", contacts->count);
 	for (size_t k = 0; k < contacts->count; k++)
 		if (contacts->row[k].normal_force > 0)
-			impulse[count++] = taken_over(world, &contacts->row[k]);
+			impulse[count++] = convert_contact(world, &contacts->row[k]);
 	if (count > 1)
 		qsort(impulse, count, sizeof *impulse, by_name);
 	for (size_t k = 0; k < count; k += length) {
@@ -166,7 +171,7 @@ void rb_step_points_index_members(struct rb_step_points *points, const int *memb
 
 bool rb_step_points_reserve(struct rb_step_points *points, size_t count)
 {
-	return count < UINT32_MAX && /* its places are kept as such */
+	return count < UINT32_MAX && /* indices are stored as uint32_t */
 	       rb_memory_reserve(&points->last, &points->last_capacity, count + 1,
 	                         sizeof *points->last);
 }
@@ -178,7 +183,7 @@ static struct rb_named_impulse impulse_of(const struct rb_step_points *points,
 	if (point->from > 0 && asleep[point->a]) {
 		struct rb_named_impulse impulse = points->last[point->from - 1];
 
-		impulse.key = point->key; /* it may stand for all of a rim */
+		impulse.key = point->key; /* the earlier one may be the mean of a rim */
 		return impulse;
 	}
 	return (struct rb_named_impulse){
@@ -190,28 +195,28 @@ static struct rb_named_impulse impulse_of(const struct rb_step_points *points,
 		.friction_impulse = rb_vec3_scale(1 / h, point->friction_impulse)};
 }
 
-struct keeping {
+struct store_pass {
 	const struct rb_step_points *points;
 	struct rb_named_impulse *to;
 	const unsigned char *asleep;
 	double h_s;
 };
 
-static void keep_chosen(void *user, size_t first, size_t end)
+static void store_chosen(void *user, size_t first, size_t end)
 {
-	const struct keeping *keeping = user;
-	const struct rb_step_points *points = keeping->points;
+	const struct store_pass *store_pass = user;
+	const struct rb_step_points *points = store_pass->points;
 
 	for (size_t c = first; c < end; c++)
-		keeping->to[c] = impulse_of(points, &points->row[points->chosen[c]], keeping->h_s,
-		                            keeping->asleep);
+		store_pass->to[c] = impulse_of(points, &points->row[points->chosen[c]],
+		                               store_pass->h_s, store_pass->asleep);
 }
 
-/* With what bodies that sleep have; returns how many there are. */
-static size_t keep_with_sleepers(const struct keeping *keeping, const unsigned char *sleeps)
+/* Stores new impulses, merged with those of sleeping bodies; returns their number. */
+static size_t store_with_sleepers(const struct store_pass *store_pass, const unsigned char *sleeps)
 {
-	const struct rb_step_points *points = keeping->points;
-	struct rb_named_impulse *const to = keeping->to;
+	const struct rb_step_points *points = store_pass->points;
+	struct rb_named_impulse *const to = store_pass->to;
 	size_t old = 0, count = 0;
 
 	for (size_t c = 0; c <= points->chosen_count; c++) {
@@ -224,7 +229,8 @@ static size_t keep_with_sleepers(const struct keeping *keeping, const unsigned c
 			if (sleeps[points->last[old].a])
 				to[count++] = points->last[old];
 		if (point)
-			to[count++] = impulse_of(points, point, keeping->h_s, keeping->asleep);
+			to[count++] = impulse_of(points, point, store_pass->h_s,
+			                         store_pass->asleep);
 	}
 	return count;
 }
@@ -245,14 +251,14 @@ void rb_step_points_keep_in(struct rb_step_points *points, const struct rb_world
                             const unsigned char *asleep, const unsigned char *sleeps,
                             struct rb_named_impulse *space)
 {
-	struct keeping keeping = {points, space, asleep, h};
+	struct store_pass store_pass = {points, space, asleep, h};
 	size_t count = points->chosen_count;
 
 	RB_ASSERT(space && h > 0);
 	if (sleeps)
-		count = keep_with_sleepers(&keeping, sleeps);
+		count = store_with_sleepers(&store_pass, sleeps);
 	else
-		rb_team_share(world->team, count, IMPULSES_PER_BLOCK, keep_chosen, &keeping);
+		rb_team_share(world->team, count, IMPULSES_PER_BLOCK, store_chosen, &store_pass);
 	if (count > 0)
 		memcpy(points->last, space, count * sizeof *space);
 	points->last_count = count;
