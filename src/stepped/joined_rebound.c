@@ -9,13 +9,16 @@
 #include "constraint/simultaneous.h"
 #include "world/world.h"
 
-/* Products with the matrix of a group's rows, times these: as of impacts within a step. */
+/* Matrix-vector products times the number of rows: as for impacts within a step. */
 static const long work_max = 200000;
-/* Rows of joints, several for each contact of the largest group: factors of more cost the most. */
+/*
+ * Most rows of joints, several for each contact of the largest island: factors of more cost the
+ * most.
+ */
 enum { HELD_MAX = 4 * RB_IMPACT_CONTACTS };
-/* Of the fastest approach: speeds to which what follows from it is resolved. */
+/* Tolerance of subsequent velocities, relative to the fastest approach. */
 static const double fine_share = 1e-9;
-/* Of the fastest row: what is left of what is to be stopped, beyond which it has not been. */
+/* Residual, relative to the fastest row, above which stopping has failed. */
 static const double failed_share = 1e-6;
 
 struct group {
@@ -25,17 +28,18 @@ struct group {
 	struct rb_row_system rows;
 	const struct rb_island *island;
 	struct rb_arena *arena;
-	int *place; /* [bodies of the solver + 1] in the problem */
+	int *place; /* [bodies of the solver + 1]: index in the problem */
 	struct rb_solver_body *before;
 	rb_mat3 *root;
-	struct rb_constraint *row; /* those that take part, contacts first, of the problem */
-	int *contact, *held;       /* which they are of the group's */
-	double *restitution;       /* by row of the group: of limits and ropes */
+	/* rows that take part, contacts first, between bodies of the problem */
+	struct rb_constraint *row;
+	int *contact, *held; /* their indices among the island's rows */
+	double *restitution; /* by row of the island: of limits and ropes */
 	int body_count, contact_count, held_count;
-	int unit; /* 2^unit kg is that of masses, so that all of them times two come to the same */
+	int unit; /* unit of mass 2^unit kg, so that results are the same with all masses doubled */
 };
 
-/* H with H^T H the tensor, upper triangular; false: it is none. */
+/* H with H^T H the tensor, upper triangular; false: not positive definite. */
 static bool take_root(const rb_mat3 *tensor, double scale, rb_mat3 *root)
 {
 	*root = (rb_mat3){{{0}}};
@@ -52,7 +56,7 @@ static bool take_root(const rb_mat3 *tensor, double scale, rb_mat3 *root)
 	return true;
 }
 
-/* As the step began, after the impacts within it. */
+/* Velocities as the step began, after the impacts within it. */
 static struct rb_solver_body body_before(const struct group *g, int i)
 {
 	const struct rb_state *mark = &g->world->mark;
@@ -94,8 +98,8 @@ static bool take_members(struct group *g)
 	return true;
 }
 
-/* A body of the problem; of what does not yield each row has its own. */
-static int place_of(struct group *g, int i)
+/* Index of a body in the problem; a body that is not dynamic has one for each row. */
+static int index_of(struct group *g, int i)
 {
 	if (g->rows.bodies.body[i].inverse_mass > 0)
 		return g->place[i];
@@ -103,7 +107,7 @@ static int place_of(struct group *g, int i)
 	return g->body_count++;
 }
 
-/* Whether a row of a joint holds its bodies, now or all the time. */
+/* Whether a row of a joint constrains its bodies, now or always. */
 static bool holds(const struct rb_constraint *row)
 {
 	if (row->set == RB_CONSTRAINT_FREE)
@@ -124,24 +128,26 @@ static const struct rb_step_point *point_of(const struct group *g, int row)
 	return &g->points->row[g->solver->point[g->island->first_row + row]];
 }
 
-/* m/s: between the points of a row, along its normal, as the step has been solved. */
-static double now_of(const struct group *g, int row)
+/* m/s: normal velocity of a row after the step's solution. */
+static double velocity_of(const struct group *g, int row)
 {
 	const struct rb_constraint *of = &g->rows.row[row];
 
 	return rb_vec3_dot(rb_constraint_velocity(&g->rows.bodies, of), of->normal);
 }
 
-/* Whether it has touched within the step, or touches as that ends. */
+/* Whether a contact has touched within the step, or touches at its end. */
 static bool touches(const struct group *g, int row)
 {
 	const struct rb_step_point *point = point_of(g, row);
 
-	return point->normal_impulse > 0 ||
-	       point->gap + g->solver->h_s * now_of(g, row) <= g->world->model->stepped_tolerance_m;
+	return point->normal_impulse > 0 || point->gap + g->solver->h_s * velocity_of(g, row) <=
+	                                            g->world->model->stepped_tolerance_m;
 }
 
-/* Of the joints of one member; those between two are met twice. */
+/*
+ * Sets the restitution of the joints of one member; joints between two members are visited twice.
+ */
 static void take_restitution(struct group *g, int i)
 {
 	const struct rb_joints *joints = g->world->model->joints;
@@ -161,8 +167,8 @@ static void take_restitution(struct group *g, int i)
 }
 
 /*
- * The rows that take part; false: one limit or rope alone needs no law. Contacts alone do: what
- * hangs on slack ropes has not been resolved within the step.
+ * Selects the rows that take part; false: one limit or rope alone needs no law. Contacts alone do:
+ * an island that hangs on slack ropes has not been resolved within the step.
  */
 static bool take_rows(struct group *g)
 {
@@ -183,12 +189,12 @@ static bool take_rows(struct group *g)
 }
 
 /* A row between bodies of the problem. */
-static struct rb_constraint posed(struct group *g, const struct rb_constraint *of)
+static struct rb_constraint row_between(struct group *g, const struct rb_constraint *of)
 {
 	struct rb_constraint row = *of;
 
-	row.a = place_of(g, of->a);
-	row.b = place_of(g, of->b);
+	row.a = index_of(g, of->a);
+	row.b = index_of(g, of->b);
 	if (of->central) {
 		row.arm_a = rb_constraint_arm_a(of);
 		row.arm_b = rb_constraint_arm_b(of);
@@ -204,10 +210,10 @@ static struct rb_constraint posed(struct group *g, const struct rb_constraint *o
 }
 
 /*
- * The rows between bodies as they were before: those of joints keep their velocities; contacts,
- * limits and ropes are left with what the step's solution has left them with.
+ * Makes the rows between the bodies as before: rows of joints keep their velocities; contacts,
+ * limits and ropes end with the velocities of the step's solution.
  */
-static bool pose(struct group *g)
+static bool make_rows(struct group *g)
 {
 	const size_t count = (size_t)(g->contact_count + g->held_count);
 
@@ -217,19 +223,20 @@ static bool pose(struct group *g)
 	for (int k = 0; k < g->contact_count; k++) {
 		const struct rb_constraint *of = &g->rows.row[g->contact[k]];
 
-		g->row[k] = posed(g, of);
-		g->row[k].target = (rb_along_across){fmin(now_of(g, g->contact[k]), 0), {0, 0, 0}};
+		g->row[k] = row_between(g, of);
+		g->row[k].target = (rb_along_across){fmin(velocity_of(g, g->contact[k]), 0),
+		                                     {0, 0, 0}};
 		if (!g->world->state.spin)
 			g->row[k].friction = 0;
 	}
 	for (int k = 0; k < g->held_count; k++) {
 		struct rb_constraint *const row = &g->row[g->contact_count + k];
 
-		*row = posed(g, &g->rows.row[g->held[k]]);
+		*row = row_between(g, &g->rows.row[g->held[k]]);
 		const struct rb_solver_bodies bodies = {.body = g->before, .root = g->root};
 		if (is_stop(row)) {
 			const double now = rb_constraint_side(&g->rows.row[g->held[k]]) *
-			                   now_of(g, g->held[k]);
+			                   velocity_of(g, g->held[k]);
 
 			row->target = (rb_along_across){fmin(now, 0), {0, 0, 0}};
 		} else {
@@ -240,7 +247,7 @@ static bool pose(struct group *g)
 	return true;
 }
 
-/* Copies of the bodies as they were; NULL: no memory. */
+/* Copies the bodies as before; NULL: no memory. */
 static struct rb_solver_body *take_bodies(const struct group *g)
 {
 	struct rb_solver_body *const body = rb_arena_take(g->arena, (size_t)g->body_count,
@@ -256,7 +263,7 @@ static long products_max(const struct group *g)
 	return work_max / (g->contact_count + g->held_count);
 }
 
-/* L(u); false: it has not settled, or memory is out. */
+/* Computes L(u); false: it has not converged, or no memory. */
 static bool apply_law(const struct group *g, struct rb_simultaneous *law)
 {
 	double approach = 0;
@@ -285,7 +292,7 @@ static bool apply_law(const struct group *g, struct rb_simultaneous *law)
 			.arm_b = row->arm_b,
 			.friction = row->friction,
 			.restitution = point->material->restitution,
-			/* slower rebounds are none */
+			/* slower rebounds are ignored */
 			.noise = g->solver->tolerance};
 		approach = fmax(approach, point->approach);
 	}
@@ -306,7 +313,7 @@ static bool apply_law(const struct group *g, struct rb_simultaneous *law)
 	return rb_simultaneous_impact(law, NULL) && !rb_simultaneous_is_over(law);
 }
 
-/* P(u). */
+/* Computes P(u). */
 static bool stop_all(const struct group *g, struct rb_cone *cone)
 {
 	const int count = g->contact_count + g->held_count;
@@ -332,9 +339,9 @@ static bool stop_all(const struct group *g, struct rb_cone *cone)
 	return rb_cone_resolve(cone, scale) <= failed_share * scale && !rb_cone_is_over(cone);
 }
 
-/* What the law does beyond what stops goes to the group's rows and bodies. */
-static void give(const struct group *g, const struct rb_simultaneous *law,
-                 const struct rb_cone *stopped)
+/* Applies the difference of both to the island's rows and bodies. */
+static void apply_difference(const struct group *g, const struct rb_simultaneous *law,
+                             const struct rb_cone *stopped)
 {
 	const int *const member = g->solver->member + g->island->first_member;
 	const double unit = ldexp(1, g->unit);
@@ -359,14 +366,14 @@ static void give(const struct group *g, const struct rb_simultaneous *law,
 		struct rb_constraint *const row = &g->rows.row[g->held[k]];
 		const rb_along_across p = law->joint_row[k].base.impulse;
 		const rb_along_across q = stopped->row[g->contact_count + k].base.impulse;
-		const double way = rb_constraint_side(row) < 0 ? -unit : unit;
+		const double sign = rb_constraint_side(row) < 0 ? -unit : unit;
 
-		row->impulse.n = way * (p.n - q.n);
+		row->impulse.n = sign * (p.n - q.n);
 		row->impulse.t = rb_vec3_scale(unit, rb_vec3_sub(p.t, q.t));
 	}
 }
 
-/* Whether joints have held it in the step; `ropes`: whether it has any that have not. */
+/* Whether joints have acted on a body in the step; `ropes`: whether it has any joints. */
 static bool is_held(const struct rb_solver *solver, const struct rb_world *world, int i,
                     bool *ropes)
 {
@@ -427,9 +434,9 @@ bool rb_joined_rebound(struct rb_solver *solver, const struct rb_world *world,
 	g.restitution = rb_arena_take(arena, (size_t)island->row_count, sizeof *g.restitution);
 	if (!g.place || !g.before || !g.root || !g.contact || !g.held || !g.restitution)
 		return false;
-	if (!take_members(&g) || !take_rows(&g) || !pose(&g) || !apply_law(&g, &law) ||
+	if (!take_members(&g) || !take_rows(&g) || !make_rows(&g) || !apply_law(&g, &law) ||
 	    !stop_all(&g, &stopped))
 		return false;
-	give(&g, &law, &stopped);
+	apply_difference(&g, &law, &stopped);
 	return true;
 }

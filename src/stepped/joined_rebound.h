@@ -1,22 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Impacts of joined bodies, which rebound when the step is over, by the law of
- * constraint/simultaneous: the pass of impacts within a step (stepped/impact_pass) knows no joints.
+ * Impacts of bodies with joints, which rebound at the end of the step, by the law of
+ * constraint/simultaneous: the impact pass within a step (stepped/impact_pass) does not handle
+ * joints.
  *
- * The step's solution v has stopped whatever approaches, all of it at once. With u the velocities
- * before the step, L(u) what the law makes of them, and P(u) what stopping makes of them, as far as
- * v has stopped them, bodies go on with
+ * The step's solution v has stopped all approaching rows at once. With u the velocities before the
+ * step, L(u) the result of the law, and P(u) that of stopping, to the extent that v has stopped
+ * them, bodies continue with
  *
  *     v + L(u) - P(u)
  *
- * so that what the forces of the step have done stays, and a cradle on rods does what one does
- * whose balls hang free: to add restitution to what was stopped at once would throw all of them.
+ * so that the effect of the step's forces is kept, and a cradle on rods behaves like one whose
+ * balls hang freely: restitution added to bodies that were all stopped at once would throw all of
+ * them.
  *
- * Rows are those of the step's solution, turned to where bodies stand now; what it has not closed
- * takes no part. Limits and ropes are among them, by their own restitution. Any worker, groups
- * apart from each other.
+ * Rows are those of the step's solution, moved to the present poses; rows that it has not closed
+ * take no part. Limits and ropes are among them, with their own restitution. Any worker, islands
+ * separately.
  *
- * Where nothing is given back, L is P, but of an eccentric impact with friction of what no joint
+ * Without restitution, L is P, except for an eccentric impact with friction of bodies that no joint
  * holds: ropes that hang slack.
  */
 #ifndef RB_STEPPED_JOINED_REBOUND_H
@@ -24,15 +26,15 @@
 
 #include "stepped/islands.h"
 
-/* Whether the impact at a point is one of these last, as the step has been solved. */
+/* Whether the impact at a point, after the step's solution, is one of the latter. */
 bool rb_joined_rebound_is_due(const struct rb_solver *solver, const struct rb_world *world,
                               const struct rb_step_points *points,
                               const struct rb_step_point *point);
 
 /*
- * Leaves in the group's rows the impulses of L less those of P, and adds to its bodies what these
- * do. False: nothing has changed, since the group has no joints, is larger than the law is for
- * (RB_IMPACT_CONTACTS), is of one limit or rope alone, or has not settled.
+ * Sets the island's rows to the impulses of L minus those of P, and applies these to its bodies.
+ * False: nothing has changed, since the island has no joints, is larger than the law's limit
+ * (RB_IMPACT_CONTACTS), consists of one limit or rope alone, or the law has not converged.
  */
 bool rb_joined_rebound(struct rb_solver *solver, const struct rb_world *world,
                        const struct rb_step_points *points, const struct rb_island *island,

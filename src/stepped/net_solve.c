@@ -9,26 +9,35 @@
 
 typedef double pair __attribute__((vector_size(2 * sizeof(double)), aligned(8), may_alias));
 
-/* Corrections, at most; tries from one place; where a correction is small enough to be linear. */
+/*
+ * Most corrections; trial steps from one point; relative norm below which a correction is small
+ * enough to be linear.
+ */
 enum { SOLVES_MAX = 200, TRIES_MAX = 3 };
 static const double small = 1e-20;
-/* Of a length, squared, over that: what rounding leaves of a correction. */
+/* Relative rounding error of lengths, squared, over that: floor of corrections. */
 static const double rounding = 64 * DBL_EPSILON * 64 * DBL_EPSILON / 1e-20;
-/* Of the norm of a correction that the next one may have: for the same factors after GMRES. */
+/*
+ * Largest ratio of successive corrections: to keep the factors after GMRES; accepted decrease in
+ * the line search.
+ */
 static const double same_share = 0.01, gain_share = 0.25;
-/* After a try: to be taken, or to be learnt from. */
+/* Largest ratio after a trial step: to accept it; to use it for acceleration. */
 static const double try_share = 0.3, far_share = 4;
-/* Of the norm at the last factors, and of the last: to be factored anew. */
+/*
+ * For a new factorization: largest ratio to the norm at the last one, least ratio to the last
+ * correction.
+ */
 static const double anew_share = 1e-4, slow_share = 0.1;
-/* Of the square of a change, what has to be new of it. */
+/* Least fraction of a change's squared norm that must be independent of the earlier ones. */
 static const double new_share = 1e-8;
-/* Of what a net has, the energy that rounding may seem to add. */
+/* Apparent gain by rounding, relative to the energy of a net. */
 static const double residue = 1e-10;
 static const double least_part = 1.0 / 64;
-/* Of a right side, what GMRES may leave; of a size, what derivatives are taken over. */
+/* Relative residual of GMRES; relative step for numerical derivatives. */
 static const double space_share = 0.05, difference = 1e-7;
 
-/* The last correction: impulses that agree with it. */
+/* Applies the last correction, with consistent impulses. */
 static void finish(struct rb_net_system *s)
 {
 	struct rb_net *net = s->net;
@@ -67,7 +76,7 @@ static void finish(struct rb_net_system *s)
 	}
 }
 
-/* J: gained, apart from what constant forces and driven ends have given. */
+/* J: energy gained, apart from the work of constant forces and driven ends. */
 static double gain_of(const struct rb_net_system *s)
 {
 	struct rb_net *net = s->net;
@@ -99,7 +108,10 @@ static double gain_of(const struct rb_net_system *s)
 	return gain;
 }
 
-/* The dampers of the end; returns what they have taken, J. */
+/*
+ * Applies the dampers of the end, and subtracts the energy that they dissipate from the gain;
+ * false: the system is not positive definite.
+ */
 static bool stop(struct rb_net_system *s)
 {
 	struct rb_net *net = s->net;
@@ -119,7 +131,7 @@ static bool stop(struct rb_net_system *s)
 		spring->stiff = spring->rest > 0 ? rb_net_stiffness(n, damper, 0)
 		                                 : rb_mat3_diagonal(damper, damper, damper);
 		rb_net_add_spring(s, spring, s->h, &spring->stiff, spring->arm_to);
-		/* of ends that are driven */
+		/* driven ends */
 		for (int e = 0; e < 2; e++)
 			if (spring->body[e] < 0)
 				u = rb_vec3_add_scaled(u, (e == 0 ? -1 : 1) / s->h, spring->way[e]);
@@ -187,7 +199,7 @@ static void begin(struct rb_net *net)
 	net->factors = net->solves = 0;
 }
 
-/* J: what the net has, as far as it matters for how small a correction is. */
+/* J: energy of the net, as the scale of corrections. */
 static double scale_of(const struct rb_net *net)
 {
 	double sum = 0;
@@ -209,7 +221,10 @@ static double scale_of(const struct rb_net *net)
 	return sum;
 }
 
-/* What equations lack there, negative, from `rest` of it at the means, over the length of a try. */
+/*
+ * Numerical derivative of the negative residuals along `direction`, from `rest`, their value at the
+ * means.
+ */
 static void derive(struct rb_net_system *s, const double *rest, double *direction, double *change)
 {
 	double norm = 0, longest = 0;
@@ -238,7 +253,7 @@ static void derive(struct rb_net_system *s, const double *rest, double *directio
 		memcpy(s->net->body[k].mean, s->net->body[k].kept, sizeof s->net->body[k].mean);
 }
 
-/* Vectors are of whole blocks. */
+/* Vectors consist of whole blocks. */
 static double product(const struct rb_net_system *s, const double *x, const double *y)
 {
 	const pair *const p = (const pair *)x, *const q = (const pair *)y;
@@ -266,7 +281,7 @@ static void add_scaled(const struct rb_net_system *s, double *x, double scale, c
 	}
 }
 
-/* Of the triangle that rotations have made of Hessenberg's matrix. */
+/* Back substitution in the triangle that Givens rotations have made of the Hessenberg matrix. */
 static void solve_triangle(double h[RB_NET_SPACE + 1][RB_NET_SPACE], const double *g, int n,
                            double *y)
 {
@@ -279,10 +294,11 @@ static void solve_triangle(double h[RB_NET_SPACE + 1][RB_NET_SPACE], const doubl
 }
 
 /*
- * The factors stand for a symmetric system; the true one is that but for how directions turn. The
- * correction by it, by GMRES in the norm of the factors: `rest` the right side, the result in x.
+ * The factors belong to a symmetric approximation; the true Jacobian also has the terms of turning
+ * directions. Computes the correction by the latter, by GMRES in the norm of the factors: `rest`
+ * the right-hand side, the result in x.
  */
-static void correct_truly(struct rb_net_system *s, const double *rest, double *x)
+static void correct_by_gmres(struct rb_net_system *s, const double *rest, double *x)
 {
 	const size_t size = s->size;
 	double h[RB_NET_SPACE + 1][RB_NET_SPACE], g[RB_NET_SPACE + 1] = {0}, c[RB_NET_SPACE],
@@ -290,7 +306,7 @@ static void correct_truly(struct rb_net_system *s, const double *rest, double *x
 	double y[RB_NET_SPACE];
 	int n = 0;
 
-	/* of each vector itself, and times the system that is factored */
+	/* each vector, and its product with the factored system */
 	memcpy(s->space, x, size * sizeof *x);
 	memcpy(s->space + size, rest, size * sizeof *x);
 	g[0] = sqrt(product(s, x, rest));
@@ -343,7 +359,7 @@ static void correct_truly(struct rb_net_system *s, const double *rest, double *x
 		add_scaled(s, x, y[i], s->space + 2 * size * (size_t)i);
 }
 
-/* Right side and correction for it at the means; returns its norm, J. */
+/* Right-hand side and its correction at the means; returns its norm, J. */
 static double correct_at(struct rb_net_system *s, double *rest, double *x)
 {
 	rb_net_evaluate(s, rest);
@@ -353,7 +369,7 @@ static double correct_at(struct rb_net_system *s, double *rest, double *x)
 	return product(s, x, rest);
 }
 
-/* Moves along x as far as the next correction is shorter; false: it is not. */
+/* Moves along x by a line search until the next correction is shorter; false: it never is. */
 static bool search(struct rb_net_system *s, double norm, double *next)
 {
 	double part = 1;
@@ -361,7 +377,7 @@ static bool search(struct rb_net_system *s, double norm, double *next)
 	for (;; part *= 0.5) {
 		rb_net_move_means(s->net, part, s->x);
 		*next = correct_at(s, s->trial_rest, s->trial);
-		/* written so that NaN is not good */
+		/* written so that NaN fails */
 		if (*next <= (1 - gain_share * part) * norm)
 			return true;
 		rb_net_move_means(s->net, -part, s->x);
@@ -383,19 +399,19 @@ static double *past_of(const struct rb_net_system *s, int k)
 	return s->space + 2 * s->size * (size_t)k;
 }
 
-static int known(const struct rb_net_system *s)
+static int past_size(const struct rb_net_system *s)
 {
 	return s->past_count < RB_NET_PAST ? s->past_count : RB_NET_PAST;
 }
 
 /*
- * What a try has shown: moving by `step` changes corrections by c and right sides by w. Kept are w
- * and step - c, with c orthogonal in the norm of the factors; the oldest is forgotten.
+ * Records a trial step: moving by `step` changes corrections by c and right-hand sides by w. Stores
+ * w and step - c, with c orthonormal in the norm of the factors; the oldest is dropped.
  */
-static void learn(struct rb_net_system *s)
+static void record_step(struct rb_net_system *s)
 {
 	const size_t size = s->size;
-	const int at = s->past_count % RB_NET_PAST, count = known(s);
+	const int at = s->past_count % RB_NET_PAST, count = past_size(s);
 	double *const w = past_of(s, at), *const rest = w + size, *const c = s->scratch;
 	double share[RB_NET_PAST], square = 0;
 
@@ -424,15 +440,15 @@ static void learn(struct rb_net_system *s)
 	s->past_count++;
 }
 
-/* The simple correction, and of what is known of its change the right one. */
+/* Step: the correction, improved by the recorded changes. */
 static void choose_step(struct rb_net_system *s)
 {
 	memcpy(s->step, s->x, s->size * sizeof *s->x);
-	for (int k = 0; k < known(s); k++)
+	for (int k = 0; k < past_size(s); k++)
 		add_scaled(s, s->step, product(s, s->x, past_of(s, k)), past_of(s, k) + s->size);
 }
 
-/* Factors at the means, the right side being known; returns the norm of the correction, J. */
+/* Factors at the means, with the right-hand side given; sets the norm of the correction, J. */
 static bool refactor(struct rb_net_system *s, double *norm)
 {
 	if (!rb_net_factor(s))
@@ -445,18 +461,18 @@ static bool refactor(struct rb_net_system *s, double *norm)
 	return true;
 }
 
-/* Moves by what tries have taught, if the next correction is a good deal shorter. */
-static bool try_learnt(struct rb_net_system *s, double norm, double *next)
+/* Tries accelerated steps; moves if the next correction is much shorter. */
+static bool try_accelerated(struct rb_net_system *s, double norm, double *next)
 {
 	for (int tries = 0; tries < TRIES_MAX; tries++) {
 		choose_step(s);
 		rb_net_move_means(s->net, 1, s->step);
 		*next = correct_at(s, s->trial_rest, s->trial);
-		/* written so that NaN is not good */
+		/* written so that NaN fails */
 		const bool near = *next <= far_share * norm;
 
 		if (near)
-			learn(s);
+			record_step(s);
 		if (*next <= try_share * norm)
 			return true;
 		rb_net_move_means(s->net, -1, s->step);
@@ -467,8 +483,8 @@ static bool try_learnt(struct rb_net_system *s, double norm, double *next)
 }
 
 /*
- * Whether factors are worth their work after a try: they are of means from which corrections were
- * much longer, and at this rate, to the least, there is more work left.
+ * Whether a new factorization pays after a trial step: the present factors are of means where
+ * corrections were much longer, and converging at this rate to `least` would take more work.
  */
 static bool is_stale(const struct rb_net_system *s, double first, double norm, double next,
                      double least)
@@ -494,18 +510,18 @@ static bool iterate(struct rb_net_system *s)
 		return false;
 	first = norm;
 	while (norm > least && net->solves < SOLVES_MAX) {
-		const bool learnt = try_learnt(s, norm, &next);
+		const bool accelerated = try_accelerated(s, norm, &next);
 
-		if (!learnt) {
-			correct_truly(s, s->rest, s->x);
+		if (!accelerated) {
+			correct_by_gmres(s, s->rest, s->x);
 			if (!search(s, norm, &next))
 				return false;
 			s->past_count = 0;
 		}
 		swap(&s->x, &s->trial);
 		swap(&s->rest, &s->trial_rest);
-		if (next > least && (learnt ? is_stale(s, first, norm, next, least)
-		                            : !(next <= same_share * norm))) {
+		if (next > least && (accelerated ? is_stale(s, first, norm, next, least)
+		                                 : !(next <= same_share * norm))) {
 			if (!refactor(s, &next))
 				return false;
 			first = next;
@@ -529,6 +545,6 @@ bool rb_net_solve(struct rb_net *net, double h, struct rb_arena *arena)
 	net->gain = gain_of(&s);
 	const double had = scale_of(net);
 
-	/* written so that NaN is not good */
+	/* written so that NaN fails */
 	return stop(&s) && net->gain <= residue * had;
 }

@@ -6,12 +6,12 @@
 
 #include "base/error.h"
 
-/* Multiplications of one factorization, at most: a sheet of 100,000 bodies takes a tenth of it. */
+/* Most multiplications of one factorization: a sheet of 100,000 bodies takes a tenth of it. */
 static const double work_max = 1e12;
 
 /* ---- unknowns ---- */
 
-/* A body that does not turn has half a block: neighbours share one. */
+/* Assigns unknowns. A body that does not turn has half a block: neighbours share one. */
 static int place_bodies(struct rb_net *net)
 {
 	int blocks = 0;
@@ -86,10 +86,10 @@ rb_mat3 rb_net_inertia(const struct rb_net_body *body, rb_quat q)
 	return rb_mat3_multiply(&half, &t);
 }
 
-/* Three unknowns that an end moves with, and how. */
+/* Three unknowns that move an end, and their Jacobian. */
 struct node {
 	int block, offset;
-	rb_mat3 way;
+	rb_mat3 jacobian;
 };
 
 static int nodes_of(const struct rb_net *net, const struct rb_net_spring *spring,
@@ -118,15 +118,15 @@ static int nodes_of(const struct rb_net *net, const struct rb_net_spring *spring
 static void add_part(struct rb_blocks *blocks, const struct node *p, const struct node *q,
                      const rb_mat3 *k)
 {
-	bool turned;
-	rb_block *block = rb_blocks_at(blocks, p->block, q->block, &turned);
+	bool transposed;
+	rb_block *block = rb_blocks_at(blocks, p->block, q->block, &transposed);
 	const bool same = p->block == q->block;
 
 	for (int i = 0; i < 3; i++)
 		for (int j = 0; j < 3; j++) {
-			if (!turned || same)
+			if (!transposed || same)
 				block->m[p->offset + i][q->offset + j] += k->m[i][j];
-			if ((turned && !same) || (same && p != q))
+			if ((transposed && !same) || (same && p != q))
 				block->m[q->offset + j][p->offset + i] += k->m[i][j];
 		}
 }
@@ -137,7 +137,7 @@ static bool turns(const struct rb_net *net, const struct rb_net_spring *spring)
 	       (spring->body[1] >= 0 && net->body[spring->body[1]].turns);
 }
 
-/* Both ends are centres: the same with fewer operations. */
+/* The same if both ends are centres, with fewer operations. */
 static void add_straight(struct rb_net_system *s, const struct rb_net_spring *spring, double scale,
                          const rb_mat3 *stiff)
 {
@@ -175,10 +175,10 @@ void rb_net_add_spring(struct rb_net_system *s, const struct rb_net_spring *spri
 	const int count = nodes_of(s->net, spring, arm, node);
 
 	for (int q = 0; q < count; q++) {
-		const rb_mat3 right = rb_mat3_multiply(stiff, &node[q].way);
+		const rb_mat3 right = rb_mat3_multiply(stiff, &node[q].jacobian);
 
 		for (int p = 0; p <= q; p++) {
-			const rb_mat3 left = rb_mat3_transposed(&node[p].way);
+			const rb_mat3 left = rb_mat3_transposed(&node[p].jacobian);
 			rb_mat3 k = rb_mat3_multiply(&left, &right);
 
 			for (int i = 0; i < 9; i++)
@@ -188,7 +188,7 @@ void rb_net_add_spring(struct rb_net_system *s, const struct rb_net_spring *spri
 	}
 }
 
-/* Adds scale times masses, and ones for what no body moves with. */
+/* Sets scale times masses, also in halves of blocks without a body. */
 void rb_net_add_masses(struct rb_net_system *s, double scale, bool at_end)
 {
 	const struct rb_net *net = s->net;
@@ -196,14 +196,14 @@ void rb_net_add_masses(struct rb_net_system *s, double scale, bool at_end)
 	rb_blocks_clear(&s->blocks);
 	for (int k = 0; k < net->body_count; k++) {
 		const struct rb_net_body *body = &net->body[k];
-		bool turned;
-		rb_block *d = rb_blocks_at(&s->blocks, body->block, body->block, &turned);
+		bool transposed;
+		rb_block *d = rb_blocks_at(&s->blocks, body->block, body->block, &transposed);
 
 		for (int i = 0; i < 3; i++) {
 			d->m[body->offset + i][body->offset + i] += scale * body->mass;
 			if (body->offset == 0 && !body->turns && d->m[3 + i][3 + i] == 0)
 				d->m[3 + i][3 + i] = scale * body->mass;
-			if (body->offset == 3) /* the first one has put its own here */
+			if (body->offset == 3) /* the body at offset 0 may have put its own here */
 				d->m[3 + i][3 + i] = scale * body->mass;
 		}
 		if (!body->turns)
@@ -227,8 +227,8 @@ rb_mat3 rb_net_stiffness(rb_vec3 n, double along, double across)
 
 /* ---- springs ---- */
 
-/* From the beginning of the step to its end, for a point at that arm. */
-static rb_vec3 turned_by(rb_vec3 turn, rb_vec3 arm)
+/* Displacement by rotation in the step of a point at that arm. */
+static rb_vec3 rotation_of(rb_vec3 turn, rb_vec3 arm)
 {
 	const rb_vec3 once = rb_vec3_cross(turn, arm);
 
@@ -248,7 +248,7 @@ void rb_net_place_ends(const struct rb_net *net, struct rb_net_spring *spring, d
 			const struct rb_net_body *body = &net->body[spring->body[e]];
 
 			if (body->turns)
-				bend = turned_by(rb_vec3_scale(h, body->mean[1]), spring->arm[e]);
+				bend = rotation_of(rb_vec3_scale(h, body->mean[1]), spring->arm[e]);
 			way[e] = rb_vec3_add_scaled(bend, h, body->mean[0]);
 		}
 		spring->arm_to[e] = rb_vec3_add(spring->arm[e], bend);
@@ -260,11 +260,14 @@ void rb_net_place_ends(const struct rb_net *net, struct rb_net_spring *spring, d
 	const rb_vec3 sum = rb_vec3_add(spring->from, spring->to);
 	const double length = rb_vec3_length(spring->to) + spring->length;
 
-	/* with the digits of the difference */
+	/* without cancellation */
 	spring->length_to = spring->length + (length > 0 ? rb_vec3_dot(gone, sum) / length : 0);
 }
 
-/* Mean direction, no unit: its length is the cosine of half of how far it turns. */
+/*
+ * Mean direction, not of unit length: its length is the cosine of half of the angle that it turns
+ * by.
+ */
 static rb_vec3 direction_of(const struct rb_net_spring *spring)
 {
 	const double length = spring->length + spring->length_to;
@@ -282,7 +285,7 @@ static double tension_of(const struct rb_net_spring *spring, double h)
 	       spring->damping * longer / h;
 }
 
-/* Impulse as ends move so; `stiff`: how it answers. */
+/* Impulse of a spring for the present ends; `stiff`: its stiffness. */
 static void act(struct rb_net_spring *spring, double h, rb_mat3 *stiff)
 {
 	const rb_vec3 n = direction_of(spring);
@@ -344,7 +347,7 @@ rb_vec3 rb_net_momentum(const struct rb_net_body *body, rb_quat q, rb_vec3 spin)
 	                           : rb_vec3_scale(body->scalar, spin);
 }
 
-/* kg m^2/s: at the end, if the mean is right. */
+/* kg m^2/s: angular momentum at the end for this mean spin. */
 static rb_vec3 momentum_at_end(const struct rb_net_body *body, double h)
 {
 	const rb_vec3 mean = body->mean[1];
@@ -352,7 +355,7 @@ static rb_vec3 momentum_at_end(const struct rb_net_body *body, double h)
 	if (!isnan(body->scalar))
 		return rb_vec3_scale(body->scalar,
 		                     rb_vec3_sub(rb_vec3_scale(2, mean), body->angular));
-	/* turning about the mean leaves it as it is in body axes */
+	/* rotation about the mean spin leaves that unchanged in body axes */
 	const rb_vec3 local = rb_vec3_sub(rb_vec3_scale(2, rb_quat_rotate_back(body->from, mean)),
 	                                  rb_quat_rotate_back(body->from, body->angular));
 
@@ -392,7 +395,7 @@ void rb_net_evaluate(struct rb_net_system *s, double *x)
 	}
 }
 
-/* A tension outwards stiffens what turns: half, since the arm is a mean. */
+/* An outward tension stiffens rotation: by half, since the arm is a mean. */
 static void add_lever(struct rb_net_system *s, const struct rb_net_spring *spring, int e)
 {
 	if (spring->body[e] < 0 || !s->net->body[spring->body[e]].turns)
@@ -401,8 +404,8 @@ static void add_lever(struct rb_net_system *s, const struct rb_net_spring *sprin
 	const rb_vec3 r = spring->arm_to[e];
 	const double x[3] = {r.x, r.y, r.z}, square = rb_vec3_dot(r, r);
 	const double out = (e == 0 ? -1 : 1) * rb_vec3_dot(spring->impulse, r);
-	bool turned;
-	rb_block *d = rb_blocks_at(&s->blocks, body->block, body->block, &turned);
+	bool transposed;
+	rb_block *d = rb_blocks_at(&s->blocks, body->block, body->block, &transposed);
 
 	for (int i = 0; out > 0 && square > 0 && i < 9; i++)
 		d->m[3 + i / 3][3 + i % 3] += 0.5 * s->h * out *

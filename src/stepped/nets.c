@@ -10,17 +10,17 @@
 #include "stepped/tally.h"
 #include "world/joint_state.h"
 
-/* ---- which ---- */
+/* ---- finding nets ---- */
 
 struct search {
 	struct rb_world *world;
 	const struct rb_elements *springs;
 	const unsigned char *here, *given;
 	int *parent;                 /* [bodies] */
-	unsigned char *stiff, *held; /* [bodies]: of roots */
+	unsigned char *stiff, *held; /* [bodies]: by root */
 };
 
-static bool is_in(const struct search *search, int i)
+static bool is_solved_for(const struct search *search, int i)
 {
 	return rb_stepped_is_dynamic(search->world, i) && search->here[i];
 }
@@ -35,12 +35,12 @@ static bool is_held(const struct rb_world *world, int i)
 	return false;
 }
 
-/* One that it moves; -1. */
+/* A body of it that is solved for; -1: none. */
 static int owner_of(const struct search *search, int spring)
 {
 	const int *end = search->springs->end[spring];
 
-	return is_in(search, end[0]) ? end[0] : is_in(search, end[1]) ? end[1] : -1;
+	return is_solved_for(search, end[0]) ? end[0] : is_solved_for(search, end[1]) ? end[1] : -1;
 }
 
 static void connect(const struct search *search)
@@ -52,7 +52,7 @@ static void connect(const struct search *search)
 	for (int k = 0; k < search->springs->count; k++) {
 		const int *end = search->springs->end[k];
 
-		if (is_in(search, end[0]) && is_in(search, end[1]))
+		if (is_solved_for(search, end[0]) && is_solved_for(search, end[1]))
 			rb_forest_join(search->parent, end[0], end[1], false);
 	}
 	for (int k = 0; k < search->springs->count; k++) {
@@ -66,7 +66,7 @@ static void connect(const struct search *search)
 			search->held[rb_forest_root(search->parent, i)] = 1;
 }
 
-/* Numbers nets in the order of their first bodies, and counts. */
+/* Numbers nets in the order of their first bodies, and counts their bodies and springs. */
 static enum rb_status number(const struct search *search, struct rb_nets *nets,
                              struct rb_error *err)
 {
@@ -77,7 +77,7 @@ static enum rb_status number(const struct search *search, struct rb_nets *nets,
 		const int root = rb_forest_root(search->parent, i);
 
 		nets->of[i] = -1;
-		if (!is_in(search, i) || !search->stiff[root] || search->held[root])
+		if (!is_solved_for(search, i) || !search->stiff[root] || search->held[root])
 			continue;
 		nets->of[i] = root == i ? nets->count++ : nets->of[root];
 	}
@@ -106,8 +106,8 @@ static enum rb_status number(const struct search *search, struct rb_nets *nets,
 	return RB_OK;
 }
 
-/* m: on the way of a body that the step does not solve for. */
-static rb_vec3 way_of(const struct rb_pose *pose, rb_vec3 arm, double h)
+/* m: displacement of a point of a body that is not solved for. */
+static rb_vec3 displacement_of(const struct rb_pose *pose, rb_vec3 arm, double h)
 {
 	const rb_vec3 turn = rb_vec3_scale(h, pose->spin);
 
@@ -136,8 +136,8 @@ static void fill_spring(const struct search *search, const struct rb_nets *nets,
 		pose[e] = rb_world_pose(world, &world->state, i);
 		spring->arm[e] = rb_element_arm(world->model, i, pose[e].orientation, at[e]);
 		spring->body[e] = -1;
-		if (!is_in(search, i)) {
-			spring->way[e] = way_of(&pose[e], spring->arm[e], h);
+		if (!is_solved_for(search, i)) {
+			spring->way[e] = displacement_of(&pose[e], spring->arm[e], h);
 			continue;
 		}
 		spring->body[e] = nets->at[i];
@@ -234,7 +234,7 @@ bool rb_nets_take(struct rb_stepped *s, int spring, rb_vec3 alone)
 	return true;
 }
 
-/* ---- what they do ---- */
+/* ---- results ---- */
 
 static void add_motion(struct rb_world *world, const struct rb_net_body *body, rb_vec3 linear,
                        rb_vec3 angular)
@@ -248,8 +248,8 @@ static void add_motion(struct rb_world *world, const struct rb_net_body *body, r
 		           rb_vec3_add(rb_vec3_from(world->state.spin + row), angular));
 }
 
-/* Its impulses to the ledger: as solved, or each alone. */
-static void note(struct rb_world *world, const struct rb_net *net, bool alone)
+/* Reports its impulses to the ledger: as solved, or each alone. */
+static void report(struct rb_world *world, const struct rb_net *net, bool alone)
 {
 	struct rb_tally *tally = world->stepped->tally;
 
@@ -292,7 +292,7 @@ static void release(struct rb_world *world, struct rb_net *net)
 			rb_vec3_to(varied, rb_vec3_add(rb_vec3_from(varied), v));
 		}
 	}
-	note(world, net, true);
+	report(world, net, true);
 }
 
 void rb_nets_release(struct rb_world *world, int k)
@@ -350,7 +350,7 @@ void rb_nets_solve(struct rb_world *world, double h)
 				s->tally->body[body->index].carry = rb_vec3_scale(0.5 * h,
 				                                                  body->mean[0]);
 		}
-		note(world, net, false);
+		report(world, net, false);
 	}
 }
 
