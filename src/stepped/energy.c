@@ -26,8 +26,8 @@ static inline rb_vec3 angular_momentum(const struct rb_solver *solver, int i, rb
 	return rb_mat3_apply(&inertia, turn);
 }
 
-struct rb_solver_body rb_energy_weigh(const struct rb_solver *solver, int i,
-                                      const struct rb_solver_body *motion)
+struct rb_solver_body rb_energy_momentum_of(const struct rb_solver *solver, int i,
+                                            const struct rb_solver_body *motion)
 {
 	return (struct rb_solver_body){
 		.linear = rb_vec3_scale(1 / solver->dense.bodies.body[i].inverse_mass,
@@ -107,13 +107,13 @@ static inline void add_body(struct rb_energy *energy, const struct rb_solver *so
 	RB_ASSERT_COSTLY(now->inverse_mass > 0);
 	const double mass = 1 / now->inverse_mass;
 	const rb_vec3 force = rb_vec3_sub(free->linear, before.linear);
-	const rb_vec3 more = rb_vec3_sub(now->linear, free->linear);
-	double square = mass * rb_vec3_dot(more, more);
-	double mixed = mass * rb_vec3_dot(more, before.linear);
+	const rb_vec3 change = rb_vec3_sub(now->linear, free->linear);
+	double square = mass * rb_vec3_dot(change, change);
+	double mixed = mass * rb_vec3_dot(change, before.linear);
 	double lost = mass * rb_vec3_dot(force, force);
 	const rb_vec3 turn = rb_vec3_sub(now->angular, free->angular);
 
-	if (rb_vec3_max_abs(more) == 0 && rb_vec3_max_abs(turn) == 0)
+	if (rb_vec3_max_abs(change) == 0 && rb_vec3_max_abs(turn) == 0)
 		return;
 	if (now->inverse_inertia != 0) {
 		const rb_vec3 twist = rb_vec3_sub(free->angular, before.angular);
@@ -180,12 +180,12 @@ static void add_members_block(void *user, int block, int worker)
 	            &sums->energy[block]);
 }
 
-static void add_energy(struct rb_energy *sum, const struct rb_energy *more)
+static void add_energy(struct rb_energy *sum, const struct rb_energy *part)
 {
-	sum->square += more->square;
-	sum->mixed += more->mixed;
-	sum->lost += more->lost;
-	sum->noise += more->noise;
+	sum->square += part->square;
+	sum->mixed += part->mixed;
+	sum->lost += part->lost;
+	sum->noise += part->noise;
 }
 
 struct rb_energy rb_energy_of(const struct rb_solver *solver, const struct rb_island *island,
@@ -230,8 +230,9 @@ double rb_energy_share(const struct rb_energy *energy)
 	return root_of(energy->square, energy->mixed, energy->lost);
 }
 
-double rb_energy_between(const struct rb_solver *solver, const struct rb_island *island,
-                         const struct rb_energy *now, const struct rb_kept *kept)
+double rb_energy_interpolation_share(const struct rb_solver *solver, const struct rb_island *island,
+                                     const struct rb_energy *now,
+                                     const struct rb_saved_solution *kept)
 {
 	double mixed = driven_work(solver, island) - kept->driven_work;
 	double square = 0;
@@ -239,13 +240,13 @@ double rb_energy_between(const struct rb_solver *solver, const struct rb_island 
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
 		const struct rb_solver_body before = motion_before(solver, i);
-		const struct rb_solver_body more = difference(&kept->body[k],
-		                                              &solver->dense.bodies.body[i]);
-		const struct rb_solver_body momentum = rb_energy_weigh(solver, i, &more);
+		const struct rb_solver_body change = difference(&kept->body[k],
+		                                                &solver->dense.bodies.body[i]);
+		const struct rb_solver_body momentum = rb_energy_momentum_of(solver, i, &change);
 		const struct rb_solver_body impulse = difference(&solver->dense.bodies.body[i],
 		                                                 &solver->free[i]);
 
-		square += rb_energy_product(&momentum, &more);
+		square += rb_energy_product(&momentum, &change);
 		mixed += rb_energy_product(&momentum, &before) +
 		         rb_energy_product(&momentum, &impulse);
 	}
@@ -278,7 +279,8 @@ static inline struct bound bound_of_members(const struct sums *sums, int first, 
 		                                          &sums->dense->bodies.body[i]};
 
 		for (int m = 0; m < 2; m++) {
-			const struct rb_solver_body weight = rb_energy_weigh(solver, i, motion[m]);
+			const struct rb_solver_body weight = rb_energy_momentum_of(solver, i,
+			                                                           motion[m]);
 
 			bound.momentum += sqrt(rb_energy_product(&weight, motion[m]) /
 			                       motion[m]->inverse_mass);
@@ -355,8 +357,8 @@ void rb_energy_clear_separation(const struct rb_row_system *dense)
 			dense->row[k].target.n = 0;
 }
 
-bool rb_energy_keep(const struct rb_solver *solver, const struct rb_island *island,
-                    struct rb_arena *arena, struct rb_kept *kept)
+bool rb_energy_save(const struct rb_solver *solver, const struct rb_island *island,
+                    struct rb_arena *arena, struct rb_saved_solution *kept)
 {
 	const struct rb_row_system dense = rb_islands_rows(solver, island);
 
@@ -365,7 +367,7 @@ bool rb_energy_keep(const struct rb_solver *solver, const struct rb_island *isla
 	if (!kept->row || !kept->body)
 		return false;
 	for (int k = 0; k < dense.row_count; k++)
-		kept->row[k] = (struct rb_kept_row){dense.row[k].target.n, dense.row[k].impulse};
+		kept->row[k] = (struct rb_saved_row){dense.row[k].target.n, dense.row[k].impulse};
 	kept->driven_work = driven_work(solver, island);
 	for (int k = 0; k < island->member_count; k++)
 		kept->body[k] = dense.bodies.body[solver->member[island->first_member + k]];
@@ -381,15 +383,15 @@ static void interpolate(struct rb_solver_body *body, double share, const struct 
 	                                   rb_vec3_sub(to->angular, body->angular));
 }
 
-void rb_energy_mix(const struct rb_solver *solver, const struct rb_island *island,
-                   const struct rb_kept *kept, double share)
+void rb_energy_interpolate(const struct rb_solver *solver, const struct rb_island *island,
+                           const struct rb_saved_solution *kept, double share)
 {
 	const struct rb_row_system dense = rb_islands_rows(solver, island);
 
 	RB_ASSERT(share >= 0 && share <= 1);
 	for (int k = 0; k < dense.row_count; k++) {
 		struct rb_constraint *row = &dense.row[k];
-		const struct rb_kept_row *before = &kept->row[k];
+		const struct rb_saved_row *before = &kept->row[k];
 
 		row->target.n = before->target_n;
 		row->impulse.n += share * (before->impulse.n - row->impulse.n);
@@ -409,7 +411,8 @@ static double off_target(const struct rb_constraint *row, rb_vec3 now)
 	                                      : fabs(rb_vec3_dot(off, row->normal));
 }
 
-void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, double share)
+void rb_energy_scale_impulses(const struct rb_solver *solver, struct rb_island *island,
+                              double share)
 {
 	const struct rb_row_system dense = rb_islands_rows(solver, island);
 
@@ -437,18 +440,18 @@ void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, do
 
 /* ---- rebound ---- */
 
-struct rb_solver_body rb_energy_added(const struct rb_solver *solver, const struct rb_world *world,
-                                      int i)
+struct rb_solver_body rb_energy_rebound_change(const struct rb_solver *solver,
+                                               const struct rb_world *world, int i)
 {
 	const struct rb_solver_body *body = &solver->dense.bodies.body[i],
 				    *before = &solver->free[i];
-	struct rb_solver_body more = {.linear = rb_vec3_sub(body->linear, before->linear),
-	                              .angular = rb_vec3_sub(body->angular, before->angular)};
+	struct rb_solver_body change = {.linear = rb_vec3_sub(body->linear, before->linear),
+	                                .angular = rb_vec3_sub(body->angular, before->angular)};
 
 	if (isnan(body->inverse_inertia))
-		more.angular = rb_world_turn(world, &world->state, i,
-		                             rb_energy_weigh(solver, i, &more).angular);
-	return more;
+		change.angular = rb_world_turn(world, &world->state, i,
+		                               rb_energy_momentum_of(solver, i, &change).angular);
+	return change;
 }
 
 double rb_energy_rebound(const struct rb_solver *solver, const struct rb_world *world,
@@ -460,13 +463,13 @@ double rb_energy_rebound(const struct rb_solver *solver, const struct rb_world *
 
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
-		const struct rb_solver_body more = {
+		const struct rb_solver_body change = {
 			.linear = rb_vec3_sub(solver->dense.bodies.body[i].linear,
 		                              solver->free[i].linear),
 			.angular = rb_vec3_sub(solver->dense.bodies.body[i].angular,
 		                               solver->free[i].angular)};
-		const struct rb_solver_body momentum = rb_energy_weigh(solver, i, &more);
-		const struct rb_solver_body now = rb_energy_added(solver, world, i);
+		const struct rb_solver_body momentum = rb_energy_momentum_of(solver, i, &change);
+		const struct rb_solver_body now = rb_energy_rebound_change(solver, world, i);
 		const struct rb_solver_body state = {
 			.linear = rb_world_row3(world->state.velocity, i),
 			.angular = world->state.spin ? rb_world_row3(world->state.spin, i)

@@ -55,45 +55,47 @@ bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *is
                       struct rb_arena *arena);
 
 /* Part of a row that solving changes. */
-struct rb_kept_row {
+struct rb_saved_row {
 	double target_n;
 	rb_along_across impulse;
 };
 
 /* Saved rows and velocities of an island's solution; in the arena. */
-struct rb_kept {
-	struct rb_kept_row *row;
+struct rb_saved_solution {
+	struct rb_saved_row *row;
 	struct rb_solver_body *body; /* by member */
 	double driven_work;          /* J */
 };
 
 /* False: no memory. */
-bool rb_energy_keep(const struct rb_solver *solver, const struct rb_island *island,
-                    struct rb_arena *arena, struct rb_kept *kept);
+bool rb_energy_save(const struct rb_solver *solver, const struct rb_island *island,
+                    struct rb_arena *arena, struct rb_saved_solution *kept);
 
 /*
  * Largest fraction, up to 1, of the interpolation from the present solution, with energy `now`,
  * back to the kept one that gains no energy.
  */
-double rb_energy_between(const struct rb_solver *solver, const struct rb_island *island,
-                         const struct rb_energy *now, const struct rb_kept *kept);
+double rb_energy_interpolation_share(const struct rb_solver *solver, const struct rb_island *island,
+                                     const struct rb_energy *now,
+                                     const struct rb_saved_solution *kept);
 
 /*
  * Interpolates back by this fraction; an interpolation of two solutions is within the cones, and
  * closes no gap that neither closes.
  */
-void rb_energy_mix(const struct rb_solver *solver, const struct rb_island *island,
-                   const struct rb_kept *kept, double share);
+void rb_energy_interpolate(const struct rb_solver *solver, const struct rb_island *island,
+                           const struct rb_saved_solution *kept, double share);
 
 /* Scales all impulses by this fraction; gaps that now close count as residual. */
-void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, double share);
+void rb_energy_scale_impulses(const struct rb_solver *solver, struct rb_island *island,
+                              double share);
 
 /*
  * Change of a body's motion by a rebound. A rotating body has turned meanwhile, and keeps the
  * angular momentum that the rebound has given it.
  */
-struct rb_solver_body rb_energy_added(const struct rb_solver *solver, const struct rb_world *world,
-                                      int body);
+struct rb_solver_body rb_energy_rebound_change(const struct rb_solver *solver,
+                                               const struct rb_world *world, int body);
 
 /*
  * Fraction of an island's rebound that gives back no more energy than its contacts have dissipated:
@@ -103,8 +105,8 @@ double rb_energy_rebound(const struct rb_solver *solver, const struct rb_world *
                          struct rb_island *island);
 
 /* Linear and angular momentum of a body at these velocities, in its pose as the step began. */
-struct rb_solver_body rb_energy_weigh(const struct rb_solver *solver, int body,
-                                      const struct rb_solver_body *motion);
+struct rb_solver_body rb_energy_momentum_of(const struct rb_solver *solver, int body,
+                                            const struct rb_solver_body *motion);
 
 /* Inner product of a momentum and a motion, J: twice the kinetic energy if they belong together. */
 static inline double rb_energy_product(const struct rb_solver_body *momentum,

@@ -325,7 +325,7 @@ static enum rb_status add_between(struct flow *flow, const unsigned char *here,
 
 		for (int k = 0; elements->end && k < elements->count; k++, n++) {
 			if (!external[n].acts ||
-			    (springs && rb_nets_take(world->stepped, k, external[n].on[1].force)))
+			    (springs && rb_nets_record(world->stepped, k, external[n].on[1].force)))
 				continue;
 			for (int e = 0; e < 2; e++) {
 				apply(world, elements->end[k][e], &external[n].on[e]);

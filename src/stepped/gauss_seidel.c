@@ -56,9 +56,9 @@ static inline double solve_cone(const struct rb_row_system *dense, struct rb_con
 	}
 	if (!trace->acts)
 		*trace = (struct rb_sweep_trace){.acts = true};
-	const double more = normal_impulse - row->impulse.n;
-	rb_vec3 change = rb_vec3_scale(more, n);
-	double moved = fabs(more) * row->inverse_mass_n;
+	const double delta = normal_impulse - row->impulse.n;
+	rb_vec3 change = rb_vec3_scale(delta, n);
+	double moved = fabs(delta) * row->inverse_mass_n;
 
 	row->impulse.n = normal_impulse;
 	if (row->friction > 0) {
@@ -107,16 +107,16 @@ static __attribute__((noinline)) double solve_other(const struct rb_sweep *sweep
 	const struct rb_solver_bodies *const bodies = &sweep->dense->bodies;
 	struct rb_constraint *const row = &sweep->dense->row[k];
 	const rb_vec3 u = rb_constraint_velocity(bodies, row);
-	const rb_along_across more = row->set == RB_CONSTRAINT_FREE
-	                                     ? free_step(row, &sweep->inverse[k], u)
-	                                     : interval_step(row, u);
+	const rb_along_across delta = row->set == RB_CONSTRAINT_FREE
+	                                      ? free_step(row, &sweep->inverse[k], u)
+	                                      : interval_step(row, u);
 
-	*step = rb_constraint_joined(row, more);
-	row->impulse.n += more.n;
-	row->impulse.t = rb_vec3_add(row->impulse.t, more.t);
+	*step = rb_constraint_joined(row, delta);
+	row->impulse.n += delta.n;
+	row->impulse.t = rb_vec3_add(row->impulse.t, delta.t);
 	rb_constraint_apply(bodies, row, *step);
-	return fmax(fabs(more.n) * row->inverse_mass_n,
-	            rb_vec3_length(more.t) * row->inverse_mass_t);
+	return fmax(fabs(delta.n) * row->inverse_mass_n,
+	            rb_vec3_length(delta.t) * row->inverse_mass_t);
 }
 
 /* Solves one row; returns the change of its velocity, m/s. */

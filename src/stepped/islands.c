@@ -169,8 +169,8 @@ static bool is_driving(const struct rb_solver *solver, const struct rb_world *wo
 	return moves;
 }
 
-static struct rb_island *group_of_joint(struct rb_solver *solver, const struct rb_world *world,
-                                        int k)
+static struct rb_island *island_of_joint(struct rb_solver *solver, const struct rb_world *world,
+                                         int k)
 {
 	return &solver->island[solver->island_of[owner_of_joint(world, k)]];
 }
@@ -180,7 +180,7 @@ static void add_joint_rows(struct rb_solver *solver, const struct rb_world *worl
 {
 	for (int k = 0; k < solver->joined_count; k++) {
 		const struct rb_joint *joint = &world->model->joints->joint[solver->joined[k]];
-		struct rb_island *island = group_of_joint(solver, world, solver->joined[k]);
+		struct rb_island *island = island_of_joint(solver, world, solver->joined[k]);
 
 		island->row_count += rb_step_joint_rows_count(joint);
 		island->carried = island->carried || is_driving(solver, world, joint);
@@ -195,7 +195,7 @@ static void place_joint_rows(struct rb_solver *solver, const struct rb_world *wo
 	for (int k = 0; k < solver->joined_count; k++) {
 		const int number = solver->joined[k];
 		const int rows = rb_step_joint_rows_count(&world->model->joints->joint[number]);
-		struct rb_island *island = group_of_joint(solver, world, number);
+		struct rb_island *island = island_of_joint(solver, world, number);
 		const int at = island->first_row + island->row_count;
 
 		solver->joint[number].first_row = rb_islands_has_no_rows(island) ? -1 : at;
@@ -227,8 +227,8 @@ static void fill_joints(void *user, size_t first, size_t end)
 	for (size_t k = first; k < end; k++) {
 		struct rb_step_joint *of = &solver->joint[solver->joined[k]];
 
-		query.lasts_s = rb_islands_lasts(
-			solver, group_of_joint(solver, pass->world, solver->joined[k]));
+		query.lasts_s = rb_islands_impulse_time(
+			solver, island_of_joint(solver, pass->world, solver->joined[k]));
 		if (of->first_row >= 0)
 			rb_step_joint_rows_fill(&query, solver->joined[k], of,
 			                        solver->dense.row + of->first_row);
@@ -248,8 +248,8 @@ static int owner_of_spring(const struct rb_solver *solver, const struct rb_step_
 	return rb_step_spring_owner(spring, &solver->dense.bodies, solver->body_count);
 }
 
-static struct rb_island *group_of_spring(const struct rb_solver *solver,
-                                         const struct rb_step_spring *spring)
+static struct rb_island *island_of_spring(const struct rb_solver *solver,
+                                          const struct rb_step_spring *spring)
 {
 	return &solver->island[solver->island_of[owner_of_spring(solver, spring)]];
 }
@@ -266,7 +266,7 @@ struct rb_spring_query rb_islands_springs(const struct rb_solver *solver,
 	struct rb_spring_query query = {
 		.bodies = &solver->dense.bodies,
 		.fixed = solver->body_count,
-		.lasts_s = rb_islands_lasts(solver, group_of_spring(solver, spring)),
+		.lasts_s = rb_islands_impulse_time(solver, island_of_spring(solver, spring)),
 		.ahead_s = solver->h_s};
 
 	for (int e = 0; solver->kicks && e < 2; e++)
@@ -307,7 +307,7 @@ static void add_spring_rows(struct rb_solver *solver)
 
 		if (!has_rows(solver, spring))
 			continue;
-		struct rb_island *island = group_of_spring(solver, spring);
+		struct rb_island *island = island_of_spring(solver, spring);
 
 		island->row_count += rb_step_spring_row_count(spring);
 		island->carried = island->carried || is_driven_spring(solver, spring);
@@ -324,7 +324,7 @@ static void place_spring_rows(struct rb_solver *solver)
 		spring->first_row = -1;
 		if (!has_rows(solver, spring))
 			continue;
-		struct rb_island *island = group_of_spring(solver, spring);
+		struct rb_island *island = island_of_spring(solver, spring);
 		const int rows = rb_step_spring_row_count(spring);
 		const int at = island->first_row + island->row_count;
 
@@ -387,7 +387,7 @@ static bool resolves(const struct rb_solver *solver, const struct rb_world *worl
 			count_max = springs->first[i + 1] - springs->first[i];
 	}
 	return rows > 0 &&
-	       response * count_max * rb_step_spring_gives(query, spring, held, rows) <= 1;
+	       response * count_max * rb_step_spring_inverse_mass(query, spring, held, rows) <= 1;
 }
 
 static void fill_springs(struct rb_solver *solver, const struct rb_world *world)
@@ -399,9 +399,9 @@ static void fill_springs(struct rb_solver *solver, const struct rb_world *world)
 			continue;
 		const struct rb_spring_query query = rb_islands_springs(solver, spring);
 
-		spring->time = !resolves(solver, world, spring, &query)  ? RB_SPRING_AT_END
-		               : group_of_spring(solver, spring)->halves ? RB_SPRING_AT_MEAN
-		                                                         : RB_SPRING_AT_BEGIN;
+		spring->time = !resolves(solver, world, spring, &query)   ? RB_SPRING_AT_END
+		               : island_of_spring(solver, spring)->halves ? RB_SPRING_AT_MEAN
+		                                                          : RB_SPRING_AT_BEGIN;
 		if (spring->time == RB_SPRING_AT_BEGIN)
 			spring->impulse = rb_vec3_scale(-solver->h_s * spring->tension,
 			                                spring->along);
@@ -409,7 +409,7 @@ static void fill_springs(struct rb_solver *solver, const struct rb_world *world)
 	}
 }
 
-/* ---- groups ---- */
+/* ---- islands ---- */
 
 /* The dynamic body of a point, to whose island it belongs. */
 static int owner_of(const struct rb_solver *solver, const struct rb_step_point *point)
@@ -479,7 +479,7 @@ static void find_roots(void *user, size_t first, size_t end)
  * Numbers the islands that have points, joints or springs, in order of their smallest body, and
  * counts their members.
  */
-static enum rb_status number_groups(struct pass *pass, struct rb_error *err)
+static enum rb_status number_islands(struct pass *pass, struct rb_error *err)
 {
 	struct rb_solver *solver = pass->solver;
 	const struct rb_world *world = pass->world;
@@ -718,7 +718,7 @@ static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struc
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", rows);
 	pass->place = place;
 	join_all(pass);
-	const enum rb_status status = number_groups(pass, err);
+	const enum rb_status status = number_islands(pass, err);
 	if (status != RB_OK)
 		return status;
 	lay_out(pass);

@@ -310,8 +310,8 @@ void rb_islands_fill_body(struct rb_solver *solver, const struct rb_world *world
 void rb_islands_store_body(const struct rb_solver *solver, struct rb_world *world, int body);
 
 /* s: time over which impulses of an island act. */
-static inline double rb_islands_lasts(const struct rb_solver *solver,
-                                      const struct rb_island *island)
+static inline double rb_islands_impulse_time(const struct rb_solver *solver,
+                                             const struct rb_island *island)
 {
 	return island->halves ? 0.5 * solver->h_s : solver->h_s;
 }

@@ -66,8 +66,8 @@ static void store_rows(void *user, size_t first, size_t end)
 }
 
 /* The island of a row. */
-static const struct rb_island *group_of(const struct rb_solver *solver,
-                                        const struct rb_constraint *row)
+static const struct rb_island *island_of_row(const struct rb_solver *solver,
+                                             const struct rb_constraint *row)
 {
 	return &solver->island[solver->island_of[row->a]];
 }
@@ -83,9 +83,9 @@ static void store_joints(void *user, size_t first, size_t end)
 		const struct rb_constraint *const row = solver->dense.row + of->first_row;
 
 		/* rows of islands that keep an earlier solution have not been solved */
-		if (of->first_row < 0 || group_of(solver, row)->kept)
+		if (of->first_row < 0 || island_of_row(solver, row)->kept)
 			continue;
-		query.lasts_s = rb_islands_lasts(solver, group_of(solver, row));
+		query.lasts_s = rb_islands_impulse_time(solver, island_of_row(solver, row));
 		rb_step_joint_rows_store(&query, solver->joined[k], of, row);
 	}
 }
@@ -99,7 +99,7 @@ static void store_springs(struct rb_solver *solver)
 		                                          ? solver->dense.row + spring->first_row
 		                                          : NULL;
 
-		if (!spring->joined || (row && group_of(solver, row)->kept))
+		if (!spring->joined || (row && island_of_row(solver, row)->kept))
 			continue;
 		const struct rb_spring_query query = rb_islands_springs(solver, spring);
 

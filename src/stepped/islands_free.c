@@ -27,8 +27,8 @@ static rb_vec3 mean(rb_vec3 x, rb_vec3 y)
 	return rb_vec3_scale(0.5, rb_vec3_add(x, y));
 }
 
-static struct rb_island *group_of_joint(struct rb_solver *solver, const struct rb_world *world,
-                                        int k)
+static struct rb_island *island_of_joint(struct rb_solver *solver, const struct rb_world *world,
+                                         int k)
 {
 	const int owner = rb_step_joint_rows_owner(world->model, &world->model->joints->joint[k]);
 
@@ -73,21 +73,21 @@ bool rb_islands_forces_vary(const struct rb_world *world)
 /* Counting sort of points by island. */
 static void sort_points(struct pass *pass, const int *group_of)
 {
-	const size_t groups = pass->solver->island_count, count = pass->points->count;
+	const size_t islands = pass->solver->island_count, count = pass->points->count;
 	struct rb_arena *const arena = &pass->world->arena[0];
 
 	if (count == 0)
 		return;
-	pass->first = rb_arena_take(arena, groups + 1, sizeof *pass->first);
-	pass->touching = rb_arena_take(arena, groups + 1, sizeof *pass->touching);
+	pass->first = rb_arena_take(arena, islands + 1, sizeof *pass->first);
+	pass->touching = rb_arena_take(arena, islands + 1, sizeof *pass->touching);
 	pass->number = rb_arena_take(arena, count, sizeof *pass->number);
 	if (!pass->first || !pass->touching || !pass->number) {
 		pass->first = NULL;
 		return;
 	}
-	memset(pass->touching, 0, (groups + 1) * sizeof *pass->touching);
+	memset(pass->touching, 0, (islands + 1) * sizeof *pass->touching);
 	pass->first[0] = 0;
-	for (size_t g = 0; g < groups; g++)
+	for (size_t g = 0; g < islands; g++)
 		pass->first[g + 1] = pass->first[g] + pass->solver->island[g].contact_count;
 	for (size_t k = count; k-- > 0;) {
 		const struct rb_step_point *const point = &pass->points->row[k];
@@ -97,8 +97,8 @@ static void sort_points(struct pass *pass, const int *group_of)
 		pass->number[--pass->first[g + 1]] = (int)k;
 	}
 	/* each has been moved to where its successor began */
-	memmove(pass->first, pass->first + 1, groups * sizeof *pass->first);
-	pass->first[groups] = (int)count;
+	memmove(pass->first, pass->first + 1, islands * sizeof *pass->first);
+	pass->first[islands] = (int)count;
 }
 
 /* Whether an island has no contacts, or joints and no contact with an impulse. */
@@ -217,7 +217,7 @@ void rb_islands_halve(struct rb_solver *solver, const struct rb_world *world)
 	}
 	for (int k = 0; k < solver->joined_count; k++) {
 		const int number = solver->joined[k];
-		struct rb_island *const island = group_of_joint(solver, world, number);
+		struct rb_island *const island = island_of_joint(solver, world, number);
 
 		island->halves = island->halves && rb_step_joint_rows_are_smooth(
 							   &query, number, &solver->joint[number]);

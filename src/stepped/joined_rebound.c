@@ -357,10 +357,10 @@ static void apply_difference(const struct group *g, const struct rb_simultaneous
 		rb_constraint_clear(&g->rows.row[k]);
 	for (int k = 0; k < g->contact_count; k++) {
 		struct rb_constraint *const row = &g->rows.row[g->contact[k]];
-		const rb_vec3 more = rb_vec3_sub(law->contact[k].impulse,
-		                                 rb_constraint_impulse(&stopped->row[k].base));
+		const rb_vec3 change = rb_vec3_sub(law->contact[k].impulse,
+		                                   rb_constraint_impulse(&stopped->row[k].base));
 
-		row->impulse = rb_constraint_split(row, rb_vec3_scale(unit, more));
+		row->impulse = rb_constraint_split(row, rb_vec3_scale(unit, change));
 	}
 	for (int k = 0; k < g->held_count; k++) {
 		struct rb_constraint *const row = &g->rows.row[g->held[k]];

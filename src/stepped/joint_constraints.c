@@ -725,7 +725,7 @@ bool rb_step_joint_rows_are_smooth(const struct rb_joint_query *query, int k,
 	return true;
 }
 
-void rb_step_joint_rows_double(struct rb_step_joint *of)
+void rb_step_joint_rows_repeat_half(struct rb_step_joint *of)
 {
 	for (int part = 0; part < RB_JOINT_PARTS; part++)
 		of->impulse[part] *= 2;

@@ -135,9 +135,9 @@ struct rb_step_joint {
 	bool swings;  /* of the attempt: its island was stepped in reduced coordinates */
 	double drift; /* m: largest error; INFINITY: not measured in this attempt */
 	double rate;  /* m/s, rad/s: of the free coordinate as the step began; of a rope's length */
-	double impulse[RB_JOINT_PARTS]; /* N s, N m s: of the try */
-	rb_vec3 reaction, twist;        /* N s, N m s, on b, about its point: of the try */
-	struct rb_joint_work work;      /* of the try */
+	double impulse[RB_JOINT_PARTS]; /* N s, N m s: of the attempt */
+	rb_vec3 reaction, twist;        /* N s, N m s, on b, about its point: of the attempt */
+	struct rb_joint_work work;      /* of the attempt */
 	/* N s, N m s: force and torque impulses accepted so far in the whole step */
 	rb_vec3 sum[2];
 	double elapsed_s; /* accepted time */
@@ -191,7 +191,7 @@ bool rb_step_joint_rows_are_smooth(const struct rb_joint_query *query, int k,
                                    const struct rb_step_joint *of);
 
 /* Doubles the results of the first half of a step: at rest, the second one is the same. */
-void rb_step_joint_rows_double(struct rb_step_joint *of);
+void rb_step_joint_rows_repeat_half(struct rb_step_joint *of);
 
 /*
  * Velocities only, after bodies have moved: sets targets of rows to present velocities, or a

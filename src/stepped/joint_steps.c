@@ -312,7 +312,7 @@ static double stiffening_work(const struct rb_world *world, const struct rb_isla
 		/* as the step began: once something has rebounded the solver does not know it */
 		const rb_vec3 before = rb_world_row3(world->mark.spin, i);
 		const rb_vec3 more = rb_vec3_sub(
-			rb_energy_weigh(solver, i, &turning).angular,
+			rb_energy_momentum_of(solver, i, &turning).angular,
 			rb_world_weigh_spin(world, &world->mark, i, turning.angular));
 		sum -= 0.5 * rb_vec3_dot(more, rb_vec3_add(before, turning.angular));
 	}

@@ -45,12 +45,13 @@ static void finish(struct rb_net_system *s)
 	rb_net_clear_sums(net);
 	for (int k = 0; k < net->spring_count; k++) {
 		struct rb_net_spring *spring = &net->spring[k];
-		const rb_vec3 u = rb_net_parting(net, spring, s->x, spring->stiff_arm);
-		const rb_vec3 more = rb_vec3_scale(-s->h * s->h, rb_mat3_apply(&spring->stiff, u));
+		const rb_vec3 u = rb_net_relative_velocity(net, spring, s->x, spring->stiff_arm);
+		const rb_vec3 correction = rb_vec3_scale(-s->h * s->h,
+		                                         rb_mat3_apply(&spring->stiff, u));
 
 		rb_net_add_impulse(net, spring, spring->impulse, spring->arm_mean);
-		rb_net_add_impulse(net, spring, more, spring->stiff_arm);
-		spring->impulse = rb_vec3_add(spring->impulse, more);
+		rb_net_add_impulse(net, spring, correction, spring->stiff_arm);
+		spring->impulse = rb_vec3_add(spring->impulse, correction);
 	}
 	rb_net_move_means(net, 1, s->x);
 	for (int k = 0; k < net->body_count; k++) {
@@ -156,7 +157,7 @@ static bool stop(struct rb_net_system *s)
 
 		if (spring->resolved)
 			continue;
-		const rb_vec3 u = rb_net_parting(net, spring, s->x, spring->arm_to);
+		const rb_vec3 u = rb_net_relative_velocity(net, spring, s->x, spring->arm_to);
 
 		spring->stopping = rb_vec3_add_scaled(spring->stopping, -s->h,
 		                                      rb_mat3_apply(&spring->stiff, u));

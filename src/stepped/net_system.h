@@ -130,7 +130,7 @@ void rb_net_add_impulse(struct rb_net *net, const struct rb_net_spring *spring, 
 
 void rb_net_move_means(struct rb_net *net, double part, double *x);
 /* m/s: relative velocity of the ends if bodies move by x. */
-rb_vec3 rb_net_parting(const struct rb_net *net, const struct rb_net_spring *spring, double *x,
-                       const rb_vec3 arm[2]);
+rb_vec3 rb_net_relative_velocity(const struct rb_net *net, const struct rb_net_spring *spring,
+                                 double *x, const rb_vec3 arm[2]);
 
 #endif

@@ -224,7 +224,7 @@ enum rb_status rb_nets_find(struct rb_world *world, const unsigned char *here,
 	return RB_OK;
 }
 
-bool rb_nets_take(struct rb_stepped *s, int spring, rb_vec3 alone)
+bool rb_nets_record(struct rb_stepped *s, int spring, rb_vec3 alone)
 {
 	struct rb_nets *nets = s->nets;
 

@@ -36,7 +36,7 @@ RB_CHECKED enum rb_status rb_nets_find(struct rb_world *world, const unsigned ch
  * Records the impulse of a net's spring acting alone, N s on its second end. False: it is in no
  * net.
  */
-bool rb_nets_take(struct rb_stepped *s, int spring, rb_vec3 alone);
+bool rb_nets_record(struct rb_stepped *s, int spring, rb_vec3 alone);
 /* Solves the velocities of nets, after all other forces have acted. */
 void rb_nets_solve(struct rb_world *world, double h_s);
 

@@ -196,7 +196,7 @@ static body_rows rows_of(const struct rb_wide *wide, const struct rb_packs *pack
 	return packs->body;
 }
 #else
-/* Halves of a body as they stand in it; loaded and stored whole, and turned round in registers. */
+/* Halves of a body as in memory; loaded and stored whole, and transposed in registers. */
 typedef double half_body
 	__attribute__((vector_size(WIDTH * sizeof(double)), aligned(8), may_alias));
 
@@ -421,7 +421,7 @@ ALWAYS void solve_pack(body_rows body, struct pack *pack, const struct turns *tu
 	const struct turn *const turn = turns->turn;
 	const lanes none = {0}, one = none + 1;
 	struct bodies a, b;
-	lanes along, more, ratio, change;
+	lanes along, delta, ratio, change;
 	struct lanes3 slip, d;
 
 	gather(&a, body, pack->a);
@@ -432,11 +432,11 @@ ALWAYS void solve_pack(body_rows body, struct pack *pack, const struct turns *tu
 	const mask acts = (along > none) | (pack->normal_impulse != none);
 	if (!any(&acts))
 		return;
-	more = along - pack->normal_impulse;
+	delta = along - pack->normal_impulse;
 	if (turn) {
-		slip.x += more * turn->skew.x;
-		slip.y += more * turn->skew.y;
-		slip.z += more * turn->skew.z;
+		slip.x += delta * turn->skew.x;
+		slip.y += delta * turn->skew.y;
+		slip.z += delta * turn->skew.z;
 	}
 	struct lanes3 friction_impulse = {pack->friction_impulse.x - pack->inverse_t * slip.x,
 	                                  pack->friction_impulse.y - pack->inverse_t * slip.y,
@@ -455,23 +455,23 @@ ALWAYS void solve_pack(body_rows body, struct pack *pack, const struct turns *tu
 	                    friction_impulse.y - pack->friction_impulse.y,
 	                    friction_impulse.z - pack->friction_impulse.z};
 	/* only its sign matters: whether the row continues in the direction of its extrapolation */
-	const lanes progress = more * DOT(pack->last_change, pack->normal) +
+	const lanes progress = delta * DOT(pack->last_change, pack->normal) +
 	                       DOT(pack->last_change, d);
 	pack->count = CHOOSE(progress < none, (real)0.5 * pack->count,
 	                     pack->count + CHOOSE(acts, one, none));
-	pack->last_change.x += d.x + more * pack->normal.x;
-	pack->last_change.y += d.y + more * pack->normal.y;
-	pack->last_change.z += d.z + more * pack->normal.z;
+	pack->last_change.x += d.x + delta * pack->normal.x;
+	pack->last_change.y += d.y + delta * pack->normal.y;
+	pack->last_change.z += d.z + delta * pack->normal.z;
 	pack->normal_impulse = along;
 	pack->friction_impulse = friction_impulse;
-	apply_impulse(pack, turns, &a, &b, &more, &d);
+	apply_impulse(pack, turns, &a, &b, &delta, &d);
 	scatter(&a, body, pack->a, pack->writes_a);
 	scatter(&b, body, pack->b, pack->writes_b);
-	more *= pack->inverse_mass_n;
+	delta *= pack->inverse_mass_n;
 	change = DOT(d, d) * (real)(RB_SLIP_SHARE * RB_SLIP_SHARE) * pack->inverse_mass_t *
 	         pack->inverse_mass_t;
-	more *= more;
-	change = CHOOSE(change > more, change, more);
+	delta *= delta;
+	change = CHOOSE(change > delta, change, delta);
 	*largest = CHOOSE(change > *largest, change, *largest);
 }
 

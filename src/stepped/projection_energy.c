@@ -167,7 +167,7 @@ void rb_projection_energy_add(struct rb_projection_energy *lift, struct rb_world
 {
 	const struct rb_solver *solver = &world->stepped->solver;
 	const struct rb_solver_body *body = &solver->dense.bodies.body[i];
-	const struct rb_solver_body momentum = rb_energy_weigh(solver, i, body);
+	const struct rb_solver_body momentum = rb_energy_momentum_of(solver, i, body);
 	double *const way = lift->way + 6 * (size_t)i;
 	double *const aside = world->stepped->aside + 6 * (size_t)i;
 
@@ -190,7 +190,7 @@ void rb_projection_energy_add(struct rb_projection_energy *lift, struct rb_world
 
 	if (isnan(body->inverse_inertia)) {
 		const struct rb_solver_body spin = {.angular = rb_vec3_from(aside + 3)};
-		const rb_vec3 turning = rb_energy_weigh(solver, i, &spin).angular;
+		const rb_vec3 turning = rb_energy_momentum_of(solver, i, &spin).angular;
 		const rb_quat turn = rb_quat_from_turn(body->angular);
 
 		more = rb_vec3_add(more, rb_vec3_sub(rb_quat_rotate(turn, turning), turning));

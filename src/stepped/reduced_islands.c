@@ -164,7 +164,7 @@ static void take_forces(struct rb_reduced_step *s, const struct rb_solver *solve
 			                    rb_world_row3(s->before->velocity, i)));
 			force->torque = rb_vec3_scale(
 				each,
-				rb_reduced_step_weigh(
+				rb_reduced_step_times_inertia(
 					model, i,
 					rb_quat_from(s->before->orientation + 4 * (size_t)i), w));
 		}
@@ -228,9 +228,9 @@ static struct rb_wrench momentum_of(const struct rb_model *model, int i, const s
 {
 	const rb_vec3 p = rb_vec3_scale(model->mass[i], pose->velocity);
 
-	return (struct rb_wrench){
-		p, rb_vec3_add(rb_vec3_cross(pose->position, p),
-	                       rb_reduced_step_weigh(model, i, pose->orientation, pose->spin))};
+	return (struct rb_wrench){p, rb_vec3_add(rb_vec3_cross(pose->position, p),
+	                                         rb_reduced_step_times_inertia(
+							 model, i, pose->orientation, pose->spin))};
 }
 
 /* Impulse of a static body on all: change of momentum less that by forces. */

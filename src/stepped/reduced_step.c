@@ -352,8 +352,8 @@ static double energy_of(const struct rb_reduced_step *s)
 
 		sum += 0.5 *
 		       (model->mass[i] * rb_vec3_dot(pose->velocity, pose->velocity) +
-		        rb_vec3_dot(pose->spin, rb_reduced_step_weigh(model, i, pose->orientation,
-		                                                      pose->spin)));
+		        rb_vec3_dot(pose->spin, rb_reduced_step_times_inertia(
+							model, i, pose->orientation, pose->spin)));
 	}
 	return sum;
 }
@@ -500,7 +500,7 @@ static double find_nodes(struct rb_reduced_step *s)
 	return contraction_max;
 }
 
-rb_vec3 rb_reduced_step_weigh(const struct rb_model *model, int i, rb_quat q, rb_vec3 v)
+rb_vec3 rb_reduced_step_times_inertia(const struct rb_model *model, int i, rb_quat q, rb_vec3 v)
 {
 	if (!isnan(model->inverse_inertia_scalar[i]))
 		return rb_vec3_scale(rb_model_inertia(model, i)->m[0][0], v);
@@ -521,7 +521,8 @@ static void find_joints(struct rb_reduced_step *s, int at)
 		const rb_vec3 b = rb_vec3_sub(s->angular[at][p], s->angular[BEGIN][p]);
 
 		s->on[k].force = rb_vec3_scale(model->mass[i], a);
-		s->on[k].torque = rb_reduced_step_weigh(model, i, s->pose[at][p].orientation, b);
+		s->on[k].torque = rb_reduced_step_times_inertia(model, i,
+		                                                s->pose[at][p].orientation, b);
 	}
 	for (int k = s->tree.count; k-- > 0;) {
 		const struct rb_joint_tree_link *const link = &s->tree.link[k];

@@ -78,6 +78,6 @@ double rb_reduced_step_speed(struct rb_reduced_step *s);
 double rb_reduced_step_acceleration(struct rb_reduced_step *s);
 
 /* I v of a body in world axes: kg m^2/s if v is a spin. */
-rb_vec3 rb_reduced_step_weigh(const struct rb_model *model, int i, rb_quat q, rb_vec3 v);
+rb_vec3 rb_reduced_step_times_inertia(const struct rb_model *model, int i, rb_quat q, rb_vec3 v);
 
 #endif

@@ -14,8 +14,8 @@ bool rb_second_half_is_due(const struct rb_solver *solver, const struct rb_islan
 	return island->halves && !solver->rests[first_member(solver, island)];
 }
 
-static struct rb_island *group_of(const struct rb_solver *solver, const struct rb_world *world,
-                                  int joint)
+static struct rb_island *island_of_joint(const struct rb_solver *solver,
+                                         const struct rb_world *world, int joint)
 {
 	const int owner = rb_step_joint_rows_owner(world->model,
 	                                           &world->model->joints->joint[joint]);
@@ -29,7 +29,8 @@ static struct rb_step_joint *joint_due(const struct rb_solver *solver, const str
 {
 	struct rb_step_joint *const of = &solver->joint[joint];
 
-	return of->first_row >= 0 && rb_second_half_is_due(solver, group_of(solver, world, joint))
+	return of->first_row >= 0 &&
+	                       rb_second_half_is_due(solver, island_of_joint(solver, world, joint))
 	               ? of
 	               : NULL;
 }
@@ -49,7 +50,7 @@ static void begin_body(struct rb_solver *solver, const struct rb_world *world, i
 	if (before->spin)
 		force.angular = rb_vec3_sub(force.angular, rb_world_row3(before->spin, i));
 	if (rb_vec3_max_abs(force.angular) > 0)
-		momentum = rb_energy_weigh(solver, i, &force);
+		momentum = rb_energy_momentum_of(solver, i, &force);
 	rb_islands_fill_body(solver, world, i);
 	solver->given[i] = *body;
 	solver->given[i].angular = rb_vec3_scale(0.5, rb_vec3_add(solved_spin, body->angular));
@@ -140,9 +141,10 @@ bool rb_second_half_make(struct rb_solver *solver, const struct rb_world *world)
 	for (int k = 0; solver->joint && k < solver->joined_count; k++) {
 		const int joint = solver->joined[k];
 
-		if (solver->joint[joint].first_row >= 0 && group_of(solver, world, joint)->halves &&
+		if (solver->joint[joint].first_row >= 0 &&
+		    island_of_joint(solver, world, joint)->halves &&
 		    !joint_due(solver, world, joint))
-			rb_step_joint_rows_double(&solver->joint[joint]);
+			rb_step_joint_rows_repeat_half(&solver->joint[joint]);
 	}
 	for (int k = 0; any && k < solver->active_count; k++) {
 		const int i = solver->active[k], g = solver->island_of[i];

@@ -373,12 +373,12 @@ static void add_rebound(struct rb_solver *solver, struct rb_world *world)
 		if (solver->island_of[i] < 0 || !solver->island[solver->island_of[i]].rebounds)
 			continue;
 		const double share = solver->island[solver->island_of[i]].share;
-		const struct rb_solver_body more = rb_energy_added(solver, world, i);
-		rb_vec3_to(v, rb_vec3_add_scaled(rb_vec3_from(v), share, more.linear));
+		const struct rb_solver_body change = rb_energy_rebound_change(solver, world, i);
+		rb_vec3_to(v, rb_vec3_add_scaled(rb_vec3_from(v), share, change.linear));
 		if (!world->state.spin)
 			continue;
 		double *const w = world->state.spin + 3 * (size_t)i;
-		rb_vec3_to(w, rb_vec3_add_scaled(rb_vec3_from(w), share, more.angular));
+		rb_vec3_to(w, rb_vec3_add_scaled(rb_vec3_from(w), share, change.angular));
 	}
 }
 

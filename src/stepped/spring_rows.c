@@ -115,9 +115,9 @@ static double response(const struct rb_spring_query *query, const struct unit *x
 	return sum;
 }
 
-double rb_step_spring_gives(const struct rb_spring_query *query,
-                            const struct rb_step_spring *spring,
-                            const struct rb_constraint *const *held, int held_count)
+double rb_step_spring_inverse_mass(const struct rb_spring_query *query,
+                                   const struct rb_step_spring *spring,
+                                   const struct rb_constraint *const *held, int held_count)
 {
 	static const rb_vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 	const struct rb_constraint own_row = row_of(query, spring, spring->along);

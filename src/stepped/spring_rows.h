@@ -72,9 +72,9 @@ struct rb_spring_query {
  * bounds) of joints of its two bodies, leave. Other bodies are assumed free: an upper bound in the
  * island.
  */
-double rb_step_spring_gives(const struct rb_spring_query *query,
-                            const struct rb_step_spring *spring,
-                            const struct rb_constraint *const *held, int count);
+double rb_step_spring_inverse_mass(const struct rb_spring_query *query,
+                                   const struct rb_step_spring *spring,
+                                   const struct rb_constraint *const *held, int count);
 
 /* Number of rows: fixed for the step. */
 static inline int rb_step_spring_row_count(const struct rb_step_spring *spring)

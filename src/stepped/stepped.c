@@ -253,7 +253,7 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads)
 	 * pairs that touch, and of what is filled in
 	 */
 	const size_t factors = central ? 0 : 4 * sizeof(rb_mat3);
-	const size_t scratch = rb_wide_row_bytes(central, tensors) + sizeof(struct rb_kept_row) +
+	const size_t scratch = rb_wide_row_bytes(central, tensors) + sizeof(struct rb_saved_row) +
 	                       factors;
 	/* pairs that come close have clues, no more than points */
 	const size_t clue = central ? 0 : sizeof(struct rb_clue);

@@ -98,7 +98,7 @@ static double rounding_speed(const struct rb_solver *solver, const struct rb_isl
 void rb_stillness_find(const struct rb_solver *solver, const struct rb_island *island)
 {
 	const double least = rb_stillness_speed(solver), close = least / 16;
-	const double each = 1 / rb_islands_lasts(solver, island);
+	const double each = 1 / rb_islands_impulse_time(solver, island);
 	bool rests = solver->before && island->residual <= close && !island->carried;
 	const double rest_speed = rests ? fmax(least, rounding_speed(solver, island)) : least;
 

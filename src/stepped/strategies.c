@@ -15,7 +15,7 @@
 enum { SWEEPS_FIRST = 200, SWEEPS_MAX = 1000, SWEEPS_CLOSE = 64 };
 /* The same for rows in packs, where friction may be held; spheres that stall are held sooner. */
 enum { WIDE_FIRST = 60, WIDE_MAX = 400, CENTRAL_MAX = 140, WIDE_HOLD = 100 };
-/* Sweeps of large islands, for which a lost step costs as much. */
+/* Sweeps of large islands, where a rejected step costs as much as many sweeps. */
 enum { LARGE_MAX = 800 };
 /* Turns of normal impulses and friction before an island is given up; sweeps of both in each. */
 enum { TURNS_MAX = 6, TURN_SWEEPS = 100 };
@@ -237,9 +237,9 @@ double rb_strategies_external(const struct rb_solver *solver, const int *member,
 
 	for (int k = 0; k < count && external < tolerance; k++) {
 		const rb_vec3 v = rb_vec3_from(solver->before->velocity + 3 * (size_t)member[k]);
-		const rb_vec3 more = rb_vec3_sub(solver->free[member[k]].linear, v);
+		const rb_vec3 change = rb_vec3_sub(solver->free[member[k]].linear, v);
 
-		external = larger(external, rb_vec3_dot(more, more));
+		external = larger(external, rb_vec3_dot(change, change));
 	}
 	return external;
 }
@@ -398,8 +398,8 @@ static struct rb_energy reduce_separation(const struct rb_solver *solver, struct
 {
 	const struct rb_energy none = {0};
 	struct rb_sweeper sweeper = sweeper_of(solver, island, dense, team);
-	struct rb_kept kept;
-	const bool good = rb_energy_keep(solver, island, arena, &kept);
+	struct rb_saved_solution kept;
+	const bool good = rb_energy_save(solver, island, arena, &kept);
 	const bool solved = is_solved(solver, island);
 
 	if (good)
@@ -416,9 +416,10 @@ static struct rb_energy reduce_separation(const struct rb_solver *solver, struct
 		(void)try_factors(solver, island, dense, STALLED, solver->tolerance, arena);
 	const struct rb_energy least = rb_energy_of(solver, island, team, arena);
 	const bool gains = rb_energy_gain(&least) > least.noise;
-	const double share = gains || !solved ? 0
-	                                      : rb_energy_between(solver, island, &least, &kept);
-	rb_energy_mix(solver, island, &kept, share);
+	const double share = gains || !solved
+	                             ? 0
+	                             : rb_energy_interpolation_share(solver, island, &least, &kept);
+	rb_energy_interpolate(solver, island, &kept, share);
 	return gains ? least : none;
 }
 
@@ -446,7 +447,7 @@ static void keep_energy(const struct rb_solver *solver, struct rb_island *island
 	if ((squeezed || rb_energy_gain(&energy) > energy.noise) && rb_energy_has_separation(dense))
 		energy = reduce_separation(solver, island, dense, team, arena);
 	if (rb_energy_gain(&energy) > energy.noise)
-		rb_energy_take(solver, island, rb_energy_share(&energy));
+		rb_energy_scale_impulses(solver, island, rb_energy_share(&energy));
 	else
 		island->energy_budget = fmax(0, -2 * rb_energy_gain(&energy));
 }
@@ -547,9 +548,9 @@ static bool factors_of_joints(const struct trial *trial)
 static void polish_joints(const struct rb_solver *solver, struct rb_island *island,
                           const struct rb_row_system *rows, struct rb_arena *arena)
 {
-	struct rb_kept kept;
+	struct rb_saved_solution kept;
 
-	if (!rb_energy_keep(solver, island, arena, &kept))
+	if (!rb_energy_save(solver, island, arena, &kept))
 		return;
 	double residual = solve_joints(solver, island, rows, arena);
 
@@ -559,7 +560,7 @@ static void polish_joints(const struct rb_solver *solver, struct rb_island *isla
 		island->residual = residual;
 		return;
 	}
-	rb_energy_mix(solver, island, &kept, 1);
+	rb_energy_interpolate(solver, island, &kept, 1);
 }
 
 static bool is_at_rest(const struct trial *trial)
