@@ -100,7 +100,7 @@ static void each_kind_of_joint_moves_in_steps_as_it_is_located(void **state)
 				speed[m][k] = rb_world_velocity(lab.world, k);
 			}
 			for (int k = 0; m && k < lab.scene.joint_count; k++)
-				assert_true(lab.world->stepped->solver.joint[k].swings);
+				assert_true(lab.world->stepped->solver.joint[k].reduced);
 			measure(&lab, &energy[1], momentum[1]);
 			/* of what is located, momentum and what drag takes are entered as arcs end */
 			if (m || !drags)
@@ -255,7 +255,7 @@ static void a_mechanism_that_begins_to_touch_gains_no_energy(void **state)
 	for (int frame = 0; frame < 1200; frame++) {
 		lab_step(&lab);
 		rb_numbers_measure(lab.world, &numbers);
-		const bool swings = lab.world->stepped->solver.joint[0].swings;
+		const bool swings = lab.world->stepped->solver.joint[0].reduced;
 		const double energy = numbers.kinetic_energy + numbers.potential_energy;
 
 		begin = frame == 0 ? energy : begin;
@@ -316,7 +316,7 @@ static void what_a_mechanism_only_comes_near_does_not_change_its_way(void **stat
 			lab_step(&free);
 			for (size_t k = 0; k < lab.world->stepped->all.points.count; k++)
 				near += lab.world->stepped->all.points.row[k].a < links;
-			assert_true(lab.world->stepped->solver.joint[0].swings);
+			assert_true(lab.world->stepped->solver.joint[0].reduced);
 			for (int k = 0; k < links; k++)
 				assert_memory_equal(lab.world->state.position + 3 * k,
 				                    free.world->state.position + 3 * k,

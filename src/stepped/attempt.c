@@ -68,7 +68,7 @@ static bool turn_freely(struct rb_world *world, int i, double h)
 
 	if (!s->top || s->top[i].kind == RB_TOP_CONSTANT)
 		return false;
-	if (s->solver.pushed[i] || rb_vec3_max_abs(rb_vec3_sub(before, spin)) > 0) {
+	if (s->solver.loaded[i] || rb_vec3_max_abs(rb_vec3_sub(before, spin)) > 0) {
 		rb_top_step(&s->top[i], h, &orientation, &spin);
 	} else {
 		struct rb_top top = rb_top_start(&s->top[i], orientation, spin, none);
@@ -157,7 +157,7 @@ static void find_unpushed(struct clear *clear, int i)
 	const int g = solver->island_of[i];
 
 	solver->clear[i] = RB_CLEAR_NO;
-	if (g < 0 || solver->pushed[i] || solver->island[g].kept || solver->island[g].swings ||
+	if (g < 0 || solver->loaded[i] || solver->island[g].kept || solver->island[g].reduced ||
 	    solver->rests[i] || rb_kicks_have(solver->kicks, i))
 		return;
 	solver->clear[i] = RB_CLEAR_MAYBE;
@@ -229,13 +229,13 @@ static bool swings(const struct rb_world *world, int i)
 {
 	const struct rb_solver *const solver = &world->stepped->solver;
 
-	return solver->island_of[i] >= 0 && solver->island[solver->island_of[i]].swings;
+	return solver->island_of[i] >= 0 && solver->island[solver->island_of[i]].reduced;
 }
 
 /* A body of a group without rows goes where its joints have led it. */
 static void move_swung(struct rb_world *world, int i)
 {
-	const struct rb_swung *const swung = &world->stepped->solver.swung[i];
+	const struct rb_reduced_motion *const swung = &world->stepped->solver.reduced_motion[i];
 
 	rb_vec3_to(world->state.position + 3 * (size_t)i, swung->position);
 	rb_quat_to(world->state.orientation + 4 * (size_t)i, swung->orientation);

@@ -64,7 +64,7 @@ static double driven_work(const struct rb_solver *solver, const struct rb_island
 {
 	const struct rb_row_system rows = rb_islands_rows(solver, island);
 
-	return island->carried ? rb_row_system_work(&rows) : 0;
+	return island->is_driven ? rb_row_system_work(&rows) : 0;
 }
 
 /* Whether the row is bilateral and rigid. */

@@ -276,9 +276,9 @@ bool rb_flight_is_done(const struct rb_flight *flight, const struct rb_step_poin
 static double left_of(const struct rb_flight *flight, const struct rb_step_point *point)
 {
 	const struct rb_solver *solver = &flight->world->stepped->solver;
-	const double left = solver->left[point->a];
+	const double left = solver->residual[point->a];
 
-	return point->b < solver->body_count ? larger(left, solver->left[point->b]) : left;
+	return point->b < solver->body_count ? larger(left, solver->residual[point->b]) : left;
 }
 
 double rb_flight_rounding(const struct rb_flight *flight, int i)

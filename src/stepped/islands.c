@@ -132,14 +132,14 @@ static void list_joints(struct rb_solver *solver, const struct rb_world *world)
 {
 	const struct rb_joints *joints = world->model->joints;
 
-	solver->joined_count = 0;
+	solver->active_joint_count = 0;
 	for (int k = 0; solver->joint && k < solver->active_count; k++) {
 		const int i = solver->active[k];
 
 		for (int e = joints->first[i]; e < joints->first[i + 1]; e++)
 			if (owner_of_joint(world, joints->of[e]) == i &&
 			    !world->joint[joints->of[e]].released)
-				solver->joined[solver->joined_count++] = joints->of[e];
+				solver->active_joint[solver->active_joint_count++] = joints->of[e];
 	}
 }
 
@@ -147,8 +147,9 @@ static int count_joint_rows(const struct rb_solver *solver, const struct rb_worl
 {
 	int count = 0;
 
-	for (int k = 0; k < solver->joined_count; k++)
-		count += rb_step_joint_rows_count(&world->model->joints->joint[solver->joined[k]]);
+	for (int k = 0; k < solver->active_joint_count; k++)
+		count += rb_step_joint_rows_count(
+			&world->model->joints->joint[solver->active_joint[k]]);
 	return count;
 }
 
@@ -178,12 +179,13 @@ static struct rb_island *island_of_joint(struct rb_solver *solver, const struct 
 /* Counts rows of joints, before those of contacts are placed. */
 static void add_joint_rows(struct rb_solver *solver, const struct rb_world *world)
 {
-	for (int k = 0; k < solver->joined_count; k++) {
-		const struct rb_joint *joint = &world->model->joints->joint[solver->joined[k]];
-		struct rb_island *island = island_of_joint(solver, world, solver->joined[k]);
+	for (int k = 0; k < solver->active_joint_count; k++) {
+		const struct rb_joint *joint =
+			&world->model->joints->joint[solver->active_joint[k]];
+		struct rb_island *island = island_of_joint(solver, world, solver->active_joint[k]);
 
 		island->row_count += rb_step_joint_rows_count(joint);
-		island->carried = island->carried || is_driving(solver, world, joint);
+		island->is_driven = island->is_driven || is_driving(solver, world, joint);
 	}
 }
 
@@ -192,8 +194,8 @@ static void place_joint_rows(struct rb_solver *solver, const struct rb_world *wo
 {
 	for (size_t g = 0; g < solver->island_count; g++)
 		solver->island[g].contact_count = solver->island[g].row_count;
-	for (int k = 0; k < solver->joined_count; k++) {
-		const int number = solver->joined[k];
+	for (int k = 0; k < solver->active_joint_count; k++) {
+		const int number = solver->active_joint[k];
 		const int rows = rb_step_joint_rows_count(&world->model->joints->joint[number]);
 		struct rb_island *island = island_of_joint(solver, world, number);
 		const int at = island->first_row + island->row_count;
@@ -210,7 +212,7 @@ static void stiffen(struct rb_solver *solver, const struct rb_world *world, int 
 {
 	struct rb_solver_body *const body = &solver->dense.bodies.body[i];
 
-	solver->given[i] = *body;
+	solver->after_forces[i] = *body;
 	solver->stiff[i] = solver->before &&
 	                   rb_geometric_stiffness_add(world, solver->joint, i, solver->h_s, body,
 	                                              &solver->tensor[i]);
@@ -225,12 +227,12 @@ static void fill_joints(void *user, size_t first, size_t end)
 	struct rb_joint_query query = rb_islands_joints(solver, pass->world);
 
 	for (size_t k = first; k < end; k++) {
-		struct rb_step_joint *of = &solver->joint[solver->joined[k]];
+		struct rb_step_joint *of = &solver->joint[solver->active_joint[k]];
 
 		query.lasts_s = rb_islands_impulse_time(
-			solver, island_of_joint(solver, pass->world, solver->joined[k]));
+			solver, island_of_joint(solver, pass->world, solver->active_joint[k]));
 		if (of->first_row >= 0)
-			rb_step_joint_rows_fill(&query, solver->joined[k], of,
+			rb_step_joint_rows_fill(&query, solver->active_joint[k], of,
 			                        solver->dense.row + of->first_row);
 	}
 }
@@ -310,8 +312,8 @@ static void add_spring_rows(struct rb_solver *solver)
 		struct rb_island *island = island_of_spring(solver, spring);
 
 		island->row_count += rb_step_spring_row_count(spring);
-		island->carried = island->carried || is_driven_spring(solver, spring);
-		island->sprung = true;
+		island->is_driven = island->is_driven || is_driven_spring(solver, spring);
+		island->has_springs = true;
 	}
 }
 
@@ -444,9 +446,9 @@ static void join_all(struct pass *pass)
 	const struct rb_solver *solver = pass->solver;
 
 	run_blocks(pass, pass->points->count, join_points);
-	for (int k = 0; k < solver->joined_count; k++) {
+	for (int k = 0; k < solver->active_joint_count; k++) {
 		const struct rb_joint *joint =
-			&pass->world->model->joints->joint[solver->joined[k]];
+			&pass->world->model->joints->joint[solver->active_joint[k]];
 
 		if (joint->b >= 0 && is_dynamic(solver, joint->a) && is_dynamic(solver, joint->b))
 			rb_forest_join(solver->parent, joint->a, joint->b, false);
@@ -486,9 +488,9 @@ static enum rb_status number_islands(struct pass *pass, struct rb_error *err)
 
 	solver->island_count = 0;
 	run_blocks(pass, pass->points->count, find_roots);
-	for (int k = 0; k < solver->joined_count; k++)
-		solver->island_of[rb_forest_root(solver->parent,
-		                                 owner_of_joint(world, solver->joined[k]))] = 0;
+	for (int k = 0; k < solver->active_joint_count; k++)
+		solver->island_of[rb_forest_root(
+			solver->parent, owner_of_joint(world, solver->active_joint[k]))] = 0;
 	for (int k = 0; k < solver->spring_count; k++)
 		if (has_rows(solver, &solver->spring[k]))
 			solver->island_of[rb_forest_root(
@@ -534,7 +536,7 @@ static void count_rows(void *user, size_t first, size_t end)
 			continue;
 		__atomic_fetch_add(&solver->island[g].row_count, count, __ATOMIC_RELAXED);
 		if (moved)
-			__atomic_store_n(&solver->island[g].carried, true, __ATOMIC_RELAXED);
+			__atomic_store_n(&solver->island[g].is_driven, true, __ATOMIC_RELAXED);
 		moved = false;
 		count = 0;
 	}
@@ -580,8 +582,8 @@ static void lay_out(struct pass *pass)
 	add_spring_rows(solver);
 	place_members(solver);
 	rb_islands_rest(solver, pass->points, place, &pass->world->arena[0]);
-	if (solver->joined_count > 0)
-		rb_islands_swing(solver, pass->world, pass->points, place);
+	if (solver->active_joint_count > 0)
+		rb_islands_step_reduced(solver, pass->world, pass->points, place);
 	for (size_t g = 0; g < solver->island_count; g++) {
 		struct rb_island *island = &solver->island[g];
 
@@ -722,11 +724,11 @@ static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struc
 	if (status != RB_OK)
 		return status;
 	lay_out(pass);
-	if (solver->joined_count > 0)
+	if (solver->active_joint_count > 0)
 		rb_islands_halve(solver, world);
 	run_blocks(pass, points->count, fill_rows);
-	if (solver->joined_count > 0)
-		run_blocks(pass, (size_t)solver->joined_count, fill_joints);
+	if (solver->active_joint_count > 0)
+		run_blocks(pass, (size_t)solver->active_joint_count, fill_joints);
 	fill_springs(solver, world);
 	RB_ASSERT_COSTLY(rb_row_system_is_sound(&solver->dense, solver->body_count + 1));
 	return RB_OK;

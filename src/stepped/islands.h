@@ -26,11 +26,11 @@ struct rb_island {
 	int spring_count;  /* the last of these rows */
 	int first_member, member_count;
 	bool rebounds;
-	bool carried; /* a body or motor that is not dynamic moves at it */
-	bool rests;   /* at rest: it has no rows */
-	bool kept;    /* keeps the solution of an earlier pass over the step */
-	bool sprung;  /* some of its rows are springs */
-	bool swings;  /* stepped in reduced coordinates: it has no rows (reduced_islands) */
+	bool is_driven;   /* a body or motor that is not dynamic moves at it */
+	bool rests;       /* at rest: it has no rows */
+	bool kept;        /* keeps the solution of an earlier pass over the step */
+	bool has_springs; /* some of its rows are springs */
+	bool reduced;     /* stepped in reduced coordinates: it has no rows (reduced_islands) */
 	/*
 	 * only joints, springs with rows and constant forces act: impulses in two halves, at both
 	 * ends of the step (RATTLE)
@@ -90,7 +90,7 @@ static inline bool rb_kicks_have(const struct rb_kicks *kicks, int i)
 }
 
 /* Motion of a body in a step without rows (stepped/reduced_islands). */
-struct rb_swung {
+struct rb_reduced_motion {
 	/*
 	 * at the first body of an island, in this attempt: members if it has been stepped so, minus
 	 * that if it needs rows, 0 if it was not tried
@@ -124,9 +124,9 @@ struct rb_group_points {
  * Steps an island in reduced coordinates, on any worker; false: not possible, rows are needed. Its
  * points have no impulses yet.
  */
-typedef bool rb_swing(struct rb_solver *solver, const struct rb_world *world,
-                      struct rb_island *island, const struct rb_group_points *points,
-                      struct rb_arena *arena);
+typedef bool rb_reduced_stepper(struct rb_solver *solver, const struct rb_world *world,
+                                struct rb_island *island, const struct rb_group_points *points,
+                                struct rb_arena *arena);
 
 struct rb_solver {
 	int body_count;
@@ -141,12 +141,12 @@ struct rb_solver {
 	struct rb_solver_body *free;              /* owned */
 	int *parent, *island_of, *member, *local; /* owned, [bodies + 1] */
 	double *reach;                            /* owned, m: as in the model */
-	unsigned char *pushed; /* owned: a contact of the last step has an impulse on the body */
+	unsigned char *loaded; /* owned: a contact of the last step has an impulse on the body */
 	unsigned char *clear;  /* owned: enum rb_clear; set by stepped/attempt */
 	unsigned char *rests;  /* owned: 1 if the body is at rest */
 	unsigned char *asleep; /* owned: 1 if it stays at rest because nothing has changed */
 	/* owned, m/s: contact residual of the last solution of the body's island */
-	double *left;
+	double *residual;
 	/*
 	 * owned, [6 bodies] m/s^2, rad/s^2: accelerations by external forces in the step that found
 	 * it at rest
@@ -162,12 +162,12 @@ struct rb_solver {
 	 * a step in halves is solved, the velocities that it has moved with; NULL: the scene has no
 	 * joints
 	 */
-	struct rb_solver_body *given;
-	rb_swing *swing; /* tries to step an island in reduced coordinates */
+	struct rb_solver_body *after_forces;
+	rb_reduced_stepper *step_reduced; /* tries to step an island in reduced coordinates */
 	/* owned, [bodies]: of islands stepped in reduced coordinates; NULL: no joints */
-	struct rb_swung *swung;
-	int *joined; /* owned: joints of the bodies of the step, in order of their owners */
-	int joined_count;
+	struct rb_reduced_motion *reduced_motion;
+	int *active_joint; /* owned: joints of the bodies of the step, in order of their owners */
+	int active_joint_count;
 	/*
 	 * owned: springs that the step does not resolve, with joints all that may have rows; NULL:
 	 * the scene has no springs
@@ -272,22 +272,22 @@ void rb_islands_rest(struct rb_solver *solver, const struct rb_step_points *poin
 
 static inline bool rb_islands_has_no_rows(const struct rb_island *island)
 {
-	return island->rests || island->swings;
+	return island->rests || island->reduced;
 }
 
 /*
  * Before rows are placed: steps in reduced coordinates the islands that allow it. `group_of`: by
  * point.
  */
-void rb_islands_swing(struct rb_solver *solver, struct rb_world *world,
-                      const struct rb_step_points *points, const int *group_of);
+void rb_islands_step_reduced(struct rb_solver *solver, struct rb_world *world,
+                             const struct rb_step_points *points, const int *group_of);
 
 /*
  * Makes an island use rows in this attempt after all; until the step is restored, its bodies keep
  * the velocities that have moved them.
  */
-void rb_islands_unswing(struct rb_solver *solver, const struct rb_joints *joints,
-                        const struct rb_island *island);
+void rb_islands_revert_reduced(struct rb_solver *solver, const struct rb_joints *joints,
+                               const struct rb_island *island);
 
 /* After that: marks islands that take impulses in halves. */
 void rb_islands_halve(struct rb_solver *solver, const struct rb_world *world);

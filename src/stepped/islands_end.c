@@ -37,8 +37,8 @@ void rb_islands_store_body(const struct rb_solver *solver, struct rb_world *worl
 
 static void mark_loaded(struct rb_solver *solver, int i)
 {
-	if (!__atomic_load_n(&solver->pushed[i], __ATOMIC_RELAXED))
-		__atomic_store_n(&solver->pushed[i], 1, __ATOMIC_RELAXED);
+	if (!__atomic_load_n(&solver->loaded[i], __ATOMIC_RELAXED))
+		__atomic_store_n(&solver->loaded[i], 1, __ATOMIC_RELAXED);
 }
 
 /*
@@ -79,14 +79,14 @@ static void store_joints(void *user, size_t first, size_t end)
 	struct rb_joint_query query = rb_islands_joints(solver, pass->world);
 
 	for (size_t k = first; k < end; k++) {
-		struct rb_step_joint *of = &solver->joint[solver->joined[k]];
+		struct rb_step_joint *of = &solver->joint[solver->active_joint[k]];
 		const struct rb_constraint *const row = solver->dense.row + of->first_row;
 
 		/* rows of islands that keep an earlier solution have not been solved */
 		if (of->first_row < 0 || island_of_row(solver, row)->kept)
 			continue;
 		query.lasts_s = rb_islands_impulse_time(solver, island_of_row(solver, row));
-		rb_step_joint_rows_store(&query, solver->joined[k], of, row);
+		rb_step_joint_rows_store(&query, solver->active_joint[k], of, row);
 	}
 }
 
@@ -123,8 +123,8 @@ static void store_residuals(void *user, size_t first, size_t end)
 		const double left = g < 0 ? 0 : solver->island[g].residual;
 
 		/* written so that NaN counts as the tolerance */
-		solver->left[i] = left < solver->tolerance ? left : solver->tolerance;
-		solver->pushed[i] = 0;
+		solver->residual[i] = left < solver->tolerance ? left : solver->tolerance;
+		solver->loaded[i] = 0;
 	}
 }
 
@@ -156,18 +156,18 @@ static void mark_contacts(void *user, size_t first, size_t end)
 /* Marks bodies with joints and joined springs. */
 static void mark_joints_and_springs(struct rb_solver *solver, const struct rb_joints *joints)
 {
-	for (int k = 0; k < solver->joined_count; k++) {
-		const struct rb_joint *joint = &joints->joint[solver->joined[k]];
+	for (int k = 0; k < solver->active_joint_count; k++) {
+		const struct rb_joint *joint = &joints->joint[solver->active_joint[k]];
 		const int ends[2] = {joint->a, joint->b};
 
 		for (int e = 0; e < 2; e++)
 			if (ends[e] >= 0 && is_dynamic(solver, ends[e]))
-				solver->pushed[ends[e]] = 1;
+				solver->loaded[ends[e]] = 1;
 	}
 	for (int k = 0; k < solver->spring_count; k++)
 		for (int e = 0; e < 2 && solver->spring[k].joined; e++)
 			if (is_dynamic(solver, solver->spring[k].end[e]))
-				solver->pushed[solver->spring[k].end[e]] = 1;
+				solver->loaded[solver->spring[k].end[e]] = 1;
 }
 
 /*
@@ -183,8 +183,8 @@ static void store_bodies(void *user, size_t first, size_t end)
 	for (size_t k = first; k < end; k++) {
 		const int i = solver->active[k];
 
-		if (solver->before && solver->island_of[i] >= 0 && !solver->pushed[i] &&
-		    !solver->island[solver->island_of[i]].swings)
+		if (solver->before && solver->island_of[i] >= 0 && !solver->loaded[i] &&
+		    !solver->island[solver->island_of[i]].reduced)
 			solver->dense.bodies.body[i] = solver->free[i];
 		rb_islands_store_body(solver, pass->world, i);
 	}
@@ -198,8 +198,8 @@ void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_
 	if (solver->before)
 		run_blocks(&pass, (size_t)solver->active_count, store_residuals);
 	run_blocks(&pass, (size_t)solver->dense.row_count, store_rows);
-	if (solver->before && solver->joined_count > 0) /* not in position projection */
-		run_blocks(&pass, (size_t)solver->joined_count, store_joints);
+	if (solver->before && solver->active_joint_count > 0) /* not in position projection */
+		run_blocks(&pass, (size_t)solver->active_joint_count, store_joints);
 	if (solver->before) {
 		store_springs(solver);
 		if (!all_have_rows(solver))

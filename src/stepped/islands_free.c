@@ -124,7 +124,7 @@ static void step_reduced(void *user, int group, int worker)
 	const bool varies = pass->world->model->features & RB_FEATURES_VARIED &
 	                    ~(rb_features)(RB_FEATURE_SPRINGS | RB_FEATURE_DRAG);
 	bool is_candidate = solver->before && solver->before->spin && !varies && !island->rests &&
-	                    !island->sprung && is_clear(pass, group);
+	                    !island->has_springs && is_clear(pass, group);
 
 	for (int k = 0; is_candidate && k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
@@ -134,15 +134,15 @@ static void step_reduced(void *user, int group, int worker)
 	if (!is_candidate)
 		return;
 	const int *const member = solver->member + island->first_member;
-	struct rb_swung *const known = &solver->swung[member[0]];
+	struct rb_reduced_motion *const known = &solver->reduced_motion[member[0]];
 
 	if (abs(known->members) == island->member_count) {
-		island->swings = known->members > 0;
-		for (int k = 0; island->swings && k < island->member_count; k++) {
+		island->reduced = known->members > 0;
+		for (int k = 0; island->reduced && k < island->member_count; k++) {
 			struct rb_solver_body *const body = &solver->dense.bodies.body[member[k]];
 
-			body->linear = solver->swung[member[k]].velocity;
-			body->angular = solver->swung[member[k]].spin;
+			body->linear = solver->reduced_motion[member[k]].velocity;
+			body->angular = solver->reduced_motion[member[k]].spin;
 		}
 		return;
 	}
@@ -154,13 +154,13 @@ static void step_reduced(void *user, int group, int worker)
 		points.row = pass->points->row;
 		points.number = pass->number + pass->first[group];
 	}
-	island->swings = solver->swing(solver, pass->world, island, &points, arena);
-	known->members = island->swings ? island->member_count : -island->member_count;
+	island->reduced = solver->step_reduced(solver, pass->world, island, &points, arena);
+	known->members = island->reduced ? island->member_count : -island->member_count;
 	rb_arena_back(arena, here);
 }
 
-void rb_islands_swing(struct rb_solver *solver, struct rb_world *world,
-                      const struct rb_step_points *points, const int *group_of)
+void rb_islands_step_reduced(struct rb_solver *solver, struct rb_world *world,
+                             const struct rb_step_points *points, const int *group_of)
 {
 	struct pass pass = {.solver = solver, .world = world, .points = points};
 	struct rb_arena *const arena = &world->arena[0];
@@ -172,23 +172,23 @@ void rb_islands_swing(struct rb_solver *solver, struct rb_world *world,
 	rb_arena_back(arena, here);
 }
 
-void rb_islands_unswing(struct rb_solver *solver, const struct rb_joints *joints,
-                        const struct rb_island *island)
+void rb_islands_revert_reduced(struct rb_solver *solver, const struct rb_joints *joints,
+                               const struct rb_island *island)
 {
 	const int *const member = solver->member + island->first_member;
 
-	RB_ASSERT(island->swings);
-	solver->swung[member[0]].members = -island->member_count;
+	RB_ASSERT(island->reduced);
+	solver->reduced_motion[member[0]].members = -island->member_count;
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = member[k];
 		struct rb_solver_body *const body = &solver->dense.bodies.body[i];
 
 		body->linear = rb_vec3_scale(
-			1 / solver->h_s, rb_vec3_sub(solver->swung[i].position,
+			1 / solver->h_s, rb_vec3_sub(solver->reduced_motion[i].position,
 		                                     rb_world_row3(solver->before->position, i)));
-		body->angular = solver->swung[i].turning;
+		body->angular = solver->reduced_motion[i].turning;
 		for (int e = joints->first[i]; e < joints->first[i + 1]; e++)
-			solver->joint[joints->of[e]].swings = false;
+			solver->joint[joints->of[e]].reduced = false;
 	}
 }
 
@@ -215,8 +215,8 @@ void rb_islands_halve(struct rb_solver *solver, const struct rb_world *world)
 			                 !rb_kicks_have(solver->kicks, i);
 		}
 	}
-	for (int k = 0; k < solver->joined_count; k++) {
-		const int number = solver->joined[k];
+	for (int k = 0; k < solver->active_joint_count; k++) {
+		const int number = solver->active_joint[k];
 		struct rb_island *const island = island_of_joint(solver, world, number);
 
 		island->halves = island->halves && rb_step_joint_rows_are_smooth(

@@ -29,7 +29,7 @@ static bool is_at_rest(const struct rb_solver *solver, const struct rb_island *i
 		                   solver->h_s))
 			return false;
 	}
-	return !island->carried;
+	return !island->is_driven;
 }
 
 /* Number of contacts of the island that had a force in the step before. */

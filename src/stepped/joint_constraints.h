@@ -132,7 +132,7 @@ struct rb_step_joint {
 	bool is_measured; /* `miss` is that of the last solution */
 	bool eases;   /* of the attempt: a rope is not drawn back, since that increased its error */
 	bool halves;  /* of the attempt: its island has taken impulses in halves */
-	bool swings;  /* of the attempt: its island was stepped in reduced coordinates */
+	bool reduced; /* of the attempt: its island was stepped in reduced coordinates */
 	double drift; /* m: largest error; INFINITY: not measured in this attempt */
 	double rate;  /* m/s, rad/s: of the free coordinate as the step began; of a rope's length */
 	double impulse[RB_JOINT_PARTS]; /* N s, N m s: of the attempt */

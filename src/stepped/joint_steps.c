@@ -154,7 +154,7 @@ enum rb_status rb_joints_try(struct rb_world *world, const struct rb_cohort *coh
 		}
 
 		of->drift = (double)INFINITY;
-		of->is_measured = of->eases = of->halves = of->swings = false;
+		of->is_measured = of->eases = of->halves = of->reduced = false;
 		for (int r = 0; r < RB_LINKAGE_ROWS_MAX; r++) {
 			const double since = 0.5 * (h + of->last.curve_s);
 
@@ -204,8 +204,8 @@ bool rb_joints_mark(struct rb_world *world, unsigned char *of_group)
 	const double max = inspect_share * world->model->stepped_tolerance_m;
 	bool any = false;
 
-	for (int k = 0; solver->joint && k < solver->joined_count; k++) {
-		const int number = solver->joined[k];
+	for (int k = 0; solver->joint && k < solver->active_joint_count; k++) {
+		const int number = solver->active_joint[k];
 		struct rb_step_joint *of = &solver->joint[number];
 		const int owner = rb_step_joint_rows_owner(world->model,
 		                                           &world->model->joints->joint[number]);
@@ -230,8 +230,8 @@ void rb_joints_bend(struct rb_world *world, const unsigned char *of_group)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
 
-	for (int k = 0; solver->joint && k < solver->joined_count; k++) {
-		const int number = solver->joined[k];
+	for (int k = 0; solver->joint && k < solver->active_joint_count; k++) {
+		const int number = solver->active_joint[k];
 		const struct rb_joint *joint = &world->model->joints->joint[number];
 		struct rb_step_joint *of = &solver->joint[number];
 		const int owner = rb_step_joint_rows_owner(world->model, joint);
@@ -330,7 +330,7 @@ struct held {
  */
 static bool is_resolvable(const struct rb_solver *solver, const struct rb_island *island)
 {
-	if (rb_islands_has_no_rows(island) || (island->sprung && !island->halves))
+	if (rb_islands_has_no_rows(island) || (island->has_springs && !island->halves))
 		return false;
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
@@ -354,8 +354,8 @@ enum rb_status rb_joints_blame_held(struct rb_world *world, double h, struct rb_
 	if (!held)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of a step");
 	memset(held, 0, (solver->island_count + 1) * sizeof *held);
-	for (int k = 0; solver->joint && k < solver->joined_count; k++) {
-		const int number = solver->joined[k];
+	for (int k = 0; solver->joint && k < solver->active_joint_count; k++) {
+		const int number = solver->active_joint[k];
 		const struct rb_joint *joint = &world->model->joints->joint[number];
 		const struct rb_joint_work *work = &solver->joint[number].work;
 		struct held *of =
@@ -431,7 +431,7 @@ void rb_joints_keep(struct rb_world *world, const struct rb_cohort *cohort, doub
 		if (skip && skip[cohort->body[c.body]])
 			continue;
 		/* of groups that rest the forces are those that they have come to rest with */
-		if (of->first_row >= 0 || of->swings)
+		if (of->first_row >= 0 || of->reduced)
 			remember(joint, of, h);
 		world->joint[k].was_set = false;
 		of->last.way = rb_joints_way(world, k, h);

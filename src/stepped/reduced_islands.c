@@ -155,13 +155,13 @@ static void take_forces(struct rb_reduced_step *s, const struct rb_solver *solve
 		if (stated) {
 			const double each = 1 / solver->h_s;
 			const double undragged = solver->undragged ? solver->undragged[i] : 1;
-			const rb_vec3 w = rb_vec3_sub(solver->given[i].angular,
+			const rb_vec3 w = rb_vec3_sub(solver->after_forces[i].angular,
 			                              rb_world_row3(s->before->spin, i));
 
 			force->force = rb_vec3_scale(
-				each,
-				rb_vec3_sub(rb_vec3_scale(1 / undragged, solver->given[i].linear),
-			                    rb_world_row3(s->before->velocity, i)));
+				each, rb_vec3_sub(rb_vec3_scale(1 / undragged,
+			                                        solver->after_forces[i].linear),
+			                          rb_world_row3(s->before->velocity, i)));
 			force->torque = rb_vec3_scale(
 				each,
 				rb_reduced_step_times_inertia(
@@ -270,7 +270,7 @@ static void store_joint(const struct rb_reduced_step *s, const struct rb_solver 
 	if (rb_linkage_has_point(&joint->link))
 		rb_vec3_to(of->impulse, of->reaction);
 	of->work = (struct rb_joint_work){0};
-	of->swings = true;
+	of->reduced = true;
 	if (link->parent < 0) {
 		const struct rb_wrench by = static_impulse(s, solver->h_s);
 
@@ -291,14 +291,15 @@ static void store(const struct rb_reduced_step *s, struct rb_solver *solver,
 		const struct rb_pose *const pose = &s->pose[RB_REDUCED_STEP_NODES][k];
 		struct rb_solver_body *const body = &solver->dense.bodies.body[i];
 
-		solver->swung[i] = (struct rb_swung){.position = pose->position,
-		                                     .orientation = pose->orientation,
-		                                     .velocity = pose->velocity,
-		                                     .spin = pose->spin,
-		                                     .place = rb_vec3_scale(each, s->place[k]),
-		                                     .turning = rb_vec3_scale(each, s->spin[k]),
-		                                     .dragged = s->dragged[k],
-		                                     .lost = s->lost[k]};
+		solver->reduced_motion[i] = (struct rb_reduced_motion){
+			.position = pose->position,
+			.orientation = pose->orientation,
+			.velocity = pose->velocity,
+			.spin = pose->spin,
+			.place = rb_vec3_scale(each, s->place[k]),
+			.turning = rb_vec3_scale(each, s->spin[k]),
+			.dragged = s->dragged[k],
+			.lost = s->lost[k]};
 		body->linear = pose->velocity;
 		body->angular = pose->spin;
 		solver->rests[i] = 0;
@@ -311,7 +312,7 @@ static void store(const struct rb_reduced_step *s, struct rb_solver *solver,
 				memset(of->impulse, 0, sizeof of->impulse);
 				of->reaction = of->twist = none;
 				of->work = (struct rb_joint_work){0};
-				of->swings = true;
+				of->reduced = true;
 			}
 		}
 	}

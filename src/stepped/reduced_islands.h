@@ -15,9 +15,9 @@
 
 /*
  * Tries to step the island, whose members and joints are known. True: done, and no gap of its
- * points has closed at the end. Poses are then in solver->swung, velocities in its bodies, loads of
- * joints in these.
+ * points has closed at the end. Poses are then in solver->reduced_motion, velocities in its bodies,
+ * loads of joints in these.
  */
-rb_swing rb_reduced_islands_try;
+rb_reduced_stepper rb_reduced_islands_try;
 
 #endif

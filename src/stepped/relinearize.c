@@ -61,7 +61,7 @@ static double max_of(const struct rb_world *world, const struct rb_deep *deep, i
 	const struct rb_solver *solver = &world->stepped->solver;
 
 	/* its points have no say yet in where it is */
-	if (solver->island[g].swings)
+	if (solver->island[g].reduced)
 		return 0;
 	if (solver->island[g].row_count >= RB_STRATEGY_HEAP_ROWS)
 		return rb_projection_lost(world, deep, solver->h_s);
@@ -182,8 +182,8 @@ static void unswing(const struct rb_world *world, const struct marks *marks)
 	struct rb_solver *const solver = &world->stepped->solver;
 
 	for (size_t g = 0; g < solver->island_count; g++)
-		if (marks->of_group[g] && solver->island[g].swings)
-			rb_islands_unswing(solver, world->model->joints, &solver->island[g]);
+		if (marks->of_group[g] && solver->island[g].reduced)
+			rb_islands_revert_reduced(solver, world->model->joints, &solver->island[g]);
 }
 
 /* Points are found from velocities as ways ahead; at the end of the step there is no way left. */

@@ -52,8 +52,9 @@ static void begin_body(struct rb_solver *solver, const struct rb_world *world, i
 	if (rb_vec3_max_abs(force.angular) > 0)
 		momentum = rb_energy_momentum_of(solver, i, &force);
 	rb_islands_fill_body(solver, world, i);
-	solver->given[i] = *body;
-	solver->given[i].angular = rb_vec3_scale(0.5, rb_vec3_add(solved_spin, body->angular));
+	solver->after_forces[i] = *body;
+	solver->after_forces[i].angular = rb_vec3_scale(0.5,
+	                                                rb_vec3_add(solved_spin, body->angular));
 	body->linear = rb_vec3_add(body->linear, force.linear);
 	if (rb_vec3_max_abs(force.angular) > 0)
 		body->angular = rb_vec3_add(
@@ -138,8 +139,8 @@ bool rb_second_half_make(struct rb_solver *solver, const struct rb_world *world)
 
 	for (size_t g = 0; solver->joint && g < solver->island_count; g++)
 		any = any || rb_second_half_is_due(solver, &solver->island[g]);
-	for (int k = 0; solver->joint && k < solver->joined_count; k++) {
-		const int joint = solver->joined[k];
+	for (int k = 0; solver->joint && k < solver->active_joint_count; k++) {
+		const int joint = solver->active_joint[k];
 
 		if (solver->joint[joint].first_row >= 0 &&
 		    island_of_joint(solver, world, joint)->halves &&
@@ -159,11 +160,11 @@ bool rb_second_half_make(struct rb_solver *solver, const struct rb_world *world)
 		}
 	}
 	const struct rb_joint_query query = query_of(solver, world);
-	for (int k = 0; any && k < solver->joined_count; k++) {
-		struct rb_step_joint *const of = joint_due(solver, world, solver->joined[k]);
+	for (int k = 0; any && k < solver->active_joint_count; k++) {
+		struct rb_step_joint *const of = joint_due(solver, world, solver->active_joint[k]);
 
 		if (of)
-			rb_step_joint_rows_fill(&query, solver->joined[k], of,
+			rb_step_joint_rows_fill(&query, solver->active_joint[k], of,
 			                        solver->dense.row + of->first_row);
 	}
 	make_springs(solver, world);
@@ -182,12 +183,12 @@ void rb_second_half_end(struct rb_solver *solver, struct rb_world *world)
 		if (is_driven(solver, solver->active[k]))
 			solver->dense.bodies.body[solver->active[k]] =
 				solver->free[solver->active[k]];
-	for (int k = 0; k < solver->joined_count; k++) {
-		struct rb_step_joint *const of = joint_due(solver, world, solver->joined[k]);
+	for (int k = 0; k < solver->active_joint_count; k++) {
+		struct rb_step_joint *const of = joint_due(solver, world, solver->active_joint[k]);
 
 		if (!of)
 			continue;
-		rb_step_joint_rows_store(&query, solver->joined[k], of,
+		rb_step_joint_rows_store(&query, solver->active_joint[k], of,
 		                         solver->dense.row + of->first_row);
 		of->halves = true;
 	}

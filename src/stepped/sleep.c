@@ -442,7 +442,7 @@ static bool may_sleep(const struct rb_world *world, int i, const unsigned char *
 	const struct rb_stepped *s = world->stepped;
 
 	return !(failed && failed[i]) && !s->bad[i] && is_unmoved(world, i) &&
-	       s->solver.left[i] == 0 &&
+	       s->solver.residual[i] == 0 &&
 	       s->candidates.reach[i] <= small_share * world->model->size_min_m;
 }
 

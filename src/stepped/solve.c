@@ -26,12 +26,14 @@ static enum rb_status create_joints(struct rb_solver *solver, const struct rb_mo
 	const size_t count = (size_t)model->joints->count;
 
 	solver->joint = rb_memory_take(count, sizeof *solver->joint);
-	solver->joined = rb_memory_take(count, sizeof *solver->joined);
+	solver->active_joint = rb_memory_take(count, sizeof *solver->active_joint);
 	solver->stiff = rb_memory_take((size_t)model->body_count, 1);
-	solver->given = rb_memory_take((size_t)model->body_count, sizeof *solver->given);
-	solver->swung = rb_memory_take((size_t)model->body_count, sizeof *solver->swung);
-	if (!solver->joint || !solver->joined || !solver->stiff || !solver->given ||
-	    !solver->swung) {
+	solver->after_forces = rb_memory_take((size_t)model->body_count,
+	                                      sizeof *solver->after_forces);
+	solver->reduced_motion = rb_memory_take((size_t)model->body_count,
+	                                        sizeof *solver->reduced_motion);
+	if (!solver->joint || !solver->active_joint || !solver->stiff || !solver->after_forces ||
+	    !solver->reduced_motion) {
 		rb_solver_release(solver);
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu joints", count);
 	}
@@ -69,7 +71,7 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 
 	*solver = (struct rb_solver){.body_count = model->body_count,
 	                             .joins_arms = rb_levers_matter(model),
-	                             .swing = rb_reduced_islands_try};
+	                             .step_reduced = rb_reduced_islands_try};
 	solver->dense.bodies.body = rb_memory_take(n, sizeof *solver->dense.bodies.body);
 	solver->free = rb_memory_take(n, sizeof *solver->free);
 	solver->parent = rb_memory_take(n, sizeof *solver->parent);
@@ -77,11 +79,11 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 	solver->member = rb_memory_take(n, sizeof *solver->member);
 	solver->local = rb_memory_take(n, sizeof *solver->local);
 	solver->reach = rb_memory_take(n, sizeof *solver->reach);
-	solver->pushed = rb_memory_take(n, 1);
+	solver->loaded = rb_memory_take(n, 1);
 	solver->clear = rb_memory_take(n, 1);
 	solver->rests = rb_memory_take(n, 1);
 	solver->asleep = rb_memory_take(n, 1);
-	solver->left = rb_memory_take(n, sizeof *solver->left);
+	solver->residual = rb_memory_take(n, sizeof *solver->residual);
 	solver->rest_external = rb_memory_take(6 * n, sizeof *solver->rest_external);
 	const bool tensors = model->joints || (model->features & RB_FEATURE_GYROSCOPIC);
 
@@ -89,8 +91,8 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 		solver->tensor = rb_memory_take(n, sizeof *solver->tensor);
 	solver->dense.bodies.tensor = solver->tensor;
 	if (solver->dense.bodies.body && solver->free && solver->parent && solver->island_of &&
-	    solver->member && solver->local && solver->reach && solver->pushed && solver->clear &&
-	    solver->rests && solver->asleep && solver->left && solver->rest_external &&
+	    solver->member && solver->local && solver->reach && solver->loaded && solver->clear &&
+	    solver->rests && solver->asleep && solver->residual && solver->rest_external &&
 	    (solver->tensor || !tensors)) {
 		for (int i = 0; i < model->body_count; i++)
 			solver->reach[i] = rb_model_reach(model, i);
@@ -119,18 +121,18 @@ void rb_solver_release(struct rb_solver *solver)
 	rb_memory_free(solver->member);
 	rb_memory_free(solver->local);
 	rb_memory_free(solver->reach);
-	rb_memory_free(solver->pushed);
+	rb_memory_free(solver->loaded);
 	rb_memory_free(solver->clear);
 	rb_memory_free(solver->rests);
 	rb_memory_free(solver->asleep);
-	rb_memory_free(solver->left);
+	rb_memory_free(solver->residual);
 	rb_memory_free(solver->rest_external);
 	rb_memory_free(solver->island);
 	rb_memory_free(solver->joint);
-	rb_memory_free(solver->joined);
+	rb_memory_free(solver->active_joint);
 	rb_memory_free(solver->stiff);
-	rb_memory_free(solver->given);
-	rb_memory_free(solver->swung);
+	rb_memory_free(solver->after_forces);
+	rb_memory_free(solver->reduced_motion);
 	rb_memory_free(solver->spring);
 	*solver = (struct rb_solver){0};
 }
@@ -155,7 +157,7 @@ static bool is_due(const struct work *work, const struct rb_island *island)
 {
 	if (work->second)
 		return rb_second_half_is_due(work->solver, island);
-	return work->rebound ? island->rebounds : !island->kept && !island->swings;
+	return work->rebound ? island->rebounds : !island->kept && !island->reduced;
 }
 
 static void solve_group(const struct work *work, struct rb_island *island, struct rb_team *team,
@@ -226,8 +228,8 @@ enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
 	solver->h_s = h;
 	solver->before = before;
 	solver->tolerance = rb_solver_tolerance(world->model, h);
-	for (int k = 0; solver->swung && k < solver->active_count; k++)
-		solver->swung[solver->active[k]].members = 0;
+	for (int k = 0; solver->reduced_motion && k < solver->active_count; k++)
+		solver->reduced_motion[solver->active[k]].members = 0;
 	status = rb_islands_make(solver, world, points, err);
 	if (status != RB_OK)
 		return status;
@@ -321,7 +323,8 @@ enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_world *world,
 
 void rb_solver_go_back(const struct rb_solver *solver, struct rb_world *world)
 {
-	const struct rb_solver_body *given = solver->given ? solver->given : solver->free;
+	const struct rb_solver_body *given = solver->after_forces ? solver->after_forces
+	                                                          : solver->free;
 
 	rb_state_copy_rows(&world->state, &world->mark, solver->active, solver->active_count);
 	for (int k = 0; k < solver->active_count; k++) {
@@ -392,8 +395,8 @@ static bool joints_rebound(struct rb_solver *solver, const struct rb_world *worl
 	const double tolerance = rb_islands_joint_tolerance(solver);
 	bool any = false;
 
-	for (int k = 0; k < solver->joined_count; k++) {
-		const int number = solver->joined[k];
+	for (int k = 0; k < solver->active_joint_count; k++) {
+		const int number = solver->active_joint[k];
 		const struct rb_step_joint *of = &solver->joint[number];
 
 		if (of->first_row < 0)
@@ -428,8 +431,8 @@ static void store_joints(struct rb_solver *solver, const struct rb_joint_query *
 	struct rb_joint_query query = *joints;
 
 	query.from = solver->free;
-	for (int k = 0; k < solver->joined_count; k++) {
-		struct rb_step_joint *of = &solver->joint[solver->joined[k]];
+	for (int k = 0; k < solver->active_joint_count; k++) {
+		struct rb_step_joint *of = &solver->joint[solver->active_joint[k]];
 
 		if (of->first_row < 0)
 			continue;
@@ -438,7 +441,7 @@ static void store_joints(struct rb_solver *solver, const struct rb_joint_query *
 
 		query.share = island->share;
 		if (island->rebounds)
-			rb_step_joint_rows_store(&query, solver->joined[k], of, row);
+			rb_step_joint_rows_store(&query, solver->active_joint[k], of, row);
 	}
 }
 

@@ -255,7 +255,7 @@ static bool may_join_pushed(const struct rb_solver *solver)
 		const struct rb_step_spring *spring = &solver->spring[k];
 
 		for (int e = 0; e < 2 && !spring->joined && !spring->resolved; e++)
-			if (spring->end[e] < solver->body_count && solver->pushed[spring->end[e]])
+			if (spring->end[e] < solver->body_count && solver->loaded[spring->end[e]])
 				return true;
 	}
 	return false;

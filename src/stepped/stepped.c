@@ -529,7 +529,7 @@ static void pack_rests(struct rb_world *world, struct rb_pack *pack)
 {
 	struct rb_solver *solver = &world->stepped->solver;
 
-	rb_pack_finite(pack, solver->left, (size_t)world->model->body_count);
+	rb_pack_finite(pack, solver->residual, (size_t)world->model->body_count);
 	for (int i = 0; i < world->model->body_count && !pack->failed; i++) {
 		bool rests = solver->rests[i];
 

@@ -99,7 +99,7 @@ void rb_stillness_find(const struct rb_solver *solver, const struct rb_island *i
 {
 	const double least = rb_stillness_speed(solver), close = least / 16;
 	const double each = 1 / rb_islands_impulse_time(solver, island);
-	bool rests = solver->before && island->residual <= close && !island->carried;
+	bool rests = solver->before && island->residual <= close && !island->is_driven;
 	const double rest_speed = rests ? fmax(least, rounding_speed(solver, island)) : least;
 
 	for (int k = 0; rests && k < island->member_count; k++) {

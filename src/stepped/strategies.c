@@ -268,7 +268,7 @@ static bool sticks_to_support(const struct rb_solver *solver, const struct rb_is
                               const struct rb_row_system *dense)
 {
 	const double max = solver->tolerance / (sweep_share * RB_SLIP_SHARE);
-	bool sticks = island->carried;
+	bool sticks = island->is_driven;
 
 	for (int k = 0; k < dense->row_count && sticks; k++) {
 		const struct rb_constraint *row = &dense->row[k];
@@ -310,7 +310,7 @@ static double aim_closely(const struct rb_solver *solver, const struct rb_island
 /* Whether the island hardly moved when the step began, and its support does not move. */
 static bool was_at_rest(const struct rb_solver *solver, const struct rb_island *island)
 {
-	return solver->before && !island->carried && hardly_moves(solver, island, true);
+	return solver->before && !island->is_driven && hardly_moves(solver, island, true);
 }
 
 /* ---- choosing ---- */

@@ -93,16 +93,16 @@ static void note_solved(const struct rb_world *world, int i, bool sleeps,
 	body->halves = body->kind == RB_TALLY_JOINED && s->solver.island_of[i] >= 0 &&
 	               s->solver.island[s->solver.island_of[i]].halves;
 	if (body->halves) {
-		const struct rb_solver_body *moved = &s->solver.given[i];
+		const struct rb_solver_body *moved = &s->solver.after_forces[i];
 
 		body->mean[0] = rb_vec3_scale(0.5, rb_vec3_add(body->mean[0], moved->linear));
 		body->mean[1] = rb_vec3_scale(0.5, rb_vec3_add(body->mean[1], moved->angular));
 	}
 	body->place = rb_world_row3(world->state.position, i);
 	body->swings = body->kind == RB_TALLY_JOINED && s->solver.island_of[i] >= 0 &&
-	               s->solver.island[s->solver.island_of[i]].swings;
+	               s->solver.island[s->solver.island_of[i]].reduced;
 	if (body->swings) {
-		const struct rb_swung *const swung = &s->solver.swung[i];
+		const struct rb_reduced_motion *const swung = &s->solver.reduced_motion[i];
 
 		body->mean[0] = rb_vec3_scale(1 / s->solver.h_s,
 		                              rb_vec3_sub(body->place, body->acted));
