@@ -385,17 +385,17 @@ static void correct(struct system *s)
 
 static double refine(struct system *s)
 {
-	double left = residuals(s);
+	double residual = residuals(s);
 
-	for (int k = 0; k < REFINEMENTS_MAX && left > s->dual->tolerance; k++) {
-		const double before = left;
+	for (int k = 0; k < REFINEMENTS_MAX && residual > s->dual->tolerance; k++) {
+		const double before = residual;
 
 		correct(s);
-		left = residuals(s);
-		if (!(left <= progress_share * before))
+		residual = residuals(s);
+		if (!(residual <= progress_share * before))
 			break;
 	}
-	return left;
+	return residual;
 }
 
 /* ---- bounds ---- */
@@ -630,11 +630,11 @@ struct rb_dual_result rb_dual_solve(const struct rb_dual *dual)
 			    (needs_consistency(&s, round, &one_way) && !make_consistent(&s)) ||
 			    rb_interrupt_after(dual->interrupt, (uint64_t)s.blocks.work))
 				break;
-			const double left = refine(&s);
+			const double residual = refine(&s);
 
 			more = pivot_all(&s, round < ROUNDS_TOGETHER,
-			                 fmax(dual->tolerance, 2 * left));
-			result.residual = more ? (double)INFINITY : left;
+			                 fmax(dual->tolerance, 2 * residual));
+			result.residual = more ? (double)INFINITY : residual;
 			if (more)
 				restore_round(&s);
 		}

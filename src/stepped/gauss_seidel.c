@@ -45,8 +45,8 @@ static inline double solve_cone(const struct rb_row_system *dense, struct rb_con
 	const rb_vec3 u = rb_constraint_velocity(&dense->bodies, row);
 	const double u_n = rb_vec3_dot(u, n);
 	/* the sum is clamped, not the change: a later sweep may take back an excess of this one */
-	const double wanted = row->impulse.n + (row->target.n - u_n) / row->inverse_mass_n;
-	const double normal_impulse = larger(wanted, 0);
+	const double unclamped = row->impulse.n + (row->target.n - u_n) / row->inverse_mass_n;
+	const double normal_impulse = larger(unclamped, 0);
 
 	/* friction left over by mixing is removed as well */
 	if (normal_impulse == 0 && row->impulse.n == 0 && rb_vec3_max_abs(row->impulse.t) == 0) {
@@ -94,9 +94,9 @@ static rb_along_across interval_step(const struct rb_constraint *row, rb_vec3 u)
 {
 	const double residual = row->target.n - rb_vec3_dot(u, row->normal) -
 	                        row->softness * row->impulse.n;
-	const double wanted = row->impulse.n + residual / (row->inverse_mass_n + row->softness);
+	const double unclamped = row->impulse.n + residual / (row->inverse_mass_n + row->softness);
 
-	return (rb_along_across){fmin(fmax(wanted, row->low), row->high) - row->impulse.n,
+	return (rb_along_across){fmin(fmax(unclamped, row->low), row->high) - row->impulse.n,
 	                         {0, 0, 0}};
 }
 
@@ -431,11 +431,11 @@ double rb_sweep_residual_of(const struct rb_row_system *rows, const struct rb_co
 	const double normal_impulse = fmax(0, row->impulse.n +
 	                                              (row->target.n - u_n) / row->inverse_mass_n);
 	const rb_vec3 slip = rb_vec3_add_scaled(u, -u_n, row->normal);
-	const rb_vec3 wanted = rb_constraint_within(
+	const rb_vec3 projected = rb_constraint_within(
 		rb_vec3_add_scaled(row->impulse.t, -1 / row->inverse_mass_t, slip),
 		row->friction * normal_impulse);
 
 	return fmax(fabs(normal_impulse - row->impulse.n) * row->inverse_mass_n,
 	            RB_SLIP_SHARE * row->inverse_mass_t *
-	                    rb_vec3_length(rb_vec3_sub(wanted, row->impulse.t)));
+	                    rb_vec3_length(rb_vec3_sub(projected, row->impulse.t)));
 }

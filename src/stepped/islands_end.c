@@ -120,10 +120,10 @@ static void store_residuals(void *user, size_t first, size_t end)
 
 	for (size_t k = first; k < end; k++) {
 		const int i = solver->active[k], g = solver->island_of[i];
-		const double left = g < 0 ? 0 : solver->island[g].residual;
+		const double residual = g < 0 ? 0 : solver->island[g].residual;
 
 		/* written so that NaN counts as the tolerance */
-		solver->residual[i] = left < solver->tolerance ? left : solver->tolerance;
+		solver->residual[i] = residual < solver->tolerance ? residual : solver->tolerance;
 		solver->loaded[i] = 0;
 	}
 }

@@ -543,20 +543,21 @@ void rb_step_joint_rows_fill(const struct rb_joint_query *query, int k, struct r
 /* Mean of the velocities before and after; bodies that are not dynamic have only one. */
 static struct rb_solver_body mean_of(const struct rb_joint_query *query, int i)
 {
-	struct rb_solver_body body = query->bodies->body[i], was = body;
+	struct rb_solver_body body = query->bodies->body[i], before = body;
 	const double half = 0.5 * query->share;
 
 	if (body.inverse_mass == 0)
 		return body;
 	if (query->from) {
-		was = query->from[i];
+		before = query->from[i];
 	} else {
-		was.linear = rb_world_row3(query->before->velocity, i);
-		was.angular = query->before->spin ? rb_world_row3(query->before->spin, i) : none;
+		before.linear = rb_world_row3(query->before->velocity, i);
+		before.angular = query->before->spin ? rb_world_row3(query->before->spin, i) : none;
 	}
-	body.linear = rb_vec3_add_scaled(was.linear, half, rb_vec3_sub(body.linear, was.linear));
-	body.angular = rb_vec3_add_scaled(was.angular, half,
-	                                  rb_vec3_sub(body.angular, was.angular));
+	body.linear = rb_vec3_add_scaled(before.linear, half,
+	                                 rb_vec3_sub(body.linear, before.linear));
+	body.angular = rb_vec3_add_scaled(before.angular, half,
+	                                  rb_vec3_sub(body.angular, before.angular));
 	return body;
 }
 

@@ -95,7 +95,7 @@ static double gain_of(const struct rb_net_system *s)
 		for (int e = 0; e < 2; e++)
 			if (spring->body[e] < 0)
 				gain += (e == 0 ? -1 : 1) / s->h *
-				        rb_vec3_dot(spring->impulse, spring->way[e]);
+				        rb_vec3_dot(spring->impulse, spring->displacement[e]);
 	}
 	for (int k = 0; k < net->body_count; k++) {
 		const struct rb_net_body *body = &net->body[k];
@@ -135,7 +135,8 @@ static bool stop(struct rb_net_system *s)
 		/* driven ends */
 		for (int e = 0; e < 2; e++)
 			if (spring->body[e] < 0)
-				u = rb_vec3_add_scaled(u, (e == 0 ? -1 : 1) / s->h, spring->way[e]);
+				u = rb_vec3_add_scaled(u, (e == 0 ? -1 : 1) / s->h,
+				                       spring->displacement[e]);
 		spring->stopping = rb_vec3_scale(-s->h, rb_mat3_apply(&spring->stiff, u));
 		rb_net_add_impulse(net, spring, spring->stopping, spring->arm_to);
 	}
@@ -494,7 +495,7 @@ static bool is_stale(const struct rb_net_system *s, double first, double norm, d
 
 	if (!(next < anew_share * first && next > slow_share * norm))
 		return false;
-	for (double left = next; left > least; left *= next / norm)
+	for (double expected = next; expected > least; expected *= next / norm)
 		work += 2 * RB_BLOCK * RB_BLOCK * s->blocks.first[s->blocks.count];
 	return work > s->blocks.work;
 }

@@ -238,30 +238,30 @@ static rb_vec3 rotation_of(rb_vec3 turn, rb_vec3 arm)
 
 void rb_net_place_ends(const struct rb_net *net, struct rb_net_spring *spring, double h)
 {
-	rb_vec3 way[2];
+	rb_vec3 displacement[2];
 
 	for (int e = 0; e < 2; e++) {
 		rb_vec3 bend = {0, 0, 0};
 
-		way[e] = spring->way[e];
+		displacement[e] = spring->displacement[e];
 		if (spring->body[e] >= 0) {
 			const struct rb_net_body *body = &net->body[spring->body[e]];
 
 			if (body->turns)
 				bend = rotation_of(rb_vec3_scale(h, body->mean[1]), spring->arm[e]);
-			way[e] = rb_vec3_add_scaled(bend, h, body->mean[0]);
+			displacement[e] = rb_vec3_add_scaled(bend, h, body->mean[0]);
 		}
 		spring->arm_to[e] = rb_vec3_add(spring->arm[e], bend);
 		spring->arm_mean[e] = rb_vec3_add_scaled(spring->arm[e], 0.5, bend);
 	}
-	const rb_vec3 gone = rb_vec3_sub(way[1], way[0]);
+	const rb_vec3 relative = rb_vec3_sub(displacement[1], displacement[0]);
 
-	spring->to = rb_vec3_add(spring->from, gone);
+	spring->to = rb_vec3_add(spring->from, relative);
 	const rb_vec3 sum = rb_vec3_add(spring->from, spring->to);
 	const double length = rb_vec3_length(spring->to) + spring->length;
 
 	/* without cancellation */
-	spring->length_to = spring->length + (length > 0 ? rb_vec3_dot(gone, sum) / length : 0);
+	spring->length_to = spring->length + (length > 0 ? rb_vec3_dot(relative, sum) / length : 0);
 }
 
 /*
@@ -302,8 +302,8 @@ static void act(struct rb_net_spring *spring, double h, rb_mat3 *stiff)
 			                          length > 0 ? fmax(0, tension) / length : 0);
 		return;
 	}
-	const rb_vec3 gone = rb_vec3_sub(spring->to, spring->from);
-	const rb_vec3 at = rb_vec3_add_scaled(spring->from, share, gone);
+	const rb_vec3 relative = rb_vec3_sub(spring->to, spring->from);
+	const rb_vec3 at = rb_vec3_add_scaled(spring->from, share, relative);
 	const double rate = spring->length_to - spring->length;
 
 	spring->impulse = rb_vec3_add_scaled(rb_vec3_scale(-h * spring->stiffness, at),

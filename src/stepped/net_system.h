@@ -52,7 +52,7 @@ struct rb_net_spring {
 	bool resolved;
 	double stiffness, damping, rest;
 	rb_vec3 arm[2];            /* m, as the step begins */
-	rb_vec3 way[2];            /* m: displacement of ends that are not in the net */
+	rb_vec3 displacement[2];   /* m: displacement of ends that are not in the net */
 	rb_vec3 from;              /* m: from end to end, as the step begins */
 	double length;             /* m: length of that */
 	rb_vec3 impulse, stopping; /* N s, on the second end: of the spring, of the damper */

@@ -137,7 +137,7 @@ static void fill_spring(const struct search *search, const struct rb_nets *nets,
 		spring->arm[e] = rb_element_arm(world->model, i, pose[e].orientation, at[e]);
 		spring->body[e] = -1;
 		if (!is_solved_for(search, i)) {
-			spring->way[e] = displacement_of(&pose[e], spring->arm[e], h);
+			spring->displacement[e] = displacement_of(&pose[e], spring->arm[e], h);
 			continue;
 		}
 		spring->body[e] = nets->at[i];

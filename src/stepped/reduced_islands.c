@@ -242,14 +242,14 @@ static struct rb_wrench static_impulse(const struct rb_reduced_step *s, double h
 	for (int k = 0; k < s->tree.body_count; k++) {
 		const int i = s->tree.body[k];
 		const struct rb_pose from = rb_world_pose(s->world, s->before, i);
-		const struct rb_wrench was = momentum_of(model, i, &from);
-		const struct rb_wrench is = momentum_of(model, i,
-		                                        &s->pose[RB_REDUCED_STEP_NODES][k]);
+		const struct rb_wrench previous = momentum_of(model, i, &from);
+		const struct rb_wrench present = momentum_of(model, i,
+		                                             &s->pose[RB_REDUCED_STEP_NODES][k]);
 		const rb_vec3 force = rb_vec3_scale(model->mass[i], s->force[k].force);
 
-		sum.force = rb_vec3_add(sum.force, rb_vec3_sub(is.force, was.force));
+		sum.force = rb_vec3_add(sum.force, rb_vec3_sub(present.force, previous.force));
 		sum.force = rb_vec3_add_scaled(sum.force, -h, force);
-		sum.torque = rb_vec3_add(sum.torque, rb_vec3_sub(is.torque, was.torque));
+		sum.torque = rb_vec3_add(sum.torque, rb_vec3_sub(present.torque, previous.torque));
 		sum.torque = rb_vec3_sub(sum.torque, rb_vec3_cross(s->place[k], force));
 		sum.torque = rb_vec3_add_scaled(sum.torque, -h, s->force[k].torque);
 		sum.force = rb_vec3_sub(sum.force, s->dragged[k].force);

@@ -394,12 +394,13 @@ static void turn_all(struct rb_reduced_step *s)
 		     turns++) {
 			change = 0;
 			for (int j = 0; j < NODES; j++) {
-				const rb_quat was = path->orientation[j];
+				const rb_quat previous = path->orientation[j];
 				const rb_quat q = orientation_at(path, s->h_s, &node[j]);
 
-				change = fmax(change,
-				              fmax(fmax(fabs(q.w - was.w), fabs(q.x - was.x)),
-				                   fmax(fabs(q.y - was.y), fabs(q.z - was.z))));
+				change = fmax(
+					change,
+					fmax(fmax(fabs(q.w - previous.w), fabs(q.x - previous.x)),
+				             fmax(fabs(q.y - previous.y), fabs(q.z - previous.z))));
 				path->orientation[j] = q;
 			}
 		}
@@ -435,11 +436,11 @@ static double acceleration_change(const struct rb_reduced_step *s, int at, doubl
 	for (int k = 0; k < s->tree.count; k++) {
 		const double reach = reach_of(s, k);
 		const rb_vec3 a = s->linear[at][k], b = s->angular[at][k];
-		const rb_vec3 *const was = s->kept + 2 * k;
+		const rb_vec3 *const previous = s->kept + 2 * k;
 
 		*max = fmax(*max, rb_vec3_length(a) + reach * rb_vec3_length(b));
-		change = fmax(change, rb_vec3_length(rb_vec3_sub(a, was[0])) +
-		                              reach * rb_vec3_length(rb_vec3_sub(b, was[1])));
+		change = fmax(change, rb_vec3_length(rb_vec3_sub(a, previous[0])) +
+		                              reach * rb_vec3_length(rb_vec3_sub(b, previous[1])));
 	}
 	return change;
 }
@@ -471,7 +472,7 @@ static double evaluate_nodes(struct rb_reduced_step *s, bool first, double *max)
 static double find_nodes(struct rb_reduced_step *s)
 {
 	const double speed = speed_max(s);
-	double was = (double)INFINITY;
+	double previous = (double)INFINITY;
 
 	evaluate(s, BEGIN);
 	for (int k = 0; k < s->tree.count; k++)
@@ -486,16 +487,17 @@ static double find_nodes(struct rb_reduced_step *s)
 	for (int passes = 0; passes < PASSES_MAX; passes++) {
 		double max = 0;
 		const double change = evaluate_nodes(s, passes == 0, &max);
-		const double least = speed + s->h_s * max, next = s->h_s * change * (change / was);
+		const double least = speed + s->h_s * max,
+			     next = s->h_s * change * (change / previous);
 
 		if (passes > 0 && next <= close_share * least)
 			return 0;
 		/* written so that NaN does not converge */
-		if (passes > 1 && !(change < contraction_max * was))
+		if (passes > 1 && !(change < contraction_max * previous))
 			return s->h_s * change <= rounding_share * s->tree.count * least
 			               ? 0
-			               : change / was;
-		was = change;
+			               : change / previous;
+		previous = change;
 	}
 	return contraction_max;
 }

@@ -107,7 +107,7 @@ static void make_springs(struct rb_solver *solver, const struct rb_world *world)
 		struct rb_step_spring *const spring = &solver->spring[k];
 		const struct rb_island *const island = island_in_halves(solver, spring);
 		struct rb_pose pose[2];
-		rb_vec3 way[2];
+		rb_vec3 displacement[2];
 
 		if (!island)
 			continue;
@@ -116,16 +116,16 @@ static void make_springs(struct rb_solver *solver, const struct rb_world *world)
 			continue;
 		}
 		for (int e = 0; e < 2; e++) {
-			const struct rb_pose was = rb_world_pose(world, solver->before,
-			                                         spring->end[e]);
+			const struct rb_pose begin = rb_world_pose(world, solver->before,
+			                                           spring->end[e]);
 
 			pose[e] = rb_world_pose(world, &world->state, spring->end[e]);
-			way[e] = rb_pose_between(&was, &pose[e]);
+			displacement[e] = rb_pose_between(&begin, &pose[e]);
 		}
 		const struct rb_spring_query query = query_of_spring(solver, spring);
 		const double impulse = rb_vec3_dot(spring->impulse, spring->along);
 
-		rb_step_spring_turn(spring, pose, way);
+		rb_step_spring_turn(spring, pose, displacement);
 		/* with rest length 0 it has acted in all directions */
 		if (query.repeats && spring->rest > 0)
 			spring->impulse = rb_vec3_scale(impulse, spring->along);

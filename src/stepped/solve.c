@@ -281,13 +281,13 @@ static void put_back(struct rb_solver *solver, const struct earlier *earlier,
 		if (again[member[0]])
 			continue;
 		RB_ASSERT(earlier->island_of[member[0]] >= 0);
-		const struct rb_island *was = &earlier->island[earlier->island_of[member[0]]];
+		const struct rb_island *previous = &earlier->island[earlier->island_of[member[0]]];
 		island->kept = true;
-		island->sweeps = was->sweeps;
-		island->factors = was->factors;
-		island->residual = was->residual;
-		island->slip = was->slip;
-		island->energy_budget = was->energy_budget;
+		island->sweeps = previous->sweeps;
+		island->factors = previous->factors;
+		island->residual = previous->residual;
+		island->slip = previous->slip;
+		island->energy_budget = previous->energy_budget;
 		for (int k = 0; k < island->member_count; k++) {
 			solver->dense.bodies.body[member[k]] = earlier->body[member[k]];
 			solver->rests[member[k]] = earlier->rests[member[k]];

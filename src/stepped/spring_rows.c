@@ -48,7 +48,8 @@ void rb_step_spring_fill(const struct rb_spring_query *query, const struct rb_st
 
 	RB_ASSERT_COSTLY(lasts > 0 && ahead > 0);
 	for (int r = 0; r < rb_step_spring_row_count(spring); r++) {
-		const double gone = rb_vec3_dot(rb_vec3_add(query->shift, spring->bend), normal[r]);
+		const double displacement = rb_vec3_dot(rb_vec3_add(query->shift, spring->bend),
+		                                        normal[r]);
 
 		row[r] = row_of(query, spring, normal[r]);
 		row[r].impulse.n = rb_vec3_dot(spring->impulse, normal[r]);
@@ -63,7 +64,7 @@ void rb_step_spring_fill(const struct rb_spring_query *query, const struct rb_st
 		}
 		row[r].softness = 1 / (lasts * (r == 0 ? act * spring->stiffness + spring->damping
 		                                       : act * spring->across));
-		row[r].target.n = -gone / ahead;
+		row[r].target.n = -displacement / ahead;
 		if (r == 0)
 			row[r].target.n -= row[r].softness * lasts * spring->stiffness *
 			                   spring->stretch;
@@ -149,7 +150,7 @@ void rb_step_spring_add(struct rb_step_spring *spring, rb_vec3 impulse)
 {
 	for (int e = 0; e < 2; e++) {
 		const rb_vec3 p = e == 0 ? rb_vec3_neg(impulse) : impulse;
-		const rb_vec3 lever = rb_vec3_add(spring->way[e], spring->arm[e]);
+		const rb_vec3 lever = rb_vec3_add(spring->displacement[e], spring->arm[e]);
 
 		spring->on[e].force = rb_vec3_add(spring->on[e].force, p);
 		spring->on[e].torque = rb_vec3_add(spring->on[e].torque, rb_vec3_cross(lever, p));
@@ -188,19 +189,20 @@ rb_vec3 rb_step_spring_way(const struct rb_step_spring *spring, const struct rb_
 {
 	const rb_vec3 d = between(spring, pose), n = spring->along;
 	const double length = spring->rest + spring->stretch;
-	const rb_vec3 gone = rb_vec3_add_scaled(d, -length, n);
+	const rb_vec3 displacement = rb_vec3_add_scaled(d, -length, n);
 	/*
 	 * a spring of rest length 0 has a force proportional to the displacement in any direction
 	 */
-	const double longer = spring->rest > 0 ? rb_vec3_length(d) - length : rb_vec3_dot(gone, n);
+	const double longer = spring->rest > 0 ? rb_vec3_length(d) - length
+	                                       : rb_vec3_dot(displacement, n);
 
 	if (!(spring->across > 0))
 		return rb_vec3_scale(longer, n);
-	return rb_vec3_add_scaled(rb_vec3_reject(gone, n), longer, n);
+	return rb_vec3_add_scaled(rb_vec3_reject(displacement, n), longer, n);
 }
 
 void rb_step_spring_turn(struct rb_step_spring *spring, const struct rb_pose pose[2],
-                         const rb_vec3 way[2])
+                         const rb_vec3 displacement[2])
 {
 	const rb_vec3 d = between(spring, pose);
 
@@ -209,6 +211,6 @@ void rb_step_spring_turn(struct rb_step_spring *spring, const struct rb_pose pos
 	spring->bend = (rb_vec3){0, 0, 0};
 	for (int e = 0; e < 2; e++) {
 		spring->arm[e] = rb_quat_rotate(pose[e].orientation, spring->local[e]);
-		spring->way[e] = way[e];
+		spring->displacement[e] = displacement[e];
 	}
 }

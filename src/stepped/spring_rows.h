@@ -40,7 +40,7 @@ struct rb_step_spring {
 	int row, number;           /* among springs, and among all elements between bodies */
 	int end[2];                /* bodies of the model */
 	rb_vec3 arm[2], local[2];  /* m, from the centres of mass; the same in body axes */
-	rb_vec3 way[2];            /* m: displacement of the centres of mass */
+	rb_vec3 displacement[2];   /* m: displacement of the centres of mass */
 	rb_vec3 along;             /* unit, from the first end to the second */
 	double stiffness, damping; /* N/m, N s/m */
 	/* N/m: T / l, stiffness of both rows across it; 0: no such rows */
@@ -107,6 +107,6 @@ rb_vec3 rb_step_spring_straight(const struct rb_step_spring *spring, rb_vec3 u, 
 
 /* For a second half: updates it to these poses, which are displaced by `way`. */
 void rb_step_spring_turn(struct rb_step_spring *spring, const struct rb_pose pose[2],
-                         const rb_vec3 way[2]);
+                         const rb_vec3 displacement[2]);
 
 #endif

@@ -70,10 +70,10 @@ static void transfer_packs(const struct work *work, int colour, int first, int e
 
 	for (int k = first; k < end; k++) {
 		const int at = wide->colour[colour] + width * (k - packs->first[colour]);
-		const int left = wide->colour[colour + 1] - at;
+		const int remaining = wide->colour[colour + 1] - at;
 
 		packs->kernel->transfer(wide, packs, work->task, k, at,
-		                        left < width ? left : width);
+		                        remaining < width ? remaining : width);
 	}
 }
 

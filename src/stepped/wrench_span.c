@@ -35,16 +35,16 @@ static void extend(struct rb_wrench_span *span, double *v, struct rb_wrench_span
 
 	RB_ASSERT_COSTLY(span->count < span->n);
 	reject(span, v, &part);
-	double left = rb_wrench_span_dot(span, v, v, part);
-	if (!(left > 0.5 * size)) {
+	double remaining = rb_wrench_span_dot(span, v, v, part);
+	if (!(remaining > 0.5 * size)) {
 		reject(span, v, &part);
-		left = rb_wrench_span_dot(span, v, v, part);
+		remaining = rb_wrench_span_dot(span, v, v, part);
 	}
-	if (!(left > RB_WRENCH_SPAN_OWN_SHARE * RB_WRENCH_SPAN_OWN_SHARE * size))
+	if (!(remaining > RB_WRENCH_SPAN_OWN_SHARE * RB_WRENCH_SPAN_OWN_SHARE * size))
 		return;
 	span->part[span->count] = part;
 	double *const unit = span->unit + (size_t)span->count++ * (size_t)span->n;
-	const double length = sqrt(left);
+	const double length = sqrt(remaining);
 	for (int i = part.first; i < part.end; i++)
 		unit[i] = v[i] / length;
 }

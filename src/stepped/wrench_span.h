@@ -55,10 +55,10 @@ static inline bool rb_wrench_span_continues_pair(struct rb_constraint *const *se
 static inline void rb_wrench_span_swap(double *x, double *y, int n)
 {
 	for (int i = 0; i < n; i++) {
-		const double was = x[i];
+		const double previous = x[i];
 
 		x[i] = y[i];
-		y[i] = was;
+		y[i] = previous;
 	}
 }
 
