@@ -29,7 +29,7 @@ static double drift(const struct lab *lab)
 	double max = 0;
 
 	for (int k = 0; k < lab->model->joints->count; k++)
-		max = fmax(max, rb_joints_miss(lab->world, k, &of, NULL));
+		max = fmax(max, rb_joints_error(lab->world, k, &of, NULL));
 	return max;
 }
 

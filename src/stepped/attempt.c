@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One try of a step, in the order of the figure in stepped.h: drive, forces, points, impacts,
- * solution, motion, another look where turning has made overlaps, and rebound. It is the same code
- * for all bodies (`all`) and for a group that takes substeps (`part`). Nothing is committed here:
- * on failure the caller copies the mark back.
+ * One attempt of a step, in the order of the figure in stepped.h: driven bodies, forces, contact
+ * points, impacts, solution, motion, relinearization where rotation has made overlaps, rebound. The
+ * same code serves all bodies (`all`) and a group that takes substeps (`part`). Nothing is
+ * committed here: on failure the caller copies the mark back.
  *
- * Positions of bodies that nothing pushes move with the mean of the old and the new velocity, which
- * is exact for constant forces (a parabola); bodies in contact move with the solved velocity, since
- * that is the one for which gaps were closed (Moreau; Anitescu and Potra 1997).
+ * Bodies without contact impulses move with the mean of the old and the new velocity, which is
+ * exact for constant forces (a parabola); bodies in contact move with the solved velocity, since
+ * gaps were closed for it (Moreau; Anitescu and Potra 1997).
  */
 #include "stepped/attempt.h"
 
@@ -28,21 +28,21 @@
 #include "stepped/tally.h"
 
 /*
- * Looks at a step again, at most: Newton steps. What the first leaves is of higher order in the
- * angle, and the projection closes it; further ones are for heaps that would be taken back, and for
- * the bends of joints' ways: each leaves of what the one before has missed about the angle of a
+ * Limit of relinearizations of a step, which are Newton steps. The first leaves errors of higher
+ * order in the angle, and the projection closes them. Further ones serve heaps that would be rolled
+ * back, and the nonlinear part of joints' motion: each reduces the error by about the angle of a
  * step, and a pendulum takes one or none.
  */
 enum { INSPECTIONS_MAX = 6 };
 
 /*
- * Of the way in a whole step, a gap that counts as closed; and of how many steps forces make speeds
- * that an impact is to exceed.
+ * A gap below this share of the approach in a whole step counts as closed. An impact must exceed
+ * the speed that forces make in IMPACT_STEPS steps.
  */
-static const double whole_share = 1e-3;
+static const double closed_share = 1e-3;
 enum { IMPACT_STEPS = 4 };
-/* Products that a row's sweep, and its part of a factorization, take about as long as. */
-enum { SWEEP = 100, FACTOR = 250 };
+/* Cost of sweeping a row, and of its part of a factorization, in multiplications. */
+enum { SWEEP_COST = 100, FACTOR_COST = 250 };
 
 struct flow {
 	struct rb_world *world;
@@ -81,9 +81,9 @@ static bool turn_freely(struct rb_world *world, int i, double h)
 }
 
 /*
- * Of a body that nothing holds, m/s: the mean of before and after. `varied` adds the other half of
- * forces that depend on position or velocity: their impulse moves the body in full, as symplectic
- * Euler has it, since the half would make springs gain energy.
+ * Mean of the velocities before and after, for a body without contact impulses, m/s. `varied` adds
+ * the other half of forces that depend on position or velocity: their impulse moves the body in
+ * full, as in symplectic Euler, since the half would make springs gain energy.
  */
 static rb_vec3 free_velocity(const struct rb_world *world, int i)
 {
@@ -97,8 +97,8 @@ static rb_vec3 free_velocity(const struct rb_world *world, int i)
 }
 
 /*
- * The velocity with which the centre of mass moves through the step, m/s: the solved one for a body
- * that something pushes.
+ * Velocity of the centre of mass through the step, m/s: the solved one for a body with contact
+ * impulses.
  */
 static rb_vec3 moving_velocity(const struct rb_world *world, int i)
 {
@@ -107,14 +107,14 @@ static rb_vec3 moving_velocity(const struct rb_world *world, int i)
 	               : rb_world_row3(world->state.velocity, i);
 }
 
-/* ---- bodies that rows have not pushed ---- */
+/* ---- bodies without impulses of rows ---- */
 
 static unsigned char clear_of(const struct rb_solver *solver, int i)
 {
 	return __atomic_load_n(&solver->clear[i], __ATOMIC_RELAXED);
 }
 
-/* How far the way of a free body ends from where the solved velocity leads, m. */
+/* Difference between the free displacement of a body and that by its solved velocity, m. */
 static rb_vec3 free_shift(const struct rb_world *world, int i, double h)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
@@ -125,7 +125,7 @@ static rb_vec3 free_shift(const struct rb_world *world, int i, double h)
 		h, rb_vec3_sub(free_velocity(world, i), rb_world_row3(world->state.velocity, i)));
 }
 
-/* m: of a point at the end of the step, as the solution has it. */
+/* Gap of a point at the end of the step by the linear model of the solution, m. */
 static double solved_gap(const struct rb_solver *solver, const struct rb_step_point *point,
                          double h)
 {
@@ -147,10 +147,10 @@ struct clear {
 	struct rb_world *world;
 	const struct rb_cohort *cohort;
 	double h_s;
-	bool any; /* body that may be free; written by all */
+	bool any; /* some body may be free; written by all workers */
 };
 
-/* Bodies of islands that may be free: no row has given them an impulse, and no impact. */
+/* Marks bodies of islands that may be free: without impulse from a row or an impact. */
 static void find_unpushed(struct clear *clear, int i)
 {
 	const struct rb_solver *solver = &clear->world->stepped->solver;
@@ -165,8 +165,8 @@ static void find_unpushed(struct clear *clear, int i)
 }
 
 /*
- * One that may be free is not. Others stay as they are: driven bodies are set by nobody else, and
- * what has been seen of a body must not depend on which of its points came first.
+ * Marks a candidate as not free. Others stay as they are: nobody else sets driven bodies, and the
+ * result for a body must not depend on the order of its points.
  */
 static void block(const struct rb_solver *solver, int i)
 {
@@ -174,7 +174,9 @@ static void block(const struct rb_solver *solver, int i)
 		__atomic_fetch_or(&solver->clear[i], RB_CLEAR_BLOCKED, __ATOMIC_RELAXED);
 }
 
-/* Whether it would be met on a free way, too, whatever the other one of the pair does. */
+/*
+ * Blocks both bodies if the point would close on the free path too, whatever the other body does.
+ */
 static void find_blocked(const struct clear *clear, const struct rb_step_point *point)
 {
 	const struct rb_solver *solver = &clear->world->stepped->solver;
@@ -210,9 +212,9 @@ static void clear_block(void *user, int phase, int block, int worker)
 }
 
 /*
- * Which bodies of islands move as free ones: those without an impulse that stay clear of all they
- * are near on a free way too, whatever the other one of a pair does. Whether a pair that does not
- * meet is looked at follows from boxes along the axes, and must not decide how a body moves.
+ * Finds the bodies of islands that move as free ones: without impulse, and clear of all candidates
+ * on the free path too, whatever the other body of a pair does. Whether a pair that does not meet
+ * is inspected follows from axis-aligned boxes, and must not decide how a body moves.
  */
 static void find_clear(struct rb_world *world, const struct rb_cohort *cohort, double h)
 {
@@ -232,7 +234,7 @@ static bool swings(const struct rb_world *world, int i)
 	return solver->island_of[i] >= 0 && solver->island[solver->island_of[i]].reduced;
 }
 
-/* A body of a group without rows goes where its joints have led it. */
+/* Moves a body of a group in reduced coordinates to where its joints have led it. */
 static void move_swung(struct rb_world *world, int i)
 {
 	const struct rb_reduced_motion *const swung = &world->stepped->solver.reduced_motion[i];
@@ -284,8 +286,8 @@ static void move(struct rb_world *world, const struct rb_cohort *cohort, double 
 }
 
 /*
- * Has one of its bodies moved as the step began? What has not may be known to stand, which nothing
- * may depend on (method/method).
+ * Whether a body of the island moved at the beginning of the step. One that did not may be known to
+ * rest, on which nothing may depend (method/method).
  */
 static bool has_moved(const struct rb_world *world, const struct rb_island *island)
 {
@@ -299,7 +301,7 @@ static bool has_moved(const struct rb_world *world, const struct rb_island *isla
 	return moved;
 }
 
-/* Adds up the sweeps of the islands; the projection reuses the solver afterwards. */
+/* Adds up the work of the islands; the projection reuses the solver afterwards. */
 static void count_work(struct rb_world *world)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
@@ -315,14 +317,14 @@ static void count_work(struct rb_world *world)
 		counts->factors += (uint64_t)island->factors;
 		if (has_moved(world, island))
 			counts->solving += (uint64_t)island->row_count *
-			                   (SWEEP * (uint64_t)island->sweeps +
-			                    FACTOR * (uint64_t)island->factors);
+			                   (SWEEP_COST * (uint64_t)island->sweeps +
+			                    FACTOR_COST * (uint64_t)island->factors);
 	}
 }
 
 /*
- * Moves bodies; where that has made overlaps that a linearized rotation does not see, the solution
- * is repeated from the poses at the end (again.c).
+ * Moves bodies; where that makes overlaps that linearized rotation does not contain, the solution
+ * is repeated from the poses at the end (relinearize.c).
  */
 static enum rb_status move_and_inspect(struct rb_world *world, struct rb_cohort *cohort, double h,
                                        struct rb_error *err)
@@ -345,8 +347,8 @@ static enum rb_status move_and_inspect(struct rb_world *world, struct rb_cohort 
 }
 
 /*
- * Contact points of the cohort within the reach of the step. Sleeping groups exist only for the
- * cohort of all.
+ * Finds the cohort's contact points within the reach of the step. Only the cohort of all bodies has
+ * sleeping groups.
  */
 static enum rb_status find_points(struct rb_world *world, struct rb_cohort *cohort, double start,
                                   double h, struct rb_error *err)
@@ -368,7 +370,7 @@ static enum rb_status find_points(struct rb_world *world, struct rb_cohort *coho
 	return status;
 }
 
-/* m/s: of b from a along the normal, as forces have left them. */
+/* Separation speed of a point along the normal after forces, m/s. */
 static double leaving(const struct rb_solver *solver, const struct rb_step_point *point)
 {
 	const struct rb_solver_bodies bodies = {.body = solver->free, .tensor = solver->tensor};
@@ -378,11 +380,12 @@ static double leaving(const struct rb_solver *solver, const struct rb_step_point
 }
 
 /*
- * Impacts of mechanisms. Solutions let a gap close by the end of a step: of an impact in the middle
- * of it they give one part now, and the other one in the next step. For normals that is the same;
- * friction of two parts, each in a cone of its own, is not that of the whole, by as much as it is
- * itself, however short the step. (Bodies without joints meet within the step: impact_pass.) The
- * step is to be cut where the gap has closed. What forces alone bring about in some steps is none.
+ * Finds the first impact of each mechanism. The solution lets a gap close by the end of a step: of
+ * an impact in the middle of it, it gives one part now and the other in the next step. For normal
+ * impulses the sum is the same; friction in two parts, each in its own cone, differs from that of
+ * the whole by as much as it is itself, however short the step. (Bodies without joints are handled
+ * by impact_pass.) The step should be cut where the gap has closed. An approach that forces alone
+ * make in a few steps is no impact.
  */
 static void find_impacts(const struct rb_world *world, const struct rb_cohort *cohort, double h)
 {
@@ -397,9 +400,9 @@ static void find_impacts(const struct rb_world *world, const struct rb_cohort *c
 		if (rb_islands_has_no_rows(island) || island->contact_count == 0 ||
 		    island->row_count == island->contact_count + island->spring_count)
 			continue;
-		const double least = IMPACT_STEPS *
-		                     sqrt(rb_strategies_external(solver, member,
-		                                                 island->member_count, HUGE_VAL));
+		const double approach_min = IMPACT_STEPS * sqrt(rb_strategies_external(
+								   solver, member,
+								   island->member_count, HUGE_VAL));
 
 		for (int k = 0; k < island->contact_count; k++) {
 			const struct rb_step_point *const point =
@@ -409,8 +412,8 @@ static void find_impacts(const struct rb_world *world, const struct rb_cohort *c
 
 			if (!(point->normal_impulse > 0) || !(point->material->friction > 0) ||
 			    (point->from > 0 && points->last[point->from - 1].force > 0) ||
-			    !(approach > least) ||
-			    !(point->gap > whole_share * solver->whole_s * approach) ||
+			    !(approach > approach_min) ||
+			    !(point->gap > closed_share * solver->whole_s * approach) ||
 			    !(h * approach > world->model->stepped_tolerance_m))
 				continue;
 			/* gap = t (approach + more t / h) */
@@ -430,13 +433,13 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 	enum rb_status status = rb_drive_begin(world, start, h, err);
 
 	RB_ASSERT(h > 0 && cohort->member_count <= cohort->body_count);
-	cohort->owes = false;
+	cohort->has_closing_impulses = false;
 	if (status == RB_OK)
 		status = rb_force_add(world, cohort, start, h, err);
 	if (status == RB_OK)
 		status = find_points(world, cohort, start, h, err);
 	if (status == RB_OK)
-		status = rb_joints_try(world, cohort, start, h, err);
+		status = rb_joints_begin_attempt(world, cohort, start, h, err);
 	if (status == RB_OK)
 		status = rb_impacts_resolve(world, cohort, start, h, err);
 	s->solver.active = cohort->body;
@@ -460,11 +463,11 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 	if (status != RB_OK)
 		return status;
 	if (s->tally)
-		rb_springs_note(world);
+		rb_springs_record(world);
 	if (s->tally)
 		rb_tally_solved(world, cohort);
 	if (cohort == &s->all) {
-		rb_sleep_note(world);
+		rb_sleep_mark(world);
 		world->frame_counts.rows += s->sleep.point_count;
 	}
 	s->solver.hands_over = world->located && world->dense_left == 1;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Broadphase with fat boxes (Verlet lists): boxes are grown by a margin that is meant to last some
- * steps, and pairs are searched again only when a body could leave its box. For shapes of several
- * convex parts the list also caches, per pair of parts, a separating axis and a lower bound of the
- * distance, together with the path that each body has gone since.
+ * Broad phase with enlarged boxes (Verlet lists): boxes have a margin that should last some steps,
+ * and pairs are searched again only when a body could leave its box. For shapes of several convex
+ * parts the list also caches, per pair of parts, a separating axis and a lower bound of the
+ * distance, together with the path of each body since.
  *
  * Margins trade the cost of a search against the number of false pairs. Where few bodies move
  * (`share`), boxes last longer, up to the body's size.
@@ -20,13 +20,13 @@
 #include "model/parts.h"
 
 enum {
-	STEPS_PER_BOX = 8,      /* that a box is meant to last */
-	BOXES_MAX = 8,          /* times as many, within a size, where nearly nothing moves */
-	FAST_STEPS_PER_BOX = 2, /* of bodies that go farther than their size in those */
+	STEPS_PER_BOX = 8, /* steps that a box should last */
+	BOXES_MAX = 8,     /* factor of these, up to the body's size, where hardly any body moves */
+	FAST_STEPS_PER_BOX = 2, /* for bodies that move farther than their size in STEPS_PER_BOX */
 	BODIES_PER_BLOCK = 512
 };
 
-/* rad: margin of planes that do not turn yet; decides cost only. */
+/* rad: margin of planes that do not rotate yet; decides cost only. */
 static const double turn_margin_min = 1.0 / 64;
 
 /*
@@ -34,16 +34,16 @@ static const double turn_margin_min = 1.0 / 64;
  * point at distance r by 2 r sin(t / 2); the difference of the quaternions has length 2 sin(t / 4)
  * >= sin(t / 2), hence 2 r |dq|. 1e-9 and the ulp cover rounding, so that the bound stays a bound.
  */
-static void go_on(struct rb_candidates *candidates, int i, rb_vec3 to, rb_quat turn)
+static void add_path(struct rb_candidates *candidates, int i, rb_vec3 to, rb_quat turn)
 {
 	const rb_vec3 from = candidates->at[i], way = rb_vec3_sub(to, from);
 	const rb_quat q = candidates->turn[i];
 	const double w = turn.w - q.w, x = turn.x - q.x, y = turn.y - q.y, z = turn.z - q.z;
 	const double square = w * w + x * x + y * y + z * z;
 
-	RB_ASSERT_COSTLY(i >= 0 && !(candidates->path[i] < 0)); /* NaN: of a try that fails */
+	RB_ASSERT_COSTLY(i >= 0 && !(candidates->path[i] < 0)); /* NaN: of an attempt that fails */
 	candidates->turn[i] = turn;
-	/* also where the square of a turn is too small for a number */
+	/* also where the square of the rotation underflows */
 	candidates->placing[i] = (candidates->placing[i] + 1) & RB_PLACING_MAX;
 	if (square > 0)
 		candidates->path[i] += 2 * candidates->size[i] * sqrt(square) * (1 + 1e-9);
@@ -60,11 +60,11 @@ static void place(struct rb_candidates *candidates, const struct rb_model *model
 	rb_placed *placed = candidates->placed + candidates->first_part[i];
 
 	if (i < model->body_count) {
-		/* to the bit, as the step before has left it; before the first it is nowhere */
+		/* bitwise unchanged since the last placement; before the first there is none */
 		if (memcmp(&candidates->at[i], &origin, sizeof origin) == 0 &&
 		    memcmp(&candidates->turn[i], &orientation, sizeof orientation) == 0)
 			return;
-		go_on(candidates, i, origin, orientation);
+		add_path(candidates, i, origin, orientation);
 	}
 	candidates->at[i] = origin;
 	for (int k = 0; k < parts->count; k++)
@@ -150,8 +150,8 @@ void rb_candidates_release(struct rb_candidates *candidates)
 	*candidates = (struct rb_candidates){0};
 }
 
-double rb_candidates_way(const struct rb_world *world, const struct rb_state *state, int i,
-                         double h)
+double rb_candidates_displacement(const struct rb_world *world, const struct rb_state *state, int i,
+                                  double h)
 {
 	const struct rb_model *model = world->model;
 	double distance = rb_vec3_length(rb_world_row3(state->velocity, i)) * h;
@@ -186,7 +186,7 @@ static bool is_plane(const struct rb_model *model, int i)
 	return i < model->body_count && model->shape[i].kind == RB_SHAPE_PLANE;
 }
 
-/* rad: what a driven plane turns by in the step at most. */
+/* Bound of a driven plane's rotation in the step, rad. */
 static double turn_ahead(const struct rb_candidates *candidates, const struct rb_world *world,
                          int i)
 {
@@ -196,7 +196,7 @@ static double turn_ahead(const struct rb_candidates *candidates, const struct rb
 	                              rb_vec3_length(rb_world_row3(world->mark.spin, i)));
 }
 
-/* rad: upper bound of the angle that a driven plane has turned by since the boxes were made. */
+/* Upper bound of a driven plane's rotation since the boxes were built, rad. */
 static double turned(const struct rb_candidates *candidates, const struct rb_world *world, int i)
 {
 	static const double pi = 3.14159265358979323846;
@@ -209,8 +209,8 @@ static double turned(const struct rb_candidates *candidates, const struct rb_wor
 }
 
 /*
- * True unless body i is a driven plane that has turned beyond its margin, or would in the step if
- * it is not `over`. Few bodies are planes; scenes without driven bodies do not ask (built_turn).
+ * False if body i is a driven plane that has rotated beyond its margin, or would in the step if it
+ * is not `over`. Few bodies are planes; scenes without driven bodies skip this (built_turn).
  */
 static bool is_turn_within(const struct rb_candidates *candidates, const struct rb_world *world,
                            int i, bool over)
@@ -219,13 +219,13 @@ static bool is_turn_within(const struct rb_candidates *candidates, const struct 
 		return true;
 	const double ahead = over ? 0 : turn_ahead(candidates, world, i);
 
-	/* written so that NaN asks for new boxes */
+	/* written so that NaN requires new boxes */
 	return turned(candidates, world, i) + ahead <= candidates->turn_margin[i];
 }
 
 /*
- * True if a driven plane may reach a body while both stay within their margins. The plane turns
- * about its origin, by which what is at distance r from there gets nearer by at most r times the
+ * Whether a driven plane may reach a body while both stay within their margins. The plane rotates
+ * about its origin, so that a body at distance r from there comes nearer by at most r times the
  * angle. NaN counts as within reach.
  */
 static bool is_in_reach(const struct rb_candidates *candidates, int i, int plane)
@@ -253,10 +253,10 @@ static bool may_touch(const struct rb_model *model, int a, int b)
 }
 
 /*
- * Puts the dynamic body first. False: neither is dynamic, or a driven plane is in it: planes have
- * no boxes, and order_pairs adds their pairs.
+ * Puts the dynamic body first. False: neither is dynamic, or one is a driven plane: planes have no
+ * boxes, and order_pairs adds their pairs.
  */
-static bool turn_round(const struct rb_model *model, struct rb_pair *pair)
+static bool dynamic_first(const struct rb_model *model, struct rb_pair *pair)
 {
 	RB_ASSERT_COSTLY(pair->a >= 0 && pair->a < pair->b);
 	if (is_plane(model, pair->a) || is_plane(model, pair->b))
@@ -267,8 +267,8 @@ static bool turn_round(const struct rb_model *model, struct rb_pair *pair)
 }
 
 /*
- * Pairs in order of the first body (counting sort), with those of driven planes and the dynamic
- * bodies added: those that they can reach, or, where boxes are no margins, all.
+ * Sorts pairs by the first body (counting sort), and adds those of driven planes and dynamic
+ * bodies: those within reach, or all where boxes have no margins.
  */
 static enum rb_status order_pairs(struct rb_candidates *candidates, const struct rb_world *world,
                                   bool all, struct rb_error *err)
@@ -288,7 +288,7 @@ static enum rb_status order_pairs(struct rb_candidates *candidates, const struct
 	for (size_t k = 0; k < candidates->pair_count; k++) {
 		struct rb_pair pair = candidates->pair[k];
 
-		if (turn_round(model, &pair))
+		if (dynamic_first(model, &pair))
 			first[pair.a + 1]++;
 	}
 	for (int i = 0; i < n; i++) {
@@ -304,7 +304,7 @@ static enum rb_status order_pairs(struct rb_candidates *candidates, const struct
 	for (size_t k = 0; k < candidates->pair_count; k++) {
 		struct rb_pair pair = candidates->pair[k];
 
-		if (turn_round(model, &pair))
+		if (dynamic_first(model, &pair))
 			candidates->own[first[pair.a]++] = pair;
 	}
 	for (int i = 0; i < n; i++)
@@ -317,7 +317,7 @@ static enum rb_status order_pairs(struct rb_candidates *candidates, const struct
 	return RB_OK;
 }
 
-/* ---- all ---- */
+/* ---- caches and search ---- */
 
 static size_t clues_of(const struct rb_candidates *candidates, struct rb_pair pair)
 {
@@ -380,7 +380,7 @@ enum rb_status rb_candidates_forget(struct rb_candidates *candidates, const stru
 	return RB_OK;
 }
 
-/* Room for the boxes of a search, which ends it. */
+/* Allocates the boxes of a search; `search` frees them. */
 static enum rb_status begin_search(struct rb_candidates *candidates, struct rb_world *world,
                                    struct rb_error *err)
 {
@@ -392,7 +392,7 @@ static enum rb_status begin_search(struct rb_candidates *candidates, struct rb_w
 	               : RB_FAIL(err, RB_ERR_MEMORY, "no memory for the boxes of %zu bodies", n);
 }
 
-/* Asks the broadphase and forgets all caches by pair; the arena is as at the mark again. */
+/* Runs the broad phase and clears all caches by pair; resets the arena to the mark. */
 static enum rb_status search(struct rb_candidates *candidates, struct rb_world *world, bool all,
                              rb_arena_mark here, struct rb_error *err)
 {
@@ -417,7 +417,7 @@ enum rb_status rb_candidates_pairs(struct rb_candidates *candidates, struct rb_w
 		return status;
 	for (int i = 0; i < model->body_count; i++) {
 		const rb_vec3 low = bounds[i].low, high = bounds[i].high;
-		/* room for the rounding of coordinates, too */
+		/* with the rounding of coordinates */
 		const double half = (rb_candidates_size(model, i) + model->stepped_tolerance_m) *
 		                            (1 + 1e-12) +
 		                    4 * DBL_EPSILON *
@@ -429,7 +429,7 @@ enum rb_status rb_candidates_pairs(struct rb_candidates *candidates, struct rb_w
 	return search(candidates, world, true, here, err);
 }
 
-/* New boxes around the present positions. */
+/* Builds new boxes around the present positions and searches for pairs. */
 static enum rb_status build(struct rb_candidates *candidates, struct rb_world *world,
                             struct rb_error *err)
 {
@@ -450,11 +450,11 @@ static enum rb_status build(struct rb_candidates *candidates, struct rb_world *w
 
 		candidates->built_at[i] = c;
 		/*
-		 * a body at rest speeds up by the forces of each step: its margin is at least that
-		 * of an average body
+		 * a body at rest accelerates by the forces of each step: its margin is at least
+		 * that of an average body
 		 */
 		double margin = STEPS_PER_BOX * fmax(candidates->reach[i], mean);
-		/* pairs grow with the third power of it */
+		/* the number of pairs grows with the third power of the margin */
 		if (size > 0)
 			margin = fmin(margin,
 			              fmax(size, FAST_STEPS_PER_BOX * candidates->reach[i]));
@@ -496,8 +496,8 @@ struct bodies {
 	const struct rb_world *world;
 	const int *body;
 	double h_s;
-	bool over;    /* they are where they get in the step */
-	bool outside; /* somebody is, or may get there; written by all */
+	bool over;    /* positions are those at the end of the step */
+	bool outside; /* some body is outside, or may get there; written by all workers */
 };
 
 static void find_reach(void *user, size_t first, size_t end)
@@ -507,12 +507,11 @@ static void find_reach(void *user, size_t first, size_t end)
 
 	for (size_t k = first; k < end; k++) {
 		const int i = bodies->body[k];
-		const double reach = fmax(rb_candidates_way(world, &world->state, i, bodies->h_s),
-		                          rb_candidates_way(world, &world->mark, i, bodies->h_s));
+		const double reach = fmax(
+			rb_candidates_displacement(world, &world->state, i, bodies->h_s),
+			rb_candidates_displacement(world, &world->mark, i, bodies->h_s));
 
-		/*
-		 * a body that is not finite is lost, and must not take the boxes of others with it
-		 */
+		/* a body that is not finite is lost, and must not enlarge the boxes of others */
 		bodies->candidates->reach[i] = isfinite(reach) ? reach : 0;
 	}
 }
@@ -540,7 +539,7 @@ static void find_outside(void *user, size_t first, size_t end)
 		const int i = bodies->body[k];
 		const double ahead = bodies->over ? 0 : known->reach[i];
 
-		/* written so that NaN asks for new boxes */
+		/* written so that NaN requires new boxes */
 		inside = from_built(known, bodies->world, i) + ahead <= known->margin[i] &&
 		         (!known->built_turn ||
 		          is_turn_within(known, bodies->world, i, bodies->over));

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which candidates must be looked at: of each pair it is known how far apart it was and how far its
- * bodies have got since. Parts, in pairs of blocks of fixed size, whatever the threads.
+ * Quick rejection of candidates: each pair has a lower bound of its distance, valid until its
+ * bodies have moved as far. For parts, in pairs of blocks of fixed size, whatever the number of
+ * threads.
  */
 #ifndef RB_STEPPED_CLEARANCE_H
 #define RB_STEPPED_CLEARANCE_H
@@ -23,7 +24,7 @@ static inline int rb_pairs_blocks(size_t count)
 	return (int)((count + RB_PAIRS_PER_BLOCK - 1) / RB_PAIRS_PER_BLOCK);
 }
 
-/* Of two numbers, the second where it is not NaN: fmin and fmax are calls. */
+/* Minimum of two numbers; a if b is NaN. fmin and fmax are calls. */
 static inline double rb_clearance_min(double a, double b)
 {
 	return b < a ? b : a;
@@ -34,37 +35,37 @@ static inline double rb_clearance_max(double a, double b)
 	return b > a ? b : a;
 }
 
-/* A sphere on a sphere or plane: a closed form. */
+/* Whether a pair is a sphere on a sphere or plane, which has a closed form. */
 static inline bool rb_pair_is_plain(const struct rb_model *model, int a, int b)
 {
 	return model->shape[a].kind == RB_SHAPE_SPHERE && !rb_shape_has_parts(model->shape[b].kind);
 }
 
-/* Directions to look along for pairs that were apart, and for those that were not. */
+/* Iterations over separating directions for pairs that were apart, and for others. */
 enum { RB_ROUNDS_SEPARATE = 12, RB_ROUNDS_CLOSE = 1 };
 
-/* Two parts, seen from the origin of the first. */
+/* Two parts, relative to the origin of the first. */
 struct rb_part_pair {
 	rb_placed a, b;
-	double radii; /* m, of both together */
+	double radii; /* m, sum of both */
 };
 
-/* Clues of a pair may be asked for: they come from afar, and what is asked first takes as long. */
-static inline void rb_clearance_expect(const struct rb_candidates *candidates, size_t k)
+/* Prefetches the clues of a pair, which are rarely in the cache. */
+static inline void rb_clearance_prefetch(const struct rb_candidates *candidates, size_t k)
 {
 	if (candidates->first_clue[k] != RB_NO_CLUES)
 		__builtin_prefetch(&candidates->clue[candidates->first_clue[k]], 1);
 }
 
-/* m: how far both have got. */
+/* Sum of the paths of both bodies, m. */
 static inline double rb_clearance_path(const struct rb_candidates *candidates, struct rb_pair pair)
 {
 	return candidates->path[pair.a] + candidates->path[pair.b];
 }
 
 /*
- * Whether the bodies of a pair are certainly farther apart than `max`, m, because they were, by
- * more than they have moved since. Of most pairs nothing else has to be looked at.
+ * Whether the bodies of a pair are certainly farther apart than `max`, m: their last distance
+ * exceeded it by more than they have moved since. True for most pairs.
  */
 static inline bool rb_clearance_was_more(const struct rb_candidates *candidates, size_t k,
                                          double path, double max)
@@ -73,8 +74,8 @@ static inline bool rb_clearance_was_more(const struct rb_candidates *candidates,
 }
 
 /*
- * Whether the bodies of a pair are certainly farther apart than `most`, m: they were, by more than
- * they have moved since; or by spheres about them.
+ * Whether the bodies of a pair are certainly farther apart than `max`, m: by their last distance,
+ * or by bounding spheres.
  */
 static inline bool rb_clearance_is_more(const struct rb_candidates *candidates, size_t k,
                                         double path, double max)
@@ -92,7 +93,7 @@ static inline bool rb_clearance_is_more(const struct rb_candidates *candidates, 
 	return true;
 }
 
-/* The same of two of their parts: how far, at least, or -INFINITY. */
+/* Lower bound of the distance of two parts by bounding spheres, m, or -INFINITY. */
 static inline double rb_clearance_of_spheres(const rb_placed *a, const rb_placed *b, double max)
 {
 	const rb_vec3 d = rb_vec3_sub(b->at, a->at);
@@ -113,7 +114,7 @@ static inline struct rb_part_pair rb_part_pair_of(const rb_placed *a, const rb_p
 	                             a->core->radius + b->core->radius};
 }
 
-/* Of a pair's bodies: where they are. */
+/* Numbers of the poses of a pair's bodies. */
 struct rb_placings {
 	uint32_t a, b;
 };
@@ -129,7 +130,7 @@ static inline bool rb_clue_knows(const struct rb_clue *clue, struct rb_placings 
 	return clue->is_known && clue->placing_a == placings.a && clue->placing_b == placings.b;
 }
 
-/* What has been found of two parts where they are now, or is found and remembered. */
+/* Separation of two parts at their present poses, cached in the clue. */
 static inline rb_separation rb_clearance_separation(const struct rb_part_pair *parts,
                                                     struct rb_placings placings,
                                                     struct rb_clue *clue)
@@ -148,7 +149,7 @@ static inline rb_separation rb_clearance_separation(const struct rb_part_pair *p
 	return found;
 }
 
-/* How far they are apart at least, if that is seen to be more than `most`, m; else -INFINITY. */
+/* Lower bound of the distance of two parts, if it is found to exceed `max`, m; else -INFINITY. */
 static inline double rb_clearance_of_parts(const struct rb_part_pair *parts, double max,
                                            struct rb_clue *clue)
 {

@@ -45,35 +45,36 @@ void rb_step_points_release(struct rb_step_points *points)
 
 /* ---- one pair ---- */
 
-/* Points of a block before those that are being added. */
+/* A filled buffer of a block's points. */
 struct piece {
 	const struct rb_step_point *row;
 	size_t count;
 	const struct piece *before;
 };
 
-/* What the workers share, read only, and the pair that one of them looks at. */
+/* Input that workers share, read only, then the state of the block that one of them inspects. */
 struct inspection {
 	struct rb_world *world;
 	const struct rb_step_points *points;
-	struct rb_candidates *candidates; /* clues of the pairs of a block are the block's */
-	double h, max;                    /* most: m, of what can be closed */
-	size_t pair;                      /* the one that is looked at */
-	/* of the block */
+	struct rb_candidates
+		*candidates; /* cached axes of the pairs of a block are written by its worker */
+	double h, max;       /* s; m: largest gap of a point */
+	size_t pair;         /* the inspected one */
+	/* the block's */
 	struct rb_step_point *out;
 	size_t count, capacity;
-	const struct piece *full; /* what did not fit into `out`, the last first */
-	size_t all;               /* points: those in `full` too */
-	size_t place;             /* of the first of them among all */
+	const struct piece *full; /* full buffers before `out`, the last first */
+	size_t all;               /* points, including those in `full` */
+	size_t place;             /* index of the block's first point among all */
 	struct rb_arena *arena;
-	bool in_place; /* the first piece is where the points are to be */
+	bool in_place; /* the first buffer is the final place of the points */
 	bool failed;
 };
 
-/* Points of a block for which room is taken first: of fast bodies few pairs touch. */
+/* Capacity of a block's first buffer, points: of fast bodies few pairs touch. */
 enum { BLOCK_POINTS = 16 };
 
-/* Room for twice as many; what there is stays where it is. */
+/* Starts a buffer of twice the size; earlier points stay in place. */
 static bool add_piece(struct inspection *inspection)
 {
 	const size_t capacity = inspection->all ? 2 * inspection->all : BLOCK_POINTS;
@@ -94,8 +95,8 @@ static bool add_piece(struct inspection *inspection)
 }
 
 /*
- * Of a pair, with neither name nor arms yet; NULL: no memory. Number by number: compilers clear
- * what is given as a whole with an instruction that takes longer than all else about a point.
+ * Adds a point of a pair, without name or arms yet; NULL: no memory. Field by field: compilers
+ * clear a compound literal by an instruction that takes longer than all else about a point.
  */
 static struct rb_step_point *add_point(struct inspection *inspection, struct rb_pair pair,
                                        rb_vec3 normal, double gap)
@@ -119,7 +120,7 @@ static struct rb_step_point *add_point(struct inspection *inspection, struct rb_
 	return point;
 }
 
-/* Copies the points of a block to where they are to be, in their order. */
+/* Copies the points of a block to their final place, in order. */
 static void gather(const struct inspection *inspection, struct rb_step_point *to)
 {
 	const struct piece last = {inspection->out, inspection->count, inspection->full};
@@ -132,7 +133,7 @@ static void gather(const struct inspection *inspection, struct rb_step_point *to
 	}
 }
 
-/* 1 + the place in `last` of this key at the point's parts; 0: it is not there. */
+/* 1 + index in `last` of this key at the point's parts; 0: none. */
 static size_t find_key(const struct rb_step_points *points, const struct rb_step_point *point,
                        uint64_t key)
 {
@@ -147,7 +148,10 @@ static size_t find_key(const struct rb_step_points *points, const struct rb_step
 	return 0;
 }
 
-/* What it starts from, by its name; of a flat rim also what stands for any of its points. */
+/*
+ * 1 + index in `last` of the impulse from which a point starts: by its name, or, on a flat rim,
+ * that which represents any of its points.
+ */
 static size_t find_last(const struct rb_step_points *points, const struct rb_step_point *point)
 {
 	const size_t found = find_key(points, point, point->key);
@@ -156,7 +160,7 @@ static size_t find_last(const struct rb_step_points *points, const struct rb_ste
 	return rim == 0 ? found : find_key(points, point, rim);
 }
 
-/* Material, approach and the impulse of the step before, for a point whose place is known. */
+/* Sets material, approach and warm-start impulse of a point whose position is known. */
 static void fill_point(const struct inspection *inspection, struct rb_pair_motion *common,
                        struct rb_step_point *point)
 {
@@ -175,7 +179,7 @@ static void fill_point(const struct inspection *inspection, struct rb_pair_motio
 	point->from = (uint32_t)find_last(points, point);
 	if (point->from == 0)
 		return;
-	if (point->rolls) /* its velocity is that of the middle of the step before */
+	if (point->rolls) /* its velocity is that at the middle of the last step */
 		point->approach += fmin(0, point->bend) / inspection->h;
 	const struct rb_named_impulse *last = &points->last[point->from - 1];
 	point->normal_impulse = inspection->h * last->force;
@@ -185,28 +189,28 @@ static void fill_point(const struct inspection *inspection, struct rb_pair_motio
 		common, rb_vec3_scale(inspection->h, last->friction_impulse), point->normal);
 }
 
-/* A way longer than this share of a radius is looked along for the normal of the touch. */
+/* A displacement beyond this share of the radius is followed to find the normal at the touch. */
 static const double far_share = 0.1;
 
 /*
- * Of a sphere on another shape. One that comes from far is met where its path at present velocities
- * touches or comes closest: the plane through the start's nearest point would hold it up where it
- * only passes.
+ * Gap of a sphere to another shape. One that moves far is measured where its path at present
+ * velocities touches or comes closest: the tangent plane at the nearest point of the start would
+ * stop it where it only passes.
  */
 static struct rb_gap approaching(const struct inspection *inspection, struct rb_pair pair)
 {
 	const struct rb_world *world = inspection->world;
 	const struct rb_state *state = &world->state;
 	struct rb_gap g = rb_gap_of(world, state, pair.a, pair.b);
-	const rb_vec3 d = rb_step_closing_ways(world, pair, inspection->h);
+	const rb_vec3 d = rb_step_closing_displacement(world, pair, inspection->h);
 	const double size = world->model->shape[pair.a].radius;
 	double t = 0;
 
 	if (!(rb_vec3_dot(d, d) > far_share * far_share * size * size) || g.gap <= 0)
 		return g;
 	/*
-	 * the distance is convex along a straight path: Newton's steps come from one side and never
-	 * go too far
+	 * the distance is convex along a straight path: Newton's method approaches from one side
+	 * without overshoot
 	 */
 	const rb_vec3 origin = rb_world_origin_at(world, state, pair.a);
 	for (int round = 0; round < 32; round++) {
@@ -223,7 +227,7 @@ static struct rb_gap approaching(const struct inspection *inspection, struct rb_
 	return g;
 }
 
-/* Whether contacts had forces on a body in the step before; what does not move needs none. */
+/* Whether contacts had forces on a body in the last step; true for bodies that do not move. */
 static bool is_held(const struct inspection *inspection, int i)
 {
 	const struct rb_model *model = inspection->world->model;
@@ -233,8 +237,9 @@ static bool is_held(const struct inspection *inspection, int i)
 }
 
 /*
- * Of a sphere on a finite plane, as stepped/internal_edges has it: it comes to the border from
- * beside, and the plane is between them as long as forces do not move it through that.
+ * Whether a sphere comes to the border of a finite plane from the side, as in
+ * stepped/internal_edges: the plane separates them as long as forces do not move it through the
+ * plane.
  */
 static bool is_beside_border(const struct inspection *inspection, struct rb_pair pair)
 {
@@ -274,15 +279,15 @@ static bool is_beside_border(const struct inspection *inspection, struct rb_pair
 }
 
 /*
- * Of two balls that come from far: the gap by the end of the step stays, seen along the line of
- * their centres now, where an impulse leaves their angular momentum.
+ * For two balls that move far: keeps the gap at the end of the step but takes the present line of
+ * centres as normal, along which an impulse preserves their angular momentum.
  */
-static void turn_back(const struct inspection *inspection, struct rb_step_point *point)
+static void keep_present_normal(const struct inspection *inspection, struct rb_step_point *point)
 {
 	const struct rb_world *world = inspection->world;
 	const struct rb_gap now = rb_gap_of(world, &world->state, point->a, point->b);
-	const rb_vec3 d = rb_step_closing_ways(world, (struct rb_pair){point->a, point->b},
-	                                       inspection->h);
+	const rb_vec3 d = rb_step_closing_displacement(world, (struct rb_pair){point->a, point->b},
+	                                               inspection->h);
 
 	if (!(rb_vec3_dot(now.normal, point->normal) > 0) || now.gap < 0)
 		return;
@@ -292,7 +297,7 @@ static void turn_back(const struct inspection *inspection, struct rb_step_point 
 	point->normal = now.normal;
 }
 
-static void inspect_plain(struct inspection *inspection, struct rb_pair pair, double slack)
+static void inspect_ball(struct inspection *inspection, struct rb_pair pair, double slack)
 {
 	const struct rb_world *world = inspection->world;
 	const struct rb_model *model = world->model;
@@ -316,7 +321,7 @@ static void inspect_plain(struct inspection *inspection, struct rb_pair pair, do
 	const bool is_ball = model->shape[pair.b].kind == RB_SHAPE_SPHERE;
 	const double radius_b = is_ball ? model->shape[pair.b].radius : 0;
 	if (point->central && pair.b < model->body_count && inspection->points->joins_arms)
-		turn_back(inspection, point);
+		keep_present_normal(inspection, point);
 	if (point->central) {
 		point->arm_a.x = model->shape[pair.a].radius;
 		point->arm_b.x = -radius_b;
@@ -333,7 +338,7 @@ static void inspect_plain(struct inspection *inspection, struct rb_pair pair, do
 						  -radius_b, g.normal)
 					: rb_vec3_add_scaled(on_a, g.gap, g.normal),
 				rb_pair_motion_center(world, pair.b));
-		if (!is_ball) /* a lopsided one on a plane */
+		if (!is_ball) /* its centre of mass is not its centre, on a plane */
 			point->bend = rb_rolling_bend_of_ball(
 				world, pair.a, rb_vec3_sub(at, center), g.normal, inspection->h);
 		point->rolls = point->bend != 0;
@@ -344,18 +349,18 @@ static void inspect_plain(struct inspection *inspection, struct rb_pair pair, do
 	fill_point(inspection, &common, point);
 }
 
-/* With the lower index first, which may be that of a driven body. */
-static struct rb_contact_name name_of(struct rb_pair pair, uint32_t parts, uint64_t key)
+/* Name with the lower index first, which may be that of a driven body. */
+static struct rb_contact_name ordered_name(struct rb_pair pair, uint32_t parts, uint64_t key)
 {
 	const struct rb_contact_name name = {.a = pair.a, .b = pair.b, .parts = parts, .key = key};
 
 	return pair.a < pair.b ? name : rb_contact_name_swapped(&name);
 }
 
-/* Of a radius, by which a point may be beside the line in which a straight side touches. */
+/* Largest distance of a point from the line along which a straight side touches, in radii. */
 static const double beside_share = 1e-3;
 
-/* Whether a point belongs to facet `j` of a terrain, and not to what continues it. */
+/* Whether a point belongs to facet `j` of a terrain, and not to a facet that continues it. */
 static bool is_real(const struct rb_model *model, int terrain, int j, const rb_manifold_point *at,
                     rb_vec3 normal, const rb_placed *other)
 {
@@ -363,7 +368,7 @@ static bool is_real(const struct rb_model *model, int terrain, int j, const rb_m
 	                      (rb_part)(at->key >> 32) >> 24 == RB_PART_MANTLE;
 	const bool is_sphere = other->core->kind == RB_CORE_POLYTOPE &&
 	                       other->core->polytope->vertex_count == 1;
-	/* a wide band takes corners beside the line of a straight side for points of it */
+	/* a wide band includes corners beside the line of a straight side */
 	if (is_round && !is_sphere) {
 		const rb_vec3 across = rb_vec3_cross(rb_placed_axis(other), normal);
 		const double round = other->core->radius + other->core->round;
@@ -378,7 +383,9 @@ static bool is_real(const struct rb_model *model, int terrain, int j, const rb_m
 	                               : rb_quat_rotate_back(turn, rb_placed_axis(other));
 	const struct rb_terrain *const facets = rb_model_parts(model, terrain)->terrain;
 
-	/* of what is straight over a plane only corners are lowest, unless rounding has lost one */
+	/*
+	 * of a straight part over a plane only corners are lowest, unless rounding has dropped one
+	 */
 	if (other->core->kind == RB_CORE_POLYTOPE &&
 	    (rb_part)(at->key >> 32) >> 24 != RB_PART_VERTEX &&
 	    rb_terrain_goes_on(facets, j, point) &&
@@ -411,11 +418,11 @@ static void add_manifold(struct inspection *inspection, struct rb_pair pair,
 		                                        at->gap);
 		if (!point)
 			return;
-		const struct rb_contact_name name = name_of(pair, parts, at->key);
+		const struct rb_contact_name name = ordered_name(pair, parts, at->key);
 		point->parts = name.parts;
 		point->key = name.key;
 		point->arm_a = rb_vec3_sub(at->on_a, at_a);
-		/* opposite: else the impulse would turn both */
+		/* opposite a's point: else the impulse would change the angular momentum */
 		point->arm_b = rb_vec3_sub(rb_vec3_add_scaled(at->on_a, at->gap, manifold->normal),
 		                           at_b);
 		const struct rb_rolling rolling = {
@@ -428,8 +435,8 @@ static void add_manifold(struct inspection *inspection, struct rb_pair pair,
 }
 
 /*
- * Which points count, m: all that can close within `slack`; but of what rides on a driven body that
- * turns only those that come near as that body sees it. Its corners may go round by more than their
+ * Largest gap of the points of a manifold, m: all that can close within `slack`; but on a driven,
+ * rotating body only those that come near in its frame. Corners may move round by more than their
  * height, and corners one above the other would all count.
  */
 static double band_of(const struct inspection *inspection, struct rb_pair pair, double slack)
@@ -449,7 +456,7 @@ static double band_of(const struct inspection *inspection, struct rb_pair pair, 
 	                              rb_world_row3(state->velocity, pair.b));
 	const rb_vec3 slide = rb_vec3_sub(v, rb_vec3_cross(w, d));
 	const rb_vec3 turn = rb_vec3_sub(rb_world_row3(state->spin, pair.a), w);
-	/* of both in a turning frame, and what is beyond the first order */
+	/* rotation of both in the rotating frame, and terms beyond the first order */
 	const double angle = h * (rb_vec3_length(w) + rb_vec3_length(turn));
 	const double way = h * (rb_vec3_length(slide) + rb_vec3_length(turn) * reach) +
 	                   0.5 * angle * angle * (rb_vec3_length(d) + reach);
@@ -457,7 +464,10 @@ static double band_of(const struct inspection *inspection, struct rb_pair pair, 
 	return fmin(slack, way + model->stepped_tolerance_m);
 }
 
-/* Of the first of a pair, as the second sees it, in the step; a part of it is at `at`. */
+/*
+ * Motion of the first body of a pair during the step in the frame of the second; a part of it is at
+ * `at`.
+ */
 static struct rb_internal_edge_motion relative(const struct inspection *inspection,
                                                const struct rb_state *state, struct rb_pair pair,
                                                rb_vec3 at)
@@ -482,11 +492,11 @@ static bool passes(const struct inspection *inspection, struct rb_pair pair, con
                    const rb_placed *b, const rb_manifold *manifold)
 {
 	const struct rb_world *world = inspection->world;
-	/* where overlaps are closed nothing is on its way any more */
+	/* during position projection there is no motion left */
 	const struct rb_state *const before = inspection->max < HUGE_VAL ? &world->state
 	                                                                 : &world->mark;
 
-	/* of most there is none, and their motions need not be known */
+	/* most parts have no internal edge, and their motions are not needed */
 	if (manifold->faces < -world->model->stepped_tolerance_m ||
 	    !rb_internal_edge_has_face(a, b, manifold->normal, world->model->stepped_tolerance_m))
 		return false;
@@ -499,15 +509,18 @@ static bool passes(const struct inspection *inspection, struct rb_pair pair, con
 	return rb_internal_edge(&beside, a, b, manifold);
 }
 
-/* Of the tolerance, by which points may stand too high. */
-static const double fine_share = 0.125;
-/* How far all of them are apart at least; -INFINITY: nothing is known. */
+/* Error of a point's gap that is allowed, as a share of the tolerance. */
+static const double gap_error_share = 0.125;
+/*
+ * Adds points of all pairs of parts. Returns a lower bound of their distance, m; -INFINITY:
+ * unknown.
+ */
 static double inspect_parts(struct inspection *inspection, struct rb_pair pair, double slack,
                             struct rb_clue *clues)
 {
 	const struct rb_candidates *candidates = inspection->candidates;
 	const double tolerance = inspection->world->model->stepped_tolerance_m;
-	const double fine = fine_share * tolerance;
+	const double fine = gap_error_share * tolerance;
 	const double band = band_of(inspection, pair, slack);
 	const int a = candidates->first_part[pair.a], b = candidates->first_part[pair.b];
 	const int count_a = rb_candidates_part_count(candidates, pair.a);
@@ -521,7 +534,7 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 		struct rb_near_parts near;
 		int j;
 
-		/* twice as far, so that it holds for more than this step */
+		/* twice as far, so that the bound holds for more than this step */
 		rb_candidates_near(&near, inspection->world->model, pair.b, pa, 2 * slack);
 		if (near.far)
 			least_clearance = rb_clearance_min(least_clearance, 2 * slack);
@@ -533,7 +546,9 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 			const struct rb_part_pair parts = rb_part_pair_of(pa, pb);
 			double clearance = rb_clearance_of_spheres(pa, pb, slack);
 
-			/* of boxes that were close the closed form costs no more than a look */
+			/*
+			 * for boxes that were close, the closed form costs no more than the bound
+			 */
 			if (!(clearance > slack) && !rb_clue_knows(clue, placings) &&
 			    !(clue->is_close && rb_box_is(pa) && rb_box_is(pb)))
 				clearance = rb_clearance_of_parts(&parts, slack, clue);
@@ -545,12 +560,12 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 			const rb_separation s = rb_clearance_separation(&parts, placings, clue);
 			least_clearance = rb_clearance_min(least_clearance,
 			                                   s.gap - s.noise - parts.radii);
-			/* as if it had been seen at once: what is known decides cost only */
+			/* as without a cached axis: the cache decides cost only */
 			clue->is_close = s.gap - parts.radii <= slack;
 			if (!clue->is_close)
 				continue;
 			rb_manifold_from(&manifold, pa, pb, &s, band, fine);
-			if (rb_internal_edge_may(&manifold, band, tolerance) &&
+			if (rb_internal_edge_possible(&manifold, band, tolerance) &&
 			    passes(inspection, pair, pa, pb, &manifold))
 				continue;
 			add_manifold(inspection, pair, &manifold, slack,
@@ -561,47 +576,49 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 	return least_clearance;
 }
 
-/* m: how far that is at most, at a glance: no less, but of what is driven. */
-static double glance_of(const struct inspection *inspection, struct rb_pair pair)
+/* Cheap upper bound of the approach of a pair in the step, m; not for driven bodies. */
+static double closing_bound(const struct inspection *inspection, struct rb_pair pair)
 {
-	const double closing = rb_step_closing_glance(inspection->world, inspection->candidates,
-	                                              pair);
+	const double closing = rb_step_closing_bound(inspection->world, inspection->candidates,
+	                                             pair);
 
 	return closing < inspection->max ? closing : inspection->max;
 }
 
-/* Whether that could be enough. */
-static bool may_close(const struct inspection *inspection, struct rb_pair pair, double path)
+/* Whether a pair may touch by that bound. */
+static bool may_touch(const struct inspection *inspection, struct rb_pair pair, double path)
 {
 	const struct rb_candidates *candidates = inspection->candidates;
 	const struct rb_model *model = inspection->world->model;
 
-	/* a plate may turn */
+	/* the bound does not hold for driven bodies, which may rotate */
 	if (pair.b < model->body_count && model->driven && model->driven[pair.b])
 		return true;
 	return !rb_clearance_is_more(candidates, inspection->pair, path,
-	                             glance_of(inspection, pair));
+	                             closing_bound(inspection, pair));
 }
 
 /* ---- all pairs, by blocks ---- */
 
-/* Multiplications, about: of a pair of spheres, and of a part among those of another body. */
+/*
+ * Cost of a pair of spheres, and of a part of one body among those of another, in multiplications.
+ */
 enum { PAIR_WORK = 1 << 8, PART_WORK = 1 << 11 };
 
 struct inspections {
-	struct inspection inspection; /* to begin each block with */
+	struct inspection inspection; /* initial state of each block */
 	struct rb_world *world;
-	int first;                /* block of the wave */
-	struct inspection *block; /* [BLOCKS_PER_WAVE] what came of it */
+	int first;                /* first block of the wave */
+	struct inspection *block; /* [BLOCKS_PER_WAVE] results */
 };
 
 /*
- * Blocks that are looked at before their points are gathered: enough for any number of workers, few
- * enough that points are not there twice.
+ * Blocks that are inspected before their points are gathered: enough for any number of workers, few
+ * enough that points are not stored twice.
  */
 enum { BLOCKS_PER_WAVE = 32 };
 
-/* After a pair with body `a`. */
+/* Counts the work of a pair with body `a`; true: the run is interrupted. */
 static bool is_interrupted(const struct inspections *inspections, int a)
 {
 	const int parts = rb_candidates_part_count(inspections->inspection.candidates, a);
@@ -610,8 +627,8 @@ static bool is_interrupted(const struct inspections *inspections, int a)
 }
 
 /*
- * Where the points of a block are to be, if that is known, and need no copy: of the first, and with
- * one worker, who goes through them in order. Else SIZE_MAX.
+ * Final index of a block's first point, if it is known and no copy is needed: for the first block,
+ * and with one worker, who takes blocks in order. Else SIZE_MAX.
  */
 static size_t place_of(const struct inspections *inspections, int block)
 {
@@ -646,22 +663,22 @@ static void inspect_block(void *user, int block, int worker)
 		const size_t k = rb_candidates_live(candidates, at);
 		const struct rb_pair pair = candidates->pair[k];
 
-		/* of most pairs */
+		/* true for most pairs */
 		if (glances &&
 		    rb_clearance_was_more(candidates, k, rb_clearance_path(candidates, pair),
-		                          glance_of(&inspection, pair)))
+		                          closing_bound(&inspection, pair)))
 			continue;
 		inspection.pair = k;
 		if (rb_pair_is_plain(inspection.world->model, pair.a, pair.b)) {
-			inspect_plain(
+			inspect_ball(
 				&inspection, pair,
 				rb_clearance_min(max, rb_step_closing_of_balls(inspection.world,
 			                                                       candidates, pair)));
 			continue;
 		}
 		const double path = rb_clearance_path(candidates, pair);
-		rb_clearance_expect(candidates, k);
-		if (!may_close(&inspection, pair, path))
+		rb_clearance_prefetch(candidates, k);
+		if (!may_touch(&inspection, pair, path))
 			continue;
 		const double slack = rb_clearance_min(
 			max, rb_step_closing_of(inspection.world, candidates, pair, inspection.h));
@@ -681,7 +698,7 @@ static void gather_block(void *user, int block, int worker)
 	gather(inspection, inspection->points->row + inspection->place);
 }
 
-/* Points of a wave of blocks, which leaves the arenas as marked. */
+/* Adds points of a wave of blocks; resets the arenas to `mark`. */
 static enum rb_status add_wave(struct rb_step_points *points, struct inspections *inspections,
                                int blocks, const rb_arena_mark *mark, struct rb_error *err)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * From solved points to what users see: contacts with mean forces over the step, and collision
+ * Records for users from solved points: contacts with mean forces over the step, and collision
  * events. A point is reported either as a force or as an impact, never both. Lists are in order of
  * bodies; contacts of sleeping groups are not recomputed but merged in from the last step's list.
  */
@@ -13,15 +13,15 @@
 #include "base/memory.h"
 #include "world/joint_events.h"
 
-/* From the centre of mass of a to where the impulse acts, m. */
+/* Lever arm from the centre of mass of a to where the impulse acts, m. */
 static rb_vec3 lever_of(const struct rb_step_point *point)
 {
 	return point->central ? rb_vec3_scale(point->arm_a.x, point->normal) : point->lever;
 }
 
 /*
- * Public order is by index; within the method a driven body is always second, so the pair may have
- * to be turned round, with the signs of its vectors.
+ * Puts the lower index first, as in public records; within the method a driven body is always
+ * second, so the pair may have to be swapped, with the signs of its vectors.
  */
 static struct rb_contact in_order(struct rb_contact contact)
 {
@@ -64,7 +64,7 @@ static struct rb_contact contact_of(const struct rb_world *world, const struct r
 		contact.normal_force = points->last[point->from - 1].force;
 		contact.tangent_force = points->last[point->from - 1].friction_impulse;
 	} else if (!point->after_impact) {
-		const rb_vec3 added = rb_cohort_more(cohort, at);
+		const rb_vec3 added = rb_cohort_extra_impulse(cohort, at);
 		const double more = rb_vec3_dot(added, point->normal);
 
 		contact.normal_force = (point->normal_impulse + more) / h;
@@ -72,7 +72,7 @@ static struct rb_contact contact_of(const struct rb_world *world, const struct r
 			1 / h, rb_vec3_add(point->friction_impulse,
 		                           rb_vec3_add_scaled(added, -more, point->normal)));
 	}
-	/* a later look, or the step that put it to rest, may have seen another normal */
+	/* relinearization, or the step that put it to rest, may have had another normal */
 	contact.tangent_force = rb_vec3_reject(contact.tangent_force, contact.normal);
 	return in_order(contact);
 }
@@ -89,8 +89,8 @@ static size_t pair_length(const struct rb_step_points *points, size_t first)
 }
 
 /*
- * Merges in the contacts of sleeping bodies from the last step's list that come before `before`;
- * returns where the list goes on.
+ * Merges in the contacts of sleeping bodies from the last step's list that precede `before`;
+ * returns the index at which the list continues.
  */
 static size_t add_resting(const struct rb_world *world, size_t from, const unsigned char *skip,
                           const struct rb_contact *before, struct rb_contacts *to)
@@ -111,7 +111,7 @@ static size_t add_resting(const struct rb_world *world, size_t from, const unsig
 	return from;
 }
 
-/* Whether what stands belongs to the cohort. */
+/* Whether the cohort includes sleeping bodies. */
 static bool has_resting(const struct rb_world *world, const struct rb_cohort *cohort)
 {
 	return cohort == &world->stepped->all && world->stepped->sleep.count > 0;
@@ -238,7 +238,7 @@ void rb_record_in_place(struct rb_world *world, const struct rb_cohort *cohort, 
 		              &records);
 		return;
 	}
-	/* from behind, where there is room: both lists are in order */
+	/* merge from the end, where there is space: both lists are sorted */
 	for (size_t c = points->chosen_count; c-- > 0;) {
 		const struct rb_contact contact = contact_of(world, cohort,
 		                                             (size_t)points->chosen[c], h);
@@ -252,10 +252,11 @@ void rb_record_in_place(struct rb_world *world, const struct rb_cohort *cohort, 
 	RB_ASSERT(end == old);
 }
 
-enum rb_status rb_record_passed(const struct rb_cohort *cohort, double h, const unsigned char *skip,
-                                struct rb_contacts *to, struct rb_error *err)
+enum rb_status rb_record_transmitted(const struct rb_cohort *cohort, double h,
+                                     const unsigned char *skip, struct rb_contacts *to,
+                                     struct rb_error *err)
 {
-	const struct rb_contacts *passed = &cohort->passed;
+	const struct rb_contacts *passed = &cohort->transmitted;
 	const enum rb_status status = rb_contacts_reserve(to, to->count + passed->count, err);
 
 	RB_ASSERT(h > 0);
@@ -278,13 +279,13 @@ enum rb_status rb_record_part(const struct rb_cohort *cohort, const struct rb_co
 	scratch->count = 0;
 	enum rb_status status = rb_contacts_join(scratch, contacts, err);
 	if (status == RB_OK)
-		status = rb_record_passed(cohort, h, NULL, scratch, err);
+		status = rb_record_transmitted(cohort, h, NULL, scratch, err);
 	return status == RB_OK ? rb_mean_forces_add(means, scratch, h, err) : status;
 }
 
 /*
- * An impact: the pair was not in contact before the step, and approached by more than the solver's
- * residual. Its impulse is that of the whole step.
+ * Fills the event of a pair that was not in contact before the step and approached by more than the
+ * solver's residual; false: no impulse. Its impulse is that of the whole step.
  */
 static bool is_impact(const struct rb_world *world, const struct rb_cohort *cohort, size_t first,
                       size_t length, struct rb_event *event)
@@ -295,7 +296,7 @@ static bool is_impact(const struct rb_world *world, const struct rb_cohort *coho
 	*event = (struct rb_event){
 		.kind = RB_EVENT_COLLISION, .a = point->a, .b = point->b, .normal = point->normal};
 	for (size_t k = 0; k < length; k++) {
-		const rb_vec3 added = rb_cohort_more(cohort, first + k);
+		const rb_vec3 added = rb_cohort_extra_impulse(cohort, first + k);
 		const double along = point[k].normal_impulse + rb_vec3_dot(added, point[k].normal);
 
 		if (!(along > 0))
@@ -338,42 +339,42 @@ static enum rb_status add_recorded(struct rb_world *world, struct rb_event event
 }
 
 /*
- * Events of impacts resolved within the step; crowded ones, left to its end, enter only the counts.
+ * Records impacts resolved within the step; crowded ones, left to its end, enter only the counts.
  */
-static enum rb_status record_hits(struct rb_world *world, const struct rb_cohort *cohort,
-                                  double time, const unsigned char *skip, struct rb_error *err)
+static enum rb_status record_resolved(struct rb_world *world, const struct rb_cohort *cohort,
+                                      double time, const unsigned char *skip, struct rb_error *err)
 {
 	struct rb_counts *counts = &world->frame_counts;
 	enum rb_status status = RB_OK;
 
-	for (size_t k = 0; k < cohort->hit_count && status == RB_OK; k++) {
-		const struct rb_step_impact *hit = &cohort->hit[k];
+	for (size_t k = 0; k < cohort->impact_count && status == RB_OK; k++) {
+		const struct rb_step_impact *impact = &cohort->impact[k];
 
-		if (skip && skip[hit->a])
+		if (skip && skip[impact->a])
 			continue;
-		counts->plastic_ends += hit->plastic;
-		counts->crowded_impacts += hit->crowded;
-		counts->crowded_energy_j += hit->energy;
-		if (hit->crowded)
+		counts->plastic_ends += impact->plastic;
+		counts->crowded_impacts += impact->crowded;
+		counts->crowded_energy_j += impact->energy;
+		if (impact->crowded)
 			continue;
 		const struct rb_event event = {.kind = RB_EVENT_COLLISION,
-		                               .time_s = fmin(hit->time_s, time),
-		                               .a = hit->a,
-		                               .b = hit->b,
-		                               .point = hit->point,
-		                               .normal = hit->normal,
-		                               .impulse = hit->impulse,
-		                               .approach_speed = hit->approach};
+		                               .time_s = fmin(impact->time_s, time),
+		                               .a = impact->a,
+		                               .b = impact->b,
+		                               .point = impact->point,
+		                               .normal = impact->normal,
+		                               .impulse = impact->impulse,
+		                               .approach_speed = impact->approach};
 		status = add_recorded(world, event, err);
 	}
 	return status;
 }
 
-/* Of chosen points, whether their pairs were in contact before the step. */
+/* Search whether the pairs of chosen points were in contact before the step. */
 struct lookup {
 	const struct rb_step_points *points;
 	const struct rb_contacts *before;
-	bool *known; /* [chosen]: of the first one of each pair */
+	bool *known; /* [chosen]: for the first point of each pair */
 };
 
 static void find_known(void *user, size_t first, size_t end)
@@ -398,10 +399,10 @@ enum rb_status rb_record_impacts(struct rb_world *world, struct rb_cohort *cohor
 {
 	struct rb_step_points *points = &cohort->points;
 	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
-	enum rb_status status = record_hits(world, cohort, time, skip, err);
+	enum rb_status status = record_resolved(world, cohort, time, skip, err);
 	size_t end = 0;
 
-	/* few have approached: most lie on each other */
+	/* few points have approached: most are lasting contacts */
 	if (status == RB_OK)
 		status = rb_step_points_choose(points, world, world->stepped->solver.tolerance,
 		                               err);
@@ -418,7 +419,7 @@ enum rb_status rb_record_impacts(struct rb_world *world, struct rb_cohort *cohor
 		const int i = points->row[k].a, j = points->row[k].b;
 		struct rb_event event;
 
-		if (k < end) /* of a pair that has been seen */
+		if (k < end) /* of a pair that is done */
 			continue;
 		while (k > end && points->row[k - 1].a == i && points->row[k - 1].b == j)
 			k--;
@@ -435,7 +436,10 @@ enum rb_status rb_record_impacts(struct rb_world *world, struct rb_cohort *cohor
 	return status;
 }
 
-/* By time, then by ids, joints and kinds: independent of the order in which groups were solved. */
+/*
+ * Order by time, then by ids, joints and kinds: independent of the order in which groups were
+ * solved.
+ */
 static int by_time(const void *left, const void *right)
 {
 	const struct rb_event *x = left, *y = right;

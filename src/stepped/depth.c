@@ -3,10 +3,10 @@
  * Penetration depths of the candidate pairs, in parallel blocks of pairs with one result per block;
  * blocks are joined in order, so that the result does not depend on the number of threads.
  *
- * Most pairs do not have to be measured. Only the maximum is reported, so a pair whose depth is
- * provably below the largest so far in its block gets the bound -least instead of a number; spheres
- * are compared by squares, and convex parts by the cached separating axis before GJK/EPA is asked
- * (stepped/clearance). A negative entry in `depth` is such a bound, NAN asks for a measurement.
+ * Most pairs need no measurement. Only the maximum is reported, so a pair whose depth is provably
+ * below the largest so far in its block gets the bound -least instead of a number; spheres are
+ * compared by squares, and convex parts by the cached separating axis before GJK/EPA
+ * (stepped/clearance). A negative entry in `depth` is such a bound, NAN requires a measurement.
  */
 #include "stepped/depth.h"
 
@@ -18,12 +18,12 @@
 #include "step/gap.h"
 #include "stepped/clearance.h"
 
-/* What the workers share, read only, and what a block has come to. */
+/* Input that workers share, read only, and results by block. */
 struct depths {
 	struct rb_world *world;
-	struct rb_candidates *candidates; /* `depth` of the pairs of a block is the block's */
+	struct rb_candidates *candidates; /* `depth` of a block's pairs is written by its worker */
 	const unsigned char *skip, *moved;
-	bool all; /* not only live pairs */
+	bool all; /* all pairs, not only live ones */
 	double limit;
 	struct rb_depths *block;
 };
@@ -34,7 +34,7 @@ struct depths {
  */
 static const double rounding = 1 + 16 * DBL_EPSILON;
 
-/* Multiplications of a pair, about. */
+/* Cost of a pair, in multiplications. */
 enum { PAIR_WORK = 1 << 10 };
 
 /*
@@ -62,7 +62,7 @@ static double depth_of_parts(const struct rb_model *model, struct rb_candidates 
 		int j;
 
 		rb_candidates_near(&near, model, pair.b, pa, 0);
-		/* what was not seen is at least so far away */
+		/* parts that were not visited are at least so far away */
 		if (near.far)
 			least_clearance = rb_clearance_min(least_clearance, 0);
 		while ((j = rb_near_parts_next(&near)) >= 0) {
@@ -101,10 +101,10 @@ static double depth_of(const struct rb_world *world, struct rb_candidates *candi
 	if (!rb_pair_is_plain(model, pair.a, pair.b)) {
 		const double path = rb_clearance_path(candidates, pair);
 
-		rb_clearance_expect(candidates, k);
+		rb_clearance_prefetch(candidates, k);
 		if (rb_clearance_is_more(candidates, k, path, 0))
 			return 0;
-		/* it was known not to be deep, and has hardly moved */
+		/* its depth was at most `least` before, and it has hardly moved */
 		if (least > 0 && rb_clearance_is_more(candidates, k, path, -least))
 			return -least;
 		return depth_of_parts(model, candidates, k, path, least);
@@ -175,7 +175,7 @@ static void depth_block(void *user, int block, int worker)
 		work->all ? candidates->pair_count : rb_candidates_live_count(candidates), first);
 	size_t live = work->all ? first_live(candidates, first) : 0;
 	struct rb_depths depths = {0};
-	/* all pairs are due: what is known to be apart is not asked anything else */
+	/* all pairs are measured: those known to be apart need nothing else */
 	const bool whole = candidates->clearance && !work->skip && !work->moved && !work->all;
 
 	const bool more = !rb_interrupt_after(&work->world->interrupt, PAIR_WORK * (end - first));

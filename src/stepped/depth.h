@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * How deep candidates overlap, pair by pair, by blocks; what they come to stands with the
+ * Penetration depths of candidate pairs, measured in parallel blocks and kept in `depth` of the
  * candidates.
  */
 #ifndef RB_STEPPED_DEPTH_H
@@ -15,17 +15,17 @@ struct rb_deep {
 };
 
 struct rb_depths {
-	double max;           /* m: the largest overlap of all other pairs */
-	double resting;       /* m: of pairs that are not live */
+	double max;           /* m: largest overlap of all other pairs */
+	double resting;       /* m: largest overlap of pairs that are not live */
 	struct rb_deep *deep; /* in the arena, in order of pairs */
 	size_t deep_count, deep_capacity;
 	bool failed; /* no memory */
 };
 
 /*
- * Overlaps of the candidates in the present state; bodies with a mark in `skip` (may be NULL) are
- * left out. Measured are the live ones; with `moved`, those of bodies with a mark there: all others
- * are as they were measured before.
+ * Measures overlaps of the candidates in the present state; bodies with a mark in `skip` (may be
+ * NULL) are left out. Live pairs are measured; with `moved`, those of bodies with a mark there: all
+ * others keep their last measurement.
  */
 RB_CHECKED enum rb_status rb_depths_find(struct rb_world *world, struct rb_candidates *candidates,
                                          const unsigned char *skip, const unsigned char *moved,

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Driven (kinematic) bodies: their motion is given by a function of the scene. For the step each
- * moves with the constant velocity (x(t + h) - x(t)) / h and the constant spin that leads from one
- * orientation to the other, so that contacts see exactly the way that it goes. At the end it gets
- * the velocity that the function states, or that of the parabola through the pose in between: the
- * mean of the step would be half a step late, and so would what joints do at its end.
+ * Driven (kinematic) bodies: their motion is a function in the scene. For the step each moves with
+ * the constant velocity (x(t + h) - x(t)) / h and the constant spin that leads from one orientation
+ * to the other, so that contacts use its exact displacement. At the end it gets the velocity that
+ * the function states, or that of the parabola through the pose in between: the mean of the step
+ * would be half a step late, and so would be the action of joints at its end.
  *
- * An orientation does not tell whole turns; they are taken from the stated angular velocity.
+ * Orientations do not determine whole turns; these follow from the stated angular velocity.
  */
 #include "stepped/driven_bodies.h"
 
@@ -43,8 +43,8 @@ static rb_vec3 turn_between(rb_quat from, rb_quat to, rb_vec3 expected)
 }
 
 /*
- * Pose at the end of the step from the scene's function, and in its middle, with the checks of
- * step/motion on the way there.
+ * Evaluates the scene's function at the end of the step and in its middle, with the checks of
+ * step/motion in between.
  */
 static enum rb_status ask(const struct rb_world *world, int i, double start, double h,
                           struct rb_driven_pose pose[2], struct rb_error *err)
@@ -77,30 +77,30 @@ static enum rb_status ask(const struct rb_world *world, int i, double start, dou
 	return status;
 }
 
-/* At the end of two equal spans of time, from the means of both. */
+/* Extrapolates to the end of two equal time spans from their means. */
 static rb_vec3 at_end(rb_vec3 first, rb_vec3 second)
 {
 	return rb_vec3_add_scaled(second, 0.5, rb_vec3_sub(second, first));
 }
 
-/* What the function does not state of its velocity at the end of the step of h. */
+/* Velocities at the end of the step of h that the function does not state. */
 static void find_end(const struct rb_world *world, int i, double h,
                      const struct rb_driven_pose *middle, const struct rb_driven_pose *end,
-                     struct rb_driven_end *ride)
+                     struct rb_driven_end *driven_end)
 {
 	const struct rb_state *state = &world->state;
 	const rb_vec3 from = rb_world_row3(state->position, i), none = {0, 0, 0};
 	const double each = 2 / h;
 
 	if (!end->has_velocity)
-		ride->velocity = at_end(
+		driven_end->velocity = at_end(
 			rb_vec3_scale(each, rb_vec3_sub(middle->position, from)),
 			rb_vec3_scale(each, rb_vec3_sub(end->position, middle->position)));
 	if (!state->spin || end->has_angular_velocity)
 		return;
 	const rb_quat turned = rb_quat_from(state->orientation + 4 * (size_t)i);
 
-	ride->spin = at_end(
+	driven_end->spin = at_end(
 		rb_vec3_scale(each, turn_between(turned, middle->orientation, none)),
 		rb_vec3_scale(each, turn_between(middle->orientation, end->orientation, none)));
 }
@@ -121,11 +121,11 @@ enum rb_status rb_drive_begin(struct rb_world *world, double start, double h, st
 			return status;
 		const rb_vec3 v = rb_vec3_scale(
 			1 / h, rb_vec3_sub(pose.position, rb_world_row3(state->position, i)));
-		s->ride[k] = (struct rb_driven_end){.position = pose.position,
-		                                    .velocity = pose.velocity,
-		                                    .orientation = pose.orientation,
-		                                    .spin = pose.angular_velocity};
-		find_end(world, i, h, &at[1], &pose, &s->ride[k]);
+		s->driven_end[k] = (struct rb_driven_end){.position = pose.position,
+		                                          .velocity = pose.velocity,
+		                                          .orientation = pose.orientation,
+		                                          .spin = pose.angular_velocity};
+		find_end(world, i, h, &at[1], &pose, &s->driven_end[k]);
 		const rb_vec3 expected = rb_vec3_scale(pose.has_angular_velocity ? h : 0,
 		                                       pose.angular_velocity);
 		rb_vec3_to(state->velocity + row, v);
@@ -149,11 +149,11 @@ void rb_drive_end(struct rb_world *world)
 	for (int k = 0; k < s->driven_count; k++) {
 		const size_t i = (size_t)s->body[s->member_count + k];
 
-		rb_vec3_to(state->position + 3 * i, s->ride[k].position);
-		rb_vec3_to(state->velocity + 3 * i, s->ride[k].velocity);
+		rb_vec3_to(state->position + 3 * i, s->driven_end[k].position);
+		rb_vec3_to(state->velocity + 3 * i, s->driven_end[k].velocity);
 		if (!state->spin)
 			continue;
-		rb_quat_to(state->orientation + 4 * i, s->ride[k].orientation);
-		rb_vec3_to(state->spin + 3 * i, s->ride[k].spin);
+		rb_quat_to(state->orientation + 4 * i, s->driven_end[k].orientation);
+		rb_vec3_to(state->spin + 3 * i, s->driven_end[k].spin);
 	}
 }

@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Times of impact within a step. Motion is the parabola x(t) = x + shift + t (v + t a), with a =
- * (v' - v) / h from the forces of the step; for bodies that rest on contacts a is zero, since the
- * contacts will carry the forces. Where forces vary within a step it is the straight way with v'.
+ * (v' - v) / h from the forces of the step; a is zero for bodies that rest on contacts, since these
+ * will carry the forces. Where forces vary within a step the path is straight, with v'.
  *
- * Two spheres: the distance is a convex function of t on a straight way, so Newton's method from
- * below converges monotonically without overshoot; where forces make it concave, it goes too far
- * once and converges from above. All other contacts keep the normal and arm of
- * their point, and the time is the smaller root of a quadratic, written in the form without
- * cancellation.
+ * Two spheres: the distance is a convex function of t on a straight path, so Newton's method from
+ * below converges monotonically without overshoot; where forces make it concave, it overshoots once
+ * and converges from above. All other contacts keep the normal and arm of their point, and the time
+ * is the smaller root of a quadratic, written in the form without cancellation.
  *
- * An approach is an impact only above `least`: what forces add in a step, and what the solver has
- * left, are no impacts but lasting contact.
+ * An approach is an impact only above `least`: what forces add in a step and the residual of the
+ * solver are lasting contact.
  */
 #include "stepped/flight.h"
 
@@ -21,23 +20,23 @@
 #include "stepped/rolling.h"
 
 /*
- * STEPS_MAX: Newton steps to a touch; from far off each halves the way at worst near a grazing
- * pass. GAP_ULP: rounding of a distance, in ulp of the radii. SPEED_ULP: rounding of an approach,
- * in ulp of the speeds that enter it.
+ * STEPS_MAX: Newton steps to a touch; from afar, near a grazing pass, each at worst halves the
+ * distance. GAP_ULP: rounding of a distance, in ulp of the radii. SPEED_ULP: rounding of an
+ * approach, in ulp of the speeds that enter it.
  */
 enum { STEPS_MAX = 32, GAP_ULP = 4, SPEED_ULP = 64 };
 /* Approaches below this many residuals of the previous solution are its error, not impacts. */
-static const double left_share = 16;
+static const double residual_share = 16;
 /*
- * Of the way in a step, a gap that counts as closed; and of how many steps forces make speeds that
- * an impact without restitution is to exceed. BENDS: approaches that rolling makes in one step,
- * which changes from step to step, that an impact is to exceed.
+ * A gap below this share of the approach in a step counts as closed. SOME_STEPS: an impact without
+ * restitution must exceed the speed that forces make in so many steps. BENDS: an impact must exceed
+ * this multiple of the approach that rolling makes in one step, which varies from step to step.
  */
-static const double whole_share = 1e-3;
+static const double closed_share = 1e-3;
 enum { SOME_STEPS = 4, BENDS = 2 };
 /*
  * Cosine of the angle round a rim, about a microradian, within which a point counts as its lowest
- * one: its place is rounded, by an angle of an ulp of it over the radius.
+ * one: its position is rounded, by an angle of an ulp of it over the radius.
  */
 static const double lowest_share = 1 - 0x1p-40;
 
@@ -74,7 +73,7 @@ struct rb_flight_motion rb_flight_of(const struct rb_flight *flight, int i, rb_v
 	return motion;
 }
 
-/* For `t` seconds, which may be less than none. */
+/* Rotates for `t` seconds, which may be negative. */
 static void turn_for(const struct rb_flight *flight, int i, double t,
                      struct rb_flight_turning *turning)
 {
@@ -88,7 +87,7 @@ static void turn_for(const struct rb_flight *flight, int i, double t,
 		                                      rb_vec3_scale(t, turning->spin));
 		return;
 	}
-	/* what turns the other way goes the same way back */
+	/* backwards: the reversed spin retraces the rotation */
 	const rb_vec3 spin = t < 0 ? rb_vec3_neg(turning->spin) : turning->spin;
 	struct rb_top top = rb_top_start(&s->top[i], turning->orientation, spin, none);
 
@@ -111,7 +110,7 @@ struct rb_flight_turning rb_flight_turning(const struct rb_flight *flight, int i
 	return turning;
 }
 
-/* Its impulse is that at the beginning, whatever has turned since. */
+/* The angular impulse of forces is that at the beginning, whatever the orientation now. */
 rb_vec3 rb_flight_forced_spin(const struct rb_flight *flight, int i, rb_quat orientation)
 {
 	const struct rb_world *world = flight->world;
@@ -179,7 +178,7 @@ bool rb_flight_is_plain(const struct rb_flight *flight, const struct rb_step_poi
 static struct rb_flight_motion relative(const struct rb_flight *flight,
                                         const struct rb_step_point *point)
 {
-	/* arms along the normal turn nothing towards the other */
+	/* arms along the normal: rotation has no part in the approach */
 	const rb_vec3 none = {0, 0, 0};
 	const struct rb_flight_motion a = rb_flight_of(flight, point->a,
 	                                               point->central ? none : point->arm_a);
@@ -192,8 +191,8 @@ static struct rb_flight_motion relative(const struct rb_flight *flight,
 }
 
 /*
- * The same for where they are: forces that vary within a step give their impulse as it begins, so
- * that ways are straight, and levers of impacts are those of the motion that is made.
+ * The same for positions: forces that vary within a step give their impulse at its beginning, so
+ * that paths are straight, and lever arms of impacts are those of the actual motion.
  */
 static struct rb_flight_motion path(const struct rb_flight *flight,
                                     const struct rb_step_point *point)
@@ -208,7 +207,7 @@ static struct rb_flight_motion path(const struct rb_flight *flight,
 }
 
 /* Displacement after t seconds, m. */
-static rb_vec3 way(const struct rb_flight_motion *motion, double t)
+static rb_vec3 displacement(const struct rb_flight_motion *motion, double t)
 {
 	return rb_vec3_add_scaled(motion->shift, t, rb_flight_velocity(motion, t));
 }
@@ -227,7 +226,7 @@ static rb_vec3 center_of(const struct rb_flight *flight, int i)
 	                                    : world->model->position[i];
 }
 
-/* From centre to centre as the step began. */
+/* Vector from centre to centre at the beginning of the step. */
 static rb_vec3 between(const struct rb_flight *flight, const struct rb_step_point *point)
 {
 	return rb_vec3_sub(center_of(flight, point->b), center_of(flight, point->a));
@@ -237,7 +236,7 @@ static rb_vec3 between(const struct rb_flight *flight, const struct rb_step_poin
 static double gap_of(const struct rb_flight *flight, const struct rb_step_point *point,
                      const struct rb_flight_motion *motion, double t, rb_vec3 *normal)
 {
-	const rb_vec3 moved = way(motion, t);
+	const rb_vec3 moved = displacement(motion, t);
 
 	*normal = point->normal;
 	if (!rb_flight_is_plain(flight, point))
@@ -273,7 +272,7 @@ bool rb_flight_is_done(const struct rb_flight *flight, const struct rb_step_poin
 }
 
 /* Residual of the previous solution at the contacts of either body, m/s. */
-static double left_of(const struct rb_flight *flight, const struct rb_step_point *point)
+static double residual_of(const struct rb_flight *flight, const struct rb_step_point *point)
 {
 	const struct rb_solver *solver = &flight->world->stepped->solver;
 	const double left = solver->residual[point->a];
@@ -288,7 +287,7 @@ double rb_flight_rounding(const struct rb_flight *flight, int i)
 	return DBL_EPSILON * (rb_vec3_max_abs(center_of(flight, i)) + size) / flight->h_s;
 }
 
-/* m/s: of the approach, what the forces of the step make. */
+/* Part of the approach that the forces of the step make, m/s. */
 static double closing_by_forces(const struct rb_flight *flight, const struct rb_step_point *point,
                                 rb_vec3 normal)
 {
@@ -308,8 +307,8 @@ static double closing_by_forces(const struct rb_flight *flight, const struct rb_
 	return closing;
 }
 
-double rb_flight_least(const struct rb_flight *flight, const struct rb_step_point *point,
-                       rb_vec3 normal)
+double rb_flight_approach_min(const struct rb_flight *flight, const struct rb_step_point *point,
+                              rb_vec3 normal)
 {
 	const struct rb_world *world = flight->world;
 	const int ends[2] = {point->a, point->b};
@@ -324,25 +323,28 @@ double rb_flight_least(const struct rb_flight *flight, const struct rb_step_poin
 		rounding = larger(rounding,
 		                  DBL_EPSILON * speed + rb_flight_rounding(flight, ends[e]));
 	}
-	const double some = larger(closing, left_share * left_of(flight, point));
-	const double least = some < flight->tolerance ? some : flight->tolerance;
-	/* what bends the way of a rim that rolls lets it approach by as much between two steps */
+	const double allowance = larger(closing, residual_share * residual_of(flight, point));
+	const double least = allowance < flight->tolerance ? allowance : flight->tolerance;
+	/* a rolling rim gains as much approach between two steps by its curved path */
 	const double rolling = point->rolls && point->from > 0 ? BENDS * fabs(point->bend) : 0;
 	return larger(larger(SPEED_ULP * rounding, least), rolling / flight->h_s);
 }
 
-/* Joined ones are solved in steps that are cut at impacts (stepped/attempt). */
+/* Jointed bodies are solved in steps that are cut at impacts (stepped/attempt). */
 bool rb_flight_splits(const struct rb_flight *flight, const struct rb_step_point *point)
 {
 	const double h = flight->h_s, approach = point->approach;
 
 	return point->material->restitution == 0 && point->from == 0 &&
-	       approach > left_share * left_of(flight, point) &&
-	       point->gap > whole_share * h * approach &&
+	       approach > residual_share * residual_of(flight, point) &&
+	       point->gap > closed_share * h * approach &&
 	       approach > SOME_STEPS * closing_by_forces(flight, point, point->normal);
 }
 
-/* The approach with which it is an impact: as it stands, or only with more than that. */
+/*
+ * Approach that decides whether the point has an impact, or 0: its rebound, or the approach itself
+ * for impacts without restitution that are resolved here.
+ */
 static double rebound(const struct rb_flight *flight, const struct rb_step_point *point,
                       double approach)
 {
@@ -368,14 +370,14 @@ bool rb_flight_could_touch(const struct rb_flight *flight, const struct rb_step_
 	return !point->central || point->gap <= -h * rb_vec3_dot(u, point->normal);
 }
 
-struct guess {
+struct possible {
 	const struct rb_flight *flight;
 	struct rb_step_points *points;
 	unsigned char *could;
-	bool any; /* written by all */
+	bool any; /* written by all workers */
 };
 
-/* Whether both are on one rim of the same part. */
+/* Whether both points are on one rim of the same part. */
 static bool share_rim(const struct rb_step_point *x, const struct rb_step_point *y)
 {
 	bool share = false;
@@ -389,8 +391,8 @@ static bool share_rim(const struct rb_step_point *x, const struct rb_step_point 
 }
 
 /*
- * A rim that rolls on one of its points comes to the next ones without an impact, though these come
- * near on straight ways.
+ * Whether a rim that rolls on another of its points comes to this one: without an impact, though it
+ * approaches on straight paths.
  */
 static bool rolls_to(const struct rb_step_points *points, size_t k)
 {
@@ -410,27 +412,29 @@ static bool rolls_to(const struct rb_step_points *points, size_t k)
 
 enum { POINTS_PER_BLOCK = 512 };
 
-static void guess_part(void *user, size_t first, size_t end)
+static void find_possible_part(void *user, size_t first, size_t end)
 {
-	struct guess *guess = user;
+	struct possible *possible = user;
 	bool any = false;
 
 	for (size_t k = first; k < end; k++) {
-		guess->points->row[k].rolls_to = rolls_to(guess->points, k);
-		guess->could[k] = rb_flight_could_touch(guess->flight, &guess->points->row[k]);
-		any = any || guess->could[k];
+		possible->points->row[k].rolls_to = rolls_to(possible->points, k);
+		possible->could[k] = rb_flight_could_touch(possible->flight,
+		                                           &possible->points->row[k]);
+		any = any || possible->could[k];
 	}
 	if (any)
-		__atomic_store_n(&guess->any, true, __ATOMIC_RELAXED);
+		__atomic_store_n(&possible->any, true, __ATOMIC_RELAXED);
 }
 
 bool rb_flight_find_possible(const struct rb_flight *flight, struct rb_step_points *points,
                              unsigned char *could)
 {
-	struct guess guess = {.flight = flight, .points = points, .could = could};
+	struct possible possible = {.flight = flight, .points = points, .could = could};
 
-	rb_team_share(flight->world->team, points->count, POINTS_PER_BLOCK, guess_part, &guess);
-	return guess.any;
+	rb_team_share(flight->world->team, points->count, POINTS_PER_BLOCK, find_possible_part,
+	              &possible);
+	return possible.any;
 }
 
 /* Time at which two spheres touch, from `now` on; INFINITY: not within the step. */
@@ -449,7 +453,7 @@ static double spheres_touch(const struct rb_flight *flight, const struct rb_step
 
 		if (!(rate < 0))
 			return (double)INFINITY;
-		/* forces may bend the way: then a step has gone too far, and the next ones back */
+		/* on a curved path a step may overshoot, and the next ones go back */
 		if (gap <= none && (step == 0 || gap >= -none))
 			return t;
 		t = larger(now, t - gap / rate);
@@ -498,12 +502,12 @@ double rb_flight_touches(const struct rb_flight *flight, const struct rb_step_po
 		return (double)INFINITY;
 	(void)gap_of(flight, point, &motion, t, &normal);
 	const double approach = rb_flight_approach(flight, point, normal);
-	return rebound(flight, point, approach) > rb_flight_least(flight, point, normal)
+	return rebound(flight, point, approach) > rb_flight_approach_min(flight, point, normal)
 	               ? t
 	               : (double)INFINITY;
 }
 
-/* From where the centre of mass of a is at t seconds, with all that forces give, to that of b. */
+/* Vector between the centres of mass at t seconds, from a to b, with all forces. */
 static rb_vec3 lever_at(const struct rb_flight *flight, const struct rb_step_point *point, double t)
 {
 	const struct rb_world *world = flight->world;
@@ -518,8 +522,9 @@ static rb_vec3 lever_at(const struct rb_flight *flight, const struct rb_step_poi
 }
 
 /*
- * m: of an arm as the step began what lies along the normal whatever turns: a ball's radius round
- * the core, and that of a cylinder's side, or of a rim at its lowest point.
+ * Part of an arm at the beginning of the step that keeps its direction along the normal when the
+ * body rotates, m: a ball's radius round the core, and that of a cylinder's side, or of a rim at
+ * its lowest point.
  */
 static rb_vec3 round_of(const struct rb_world *world, int i, uint32_t number, rb_vec3 outward,
                         rb_vec3 arm)
@@ -548,7 +553,7 @@ static rb_vec3 round_of(const struct rb_world *world, int i, uint32_t number, rb
 	return rb_vec3_add(ball, here);
 }
 
-/* What an arm as the step began has turned to at t seconds. */
+/* An arm of the beginning of the step, rotated to t seconds. */
 static rb_vec3 turned(const struct rb_flight *flight, int i, double t, rb_vec3 arm, rb_vec3 round)
 {
 	const struct rb_world *world = flight->world;
@@ -562,12 +567,15 @@ static rb_vec3 turned(const struct rb_flight *flight, int i, double t, rb_vec3 a
 	return rb_vec3_add(round, rb_quat_rotate(turn, rb_vec3_sub(arm, round)));
 }
 
-void rb_flight_turn(const struct rb_flight *flight, struct rb_step_point *point, double t,
-                    const rb_vec3 began[2], rb_vec3 arm[2])
+void rb_flight_move_point(const struct rb_flight *flight, struct rb_step_point *point, double t,
+                          const rb_vec3 began[2], rb_vec3 arm[2])
 {
 	const struct rb_world *world = flight->world;
 	const int of[2] = {point->a, point->b};
-	/* arms are of where the step began: whatever else holds bodies, both get one impulse */
+	/*
+	 * arms are those at the beginning of the step: both bodies get one impulse whatever else
+	 * holds them
+	 */
 	const bool joins = rb_stepped_is_dynamic(world, point->b);
 	const rb_vec3 d = joins ? lever_at(flight, point, t) : (rb_vec3){0, 0, 0};
 	const double gap = rb_flight_gap(flight, point, t, &point->normal);
@@ -588,7 +596,7 @@ void rb_flight_turn(const struct rb_flight *flight, struct rb_step_point *point,
 		rb_levers_join(world, of, d, point->normal, arm);
 		point->arm_a = arm[0];
 		point->arm_b = arm[1];
-		/* the gap at this moment stays */
+		/* keeps the gap at this moment */
 		point->bend += gap - rb_flight_gap(flight, point, t, &normal);
 	}
 	const rb_vec3 n = point->normal;
@@ -615,9 +623,10 @@ rb_vec3 rb_flight_place(const struct rb_flight *flight, const struct rb_step_poi
 }
 
 /*
- * Of two balls, the normal as the step's impulses act; the gap by its end stays as `normal` has it.
+ * For two spheres, rotates the normal back to where the step's impulses act, with the same gap at
+ * its end.
  */
-static void turn_back(const struct rb_flight *flight, struct rb_step_point *point)
+static void rotate_normal_back(const struct rb_flight *flight, struct rb_step_point *point)
 {
 	const struct rb_flight_motion motion = path(flight, point);
 	const rb_vec3 d = rb_vec3_add(between(flight, point), motion.shift);
@@ -628,7 +637,8 @@ static void turn_back(const struct rb_flight *flight, struct rb_step_point *poin
 	point->bend += rb_vec3_dot(more, rb_vec3_sub(was, point->normal));
 }
 
-void rb_flight_see(const struct rb_flight *flight, struct rb_step_point *point, bool touched)
+void rb_flight_update_point(const struct rb_flight *flight, struct rb_step_point *point,
+                            bool touched)
 {
 	const struct rb_flight_motion motion = path(flight, point);
 
@@ -639,7 +649,7 @@ void rb_flight_see(const struct rb_flight *flight, struct rb_step_point *point, 
 		return;
 	}
 	if (!touched) {
-		/* where they come closest */
+		/* at the closest approach */
 		const rb_vec3 d = rb_vec3_add(between(flight, point), motion.shift);
 		const double square = rb_vec3_dot(motion.velocity, motion.velocity);
 		const double t = square > 0 ? -rb_vec3_dot(d, motion.velocity) / square : 0;
@@ -650,8 +660,8 @@ void rb_flight_see(const struct rb_flight *flight, struct rb_step_point *point, 
 	point->bend = rb_vec3_dot(point->normal,
 	                          rb_vec3_add(between(flight, point), motion.shift)) -
 	              radii_of(point) - point->gap;
-	/* along the normal turned back, balls that have parted may approach: no rebound is due */
+	/* along the normal rotated back, separating spheres may approach: no rebound is due */
 	point->approach = rb_flight_approach(flight, point, point->normal);
 	if (rb_stepped_joins_arms(flight->world, point->b))
-		turn_back(flight, point);
+		rotate_normal_back(flight, point);
 }

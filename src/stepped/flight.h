@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where bodies are within a step, and when they touch: from the velocities that the step before has
- * left, with the forces of this one for what nothing has held, and with what impacts have done
- * meanwhile.
+ * Motion of bodies within a step, and times of impact: from the velocities at the end of the last
+ * step, with the forces of this one on bodies without contact forces, and with the impacts so far.
  *
- * Spheres meet where they are; all else is seen along the normals of its points. Scratch of a try.
+ * Spheres meet at their actual positions; other contacts are predicted along the normals of their
+ * points. Scratch of an attempt.
  */
 #ifndef RB_STEPPED_FLIGHT_H
 #define RB_STEPPED_FLIGHT_H
@@ -13,113 +13,117 @@
 
 struct rb_flight {
 	const struct rb_world
-		*world; /* at the beginning of the step, with the velocities that its forces make */
-	const unsigned char *held; /* [bodies] a contact had a force on it in the step before */
+		*world; /* at the beginning of the step, with velocities after its forces */
+	const unsigned char *held; /* [bodies] a contact had a force on it in the last step */
 	double h_s;
-	double tolerance; /* m/s: what a solution may leave */
-	bool mixed; /* impacts without restitution matter, since they are passed on to others */
+	double tolerance; /* m/s: residual that a solution may have */
+	bool mixed; /* resolve impacts without restitution too: others with it may transmit them */
 };
 
 /*
- * Whether an impact that gives nothing back matters for itself, by what is known of the point as
- * the step begins: a solution lets the gap close by the end, and of an impact in the middle of the
- * step gives one part now, and the other one in the next step. Friction of two parts, each in a
- * cone of its own and against the slip that is left after it, is not that of the whole, by as much
- * as it is itself, however short the step. Without friction each part would be told alone. What
- * forces alone bring about in some steps is no impact, nor what the solution before may have left.
+ * Whether an impact without restitution must be resolved on its own, by the state of the point at
+ * the beginning of the step. The solution lets the gap close by the end: of an impact in the middle
+ * of the step it gives one part now and the other in the next step. Friction in two parts, each in
+ * its own cone and against the slip that remains after it, differs from that of the whole by as
+ * much as it is itself, however short the step. Without friction, each part would be reported
+ * alone. What forces alone cause in a few steps is no impact, nor is the residual of the last
+ * solution.
  */
 bool rb_flight_splits(const struct rb_flight *flight, const struct rb_step_point *point);
 
-/* Whether it may be an impact in the step: by approach and gap. */
+/* Whether a point may have an impact in the step, by approach and gap. */
 bool rb_flight_could_touch(const struct rb_flight *flight, const struct rb_step_point *point);
-/* Marks them among all, and what rims roll to; whether there is one. */
+/* Marks these points, and those to which rims roll; returns whether there is one. */
 bool rb_flight_find_possible(const struct rb_flight *flight, struct rb_step_points *points,
                              unsigned char *could);
 
-/* A point of a body, and what it does; without the forces of the step: `pull`, m/s^2. */
+/* Motion of a point of a body; `external`: acceleration by the forces of the step, m/s^2. */
 struct rb_flight_motion {
 	rb_vec3 velocity, external, shift;
 };
 
 struct rb_flight_motion rb_flight_of(const struct rb_flight *flight, int i, rb_vec3 arm);
 
-/* The velocity at `t` seconds after the beginning. */
+/* Velocity at `t` seconds after the beginning. */
 static inline rb_vec3 rb_flight_velocity(const struct rb_flight_motion *motion, double t)
 {
 	return rb_vec3_add_scaled(motion->velocity, t, motion->external);
 }
 
-/* How a body turns, as impacts so far have left it, without what forces of the step do. */
+/* Rotation of a body with the impacts so far, without forces of the step. */
 struct rb_flight_turning {
 	rb_quat orientation;
 	rb_vec3 spin; /* rad/s */
 };
 
-/* At `t` seconds, as without torque. */
+/* Torque-free rotation at `t` seconds. */
 struct rb_flight_turning rb_flight_turning(const struct rb_flight *flight, int i, double t);
 
-/* rad/s: what the forces of the step add in all, where it stands like that. */
+/* Change of spin by all forces of the step at that orientation, rad/s. */
 rb_vec3 rb_flight_forced_spin(const struct rb_flight *flight, int i, rb_quat orientation);
 
 /*
- * An impact at `t`, where it turns like that, changes its motion. From then on it moves and turns
- * as one that has come with the new velocities: angular momentum and energy are those after it.
+ * Applies an impact at `t`, where the body has rotation `at`: from then on it moves and rotates as
+ * if it had arrived with the new velocities, with the angular momentum and energy after the impact.
  */
 void rb_flight_kick(const struct rb_flight *flight, int i, double t,
                     const struct rb_flight_turning *at, const struct rb_solver_body *more);
 
-/* The step goes on from where the body would have come with what impacts have left. */
+/*
+ * Sets orientation and spin from which the body would have arrived with its rotation after the
+ * impacts.
+ */
 void rb_flight_turn_from(const struct rb_flight *flight, struct rb_state *state, int i);
 
-/* Two spheres about their centres of mass. */
+/* Whether a point is between two spheres with their centres of mass at their centres. */
 bool rb_flight_is_plain(const struct rb_flight *flight, const struct rb_step_point *point);
 
-/* m: the gap at `t`, and the normal there. */
+/* Gap at `t`, m, and its normal. */
 double rb_flight_gap(const struct rb_flight *flight, const struct rb_step_point *point, double t,
                      rb_vec3 *normal);
 
-/* m/s: approach along the normal, without the forces of the step. */
+/* Approach speed along the normal without the forces of the step, m/s. */
 double rb_flight_approach(const struct rb_flight *flight, const struct rb_step_point *point,
                           rb_vec3 normal);
 
 /*
- * Whether a point that has just been dealt with at `t` is done with: what the impact has left of
- * its approach is within `noise`, m/s, with the forces that have acted until then, which the
- * impact counts, or without them.
+ * Whether a point of an impact at `t` needs no further one: its remaining approach is within
+ * `noise`, m/s, with the forces until then, which the impact counts, or without them.
  */
 bool rb_flight_is_done(const struct rb_flight *flight, const struct rb_step_point *point, double t,
                        double noise);
 
-/* m/s: what a step makes of the rounding of where a body is and of how large it is. */
+/* Rounding of a body's position and size over the step, m/s. */
 double rb_flight_rounding(const struct rb_flight *flight, int i);
 
 /*
- * m/s: slower approaches are no impacts: what the solution before may have left, and what forces
- * make in a step.
+ * Smallest approach speed of an impact, m/s: above the residual of the last solution and the effect
+ * of forces in a step.
  */
-double rb_flight_least(const struct rb_flight *flight, const struct rb_step_point *point,
-                       rb_vec3 normal);
+double rb_flight_approach_min(const struct rb_flight *flight, const struct rb_step_point *point,
+                              rb_vec3 normal);
 
-/* When they next touch with an impact, from `now` on, s; INFINITY: not within the step. */
+/* Time of a point's next impact, from `now` on, s; INFINITY: not within the step. */
 double rb_flight_touches(const struct rb_flight *flight, const struct rb_step_point *point,
                          double now);
 
 /*
- * The point becomes that at which an impact acts at `t`: its normal is the one there, and between
- * bodies that both yield, where angular momentum is to stay, it is where their arms meet. `arm`
- * becomes the arms there, m; `began`: the point's as the step began.
+ * Moves the point to where an impact acts at `t`: its normal is that at `t`, and between two
+ * dynamic bodies, where angular momentum is conserved, it is the common point of their arms. `arm`:
+ * the arms there, m; `began`: the point's arms at the beginning of the step.
  */
-void rb_flight_turn(const struct rb_flight *flight, struct rb_step_point *point, double t,
-                    const rb_vec3 began[2], rb_vec3 arm[2]);
+void rb_flight_move_point(const struct rb_flight *flight, struct rb_step_point *point, double t,
+                          const rb_vec3 began[2], rb_vec3 arm[2]);
 
-/* m: where that is; of one that nothing has turned, where a's arm has turned to. */
+/* Position of the impact, m; for a point that was not moved, a's arm is rotated. */
 rb_vec3 rb_flight_place(const struct rb_flight *flight, const struct rb_step_point *point,
                         double t);
 
 /*
- * Gap and normal become those under which nothing that flies past is in the way, the approach that
- * of where it is seen; `touched`: the normal is right already.
+ * Sets gap, normal and approach for the step's solution, so that bodies that pass each other do not
+ * collide; `touched`: the normal is already right.
  */
-void rb_flight_see(const struct rb_flight *flight, struct rb_step_point *point, bool touched);
+void rb_flight_update_point(const struct rb_flight *flight, struct rb_step_point *point,
+                            bool touched);
 
 #endif

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A contact along n is judged by its side: the step would let the parts come as near along n as to
- * touch. If a face with normal m is a plane between them, now and at the end of the step, they do
- * not meet, unless forces move them through that plane. Forces do not where the parts are flush, to
- * the tolerance, or where contacts have held the bodies in the step before: others hold them.
+ * A contact along n is judged as follows: in the step the parts would come near enough along n to
+ * touch. If a face with normal m separates them, now and at the end of the step, they do not meet,
+ * unless forces move them through its plane. Forces do not where the parts are flush, to the
+ * tolerance, or where contacts balanced them in the last step: other contacts hold the bodies.
  *
- * Where the parts lie over each other along m, that is no reason: two faces nearly parallel both
- * keep a stack apart. They do not if they are apart across m, in the direction in which n looks, to
- * the tolerance; or if what is outermost of both along m has no point in common, as of a ball
- * beside a seam, which may hang over it. Then only what comes near on its own is beside: what rolls
- * off an edge leaves it.
+ * Where the parts overlap in projection along m, that is no reason: two nearly parallel faces both
+ * separate a stack. The reason holds if the parts are separated across m, in the direction of n, to
+ * the tolerance; or if their extreme features along m do not overlap in projection, as of a ball
+ * beside a seam, which may overhang it. Then only a part that approaches by its own motion is
+ * suppressed: one that rolls off an edge leaves it.
  */
 #include "stepped/internal_edges.h"
 
@@ -18,28 +18,28 @@
 #include "geom/boxes.h"
 #include "geom/patch_overlap.h"
 
-/* As geom/boxes has it: a normal that is that of a face, to rounding, has nothing across. */
+/* As in geom/boxes: a normal that equals a face's, to rounding, has no component across. */
 static const double parallel = 16 * DBL_EPSILON;
 
-/* Both parts, seen from the origin of the first. */
+/* Both parts, relative to the origin of the first. */
 struct parts {
 	rb_placed a, b;
 	double radii; /* m, of both together */
 };
 
-/* m: height along `n`, of any length, of the farthest point of the core. */
+/* Support height of the core along `n`, of any length, m. */
 static double height(const rb_placed *p, rb_vec3 n)
 {
 	return rb_vec3_dot(n, p->at) + rb_placed_height(p, n);
 }
 
-/* m: how far they are apart along n, from a to b. */
+/* Gap along n, from a to b, m. */
 static double gap_along(const struct parts *parts, rb_vec3 n)
 {
 	return -height(&parts->a, n) - height(&parts->b, rb_vec3_neg(n)) - parts->radii;
 }
 
-/* m: the same when a has moved. */
+/* The same after the motion of a, m. */
 static double gap_behind(const struct parts *parts, rb_vec3 n,
                          const struct rb_internal_edge_motion *motion)
 {
@@ -47,7 +47,7 @@ static double gap_behind(const struct parts *parts, rb_vec3 n,
 	       rb_vec3_dot(n, motion->way) - height(&parts->b, rb_vec3_neg(n)) - parts->radii;
 }
 
-/* m: the same where n turns with a. */
+/* The same, with n fixed to a, m. */
 static double gap_before(const struct parts *parts, rb_vec3 n,
                          const struct rb_internal_edge_motion *motion)
 {
@@ -57,7 +57,7 @@ static double gap_before(const struct parts *parts, rb_vec3 n,
 	       height(&parts->b, rb_vec3_neg(turned)) - parts->radii;
 }
 
-bool rb_internal_edge_may(const rb_manifold *manifold, double band, double tolerance)
+bool rb_internal_edge_possible(const rb_manifold *manifold, double band, double tolerance)
 {
 	const rb_vec3 from = manifold->point[0].on_b;
 	rb_vec3 along = {0, 0, 0};
@@ -87,7 +87,7 @@ bool rb_internal_edge_may(const rb_manifold *manifold, double band, double toler
 	return high - low <= 2 * band + tolerance;
 }
 
-/* Whether what is outermost of both, along n from a to b, has no point in common. */
+/* Whether the extreme features of both, along n from a to b, do not overlap in projection. */
 static bool misses(const struct parts *parts, rb_vec3 n, double depth)
 {
 	const rb_overlay_def def = {n, 0, 0};
@@ -99,20 +99,20 @@ static bool misses(const struct parts *parts, rb_vec3 n, double depth)
 	return rb_overlay(&a, &b, &def, point) == 0;
 }
 
-/* m: gap along a direction that turns with the owner of a face, when a has moved. */
+/* Gap along a direction fixed to the owner of a face, after the motion of a, m. */
 static double gap_then(const struct parts *parts, rb_vec3 n,
                        const struct rb_internal_edge_motion *motion, bool of_a)
 {
 	return of_a ? gap_before(parts, n, motion) : gap_behind(parts, n, motion);
 }
 
-/* Of what the step closes along the normal, what it may close along a face that parts go past. */
+/* Closing along a face that parts pass, as a share of that along the normal, that is allowed. */
 static const double past_share = 0.5;
 
 /*
- * Whether a face keeps the parts apart through the step; n from a to b. `normal`: along which they
- * come near. The way of a step may be less than the tolerance, then what comes as near to the face
- * meets it all the same.
+ * Whether a face separates the parts through the step; n from a to b. `normal`: along which they
+ * approach. As the displacement of a step may be less than the tolerance, parts that approach the
+ * face as much count as meeting it.
  */
 static bool parts_them(const struct rb_internal_edge *beside, const struct parts *parts,
                        rb_vec3 normal, rb_vec3 n, bool of_a)
@@ -127,8 +127,8 @@ static bool parts_them(const struct rb_internal_edge *beside, const struct parts
 }
 
 /*
- * Whether they do not lie over each other along m, both from a to b. `closes`: they come nearer
- * along n by themselves.
+ * Whether the parts do not overlap in projection along m, both from a to b. `closes`: they approach
+ * along n by their own motion.
  */
 static bool is_aside(const struct rb_internal_edge *beside, const struct parts *parts, rb_vec3 n,
                      rb_vec3 m, bool closes)
@@ -149,22 +149,22 @@ static struct parts parts_of(const rb_placed *a, const rb_placed *b)
 	                      a->core->radius + b->core->radius};
 }
 
-/* Faces that may be between parts. */
+/* Iterator over faces that may separate parts. */
 struct faces {
 	const struct parts *parts;
-	rb_vec3 normal;   /* along which the parts come near: its own face has nothing across */
+	rb_vec3 normal;   /* along which the parts approach; faces with this normal are skipped */
 	double tolerance; /* m */
-	int of, face;     /* the next one: of a, of b */
+	int of, face;     /* the next face: owner, index */
 	bool boxes;
-	unsigned open[2]; /* of boxes: bits of the faces of a, of b, that may prove something */
-	/* of others: a point of b in the axes of a, of a in those of b */
+	unsigned open[2]; /* boxes: bits of the faces of a, of b, that may separate */
+	/* else: a point of b in the axes of a, of a in those of b */
 	rb_vec3 other[2];
-	double least; /* m: what faces are to prove */
+	double least; /* m: gap that a face must prove */
 };
 
 /*
- * Of two boxes what a face proves is known, to rounding: most prove nothing. Faces 2 k and 2 k + 1
- * are across axis k, the one of them that is towards the other box proves the more.
+ * For two boxes the gap along each face is known, to rounding, and most do not separate. Faces 2 k
+ * and 2 k + 1 are across axis k; the one towards the other box has the larger gap.
  */
 static void open_faces(struct faces *faces)
 {
@@ -203,7 +203,7 @@ static struct faces faces_of(const struct parts *parts, rb_vec3 normal, double t
 	return faces;
 }
 
-/* The next face that keeps the parts apart now; m its normal, from a to b. */
+/* Finds the next face that separates the parts now; m its normal, from a to b. */
 static bool next_face(struct faces *faces, rb_vec3 *m, bool *of_a)
 {
 	for (; faces->of < 2; faces->of++, faces->face = 0) {

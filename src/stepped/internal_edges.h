@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Convex parts that pass beside each other. Where bodies lie flush, what slides or rolls over them
- * meets the side of the next one in a line only: it is apart from that side, but as well from the
- * face that it goes on to. Of two directions in which parts are apart, that in which they stay so
- * decides.
+ * Contacts with internal edges, which are suppressed. Where bodies lie flush, a part that slides or
+ * rolls over them meets the side of the next one in a line only: it is separated from that side,
+ * but also from the face onto which it moves. Of two separating directions, the one in which the
+ * parts stay separated decides.
  */
 #ifndef RB_STEPPED_INTERNAL_EDGES_H
 #define RB_STEPPED_INTERNAL_EDGES_H
@@ -11,35 +11,35 @@
 #include "geom/manifold.h"
 #include "math/quat.h"
 
-/* Of a, as b sees it, within a step. */
+/* Motion of a in b's frame within a step. */
 struct rb_internal_edge_motion {
-	rb_vec3 way;  /* m, of the origin of a's part */
-	rb_quat turn; /* about that */
+	rb_vec3 way;  /* m: displacement of the origin of a's part */
+	rb_quat turn; /* rotation about that */
 };
 
 struct rb_internal_edge {
 	struct rb_internal_edge_motion before,
-		forced;   /* without the forces of the step, and with them */
-	bool held;        /* what forces would do, contacts have prevented in the step before */
-	double tolerance; /* m: two parts that overlap by no more touch */
+		forced;   /* motion without the forces of the step, and with them */
+	bool held;        /* contacts balanced the forces in the last step */
+	double tolerance; /* m: parts with less overlap count as touching */
 };
 
 /*
- * Whether points within a band, m, may be those of parts beside each other: they lie in a line, by
- * what the band may put aside. Else faces lie over each other along the normal.
+ * Whether the points of a manifold, chosen within a band, m, may be at an internal edge: they lie
+ * in a line, up to the band. Else faces overlap along the normal.
  */
-bool rb_internal_edge_may(const rb_manifold *manifold, double band, double tolerance);
+bool rb_internal_edge_possible(const rb_manifold *manifold, double band, double tolerance);
 
 /*
- * Whether some face is between a and b, now, other than one whose normal is theirs: else they are
- * not beside each other, whatever way they go.
+ * Whether the plane of some face separates a and b now, other than one with this normal: else no
+ * edge is internal, whatever their motion.
  */
 bool rb_internal_edge_has_face(const rb_placed *a, const rb_placed *b, rb_vec3 normal,
                                double tolerance);
 
 /*
- * Whether such a manifold, of a and b along its normal, is none of this step: a face of one keeps
- * them apart, over which the other does not lie.
+ * Whether a manifold of a and b is at an internal edge in this step: a face of one separates them,
+ * and the other does not lie over that face.
  */
 bool rb_internal_edge(const struct rb_internal_edge *beside, const rb_placed *a, const rb_placed *b,
                       const rb_manifold *manifold);

@@ -8,13 +8,14 @@
 #include "stepped/energy.h"
 #include "world/joint_state.h"
 
-/* Of the tolerance, what a joint may drift by without another look at the step. */
+/* Drift, as a share of the tolerance, up to which a step is not relinearized. */
 static const double inspect_share = 1.0 / 16;
-/* Of what it was in the look before, what it has to have come to for yet another. */
+/* Reduction of the drift that the last relinearization must have reached for another one. */
 static const double gain_share = 0.5;
 /*
- * Of its kinetic energy, what the joints of a group may do that do no work; of a whole step, the
- * shortest part that is cut for that: what a jump takes does not become less.
+ * Work by constraint forces of a group's joints that is allowed, as a share of its kinetic energy;
+ * and the shortest part of a whole step that is cut for more: the work of a jump does not become
+ * less.
  */
 static const double held_share = 1.0 / 256, shortest_share = 0x1p-12;
 
@@ -32,7 +33,7 @@ int rb_joints_next_of(const struct rb_world *world, int body, int *at)
 	return -1;
 }
 
-/* Which joint of a cohort comes next. */
+/* Iterator over the joints of a cohort. */
 struct cursor {
 	int body, at;
 };
@@ -57,7 +58,7 @@ struct rb_pose rb_joints_pose(const struct rb_world *world, int i)
 	return i < 0 ? rb_linkage_world() : rb_world_pose(world, &world->state, i);
 }
 
-/* The free coordinate as bodies stand; turns are those nearest to `guess`. */
+/* Free coordinate at the present poses; whole turns are those nearest to `guess`. */
 static double way_of(const struct rb_world *world, const struct rb_joint *joint, double guess)
 {
 	const struct rb_pose a = rb_joints_pose(world, joint->a);
@@ -114,9 +115,9 @@ void rb_joints_go_back(struct rb_world *world, const struct rb_cohort *cohort)
 	}
 }
 
-/* Where a motor is to be at `time`, and how fast; a rate that is not stated is differenced. */
-static enum rb_status ask_way(struct rb_world *world, int k, double time, double h,
-                              struct rb_step_joint *of, struct rb_error *err)
+/* Target of a motor at `time`, and its rate; a rate that is not stated is differenced. */
+static enum rb_status ask_target(struct rb_world *world, int k, double time, double h,
+                                 struct rb_step_joint *of, struct rb_error *err)
 {
 	const struct rb_world_hooks *hooks = &world->hooks;
 	double at[2], before[2] = {0}, after[2];
@@ -136,8 +137,8 @@ static enum rb_status ask_way(struct rb_world *world, int k, double time, double
 	return status;
 }
 
-enum rb_status rb_joints_try(struct rb_world *world, const struct rb_cohort *cohort, double start,
-                             double h, struct rb_error *err)
+enum rb_status rb_joints_begin_attempt(struct rb_world *world, const struct rb_cohort *cohort,
+                                       double start, double h, struct rb_error *err)
 {
 	struct cursor c = cursor_start;
 
@@ -147,7 +148,7 @@ enum rb_status rb_joints_try(struct rb_world *world, const struct rb_cohort *coh
 		of->wanted = of->wanted_before = world->joint[k].motor_angle;
 		of->wanted_rate = 0;
 		if (rb_joint_state_follows(&world->joint[k]) && isnan(of->wanted)) {
-			const enum rb_status status = ask_way(world, k, start + h, h, of, err);
+			const enum rb_status status = ask_target(world, k, start + h, h, of, err);
 
 			if (status != RB_OK)
 				return status;
@@ -171,8 +172,8 @@ static bool is_one_sided(const struct rb_world *world, int joint)
 	return world->model->joints->joint[joint].link.type->one_sided;
 }
 
-double rb_joints_miss(const struct rb_world *world, int k, struct rb_step_joint *of,
-                      const double *left)
+double rb_joints_error(const struct rb_world *world, int k, struct rb_step_joint *of,
+                       const double *left)
 {
 	const struct rb_joint *joint = &world->model->joints->joint[k];
 	const struct rb_pose a = rb_joints_pose(world, joint->a),
@@ -193,11 +194,11 @@ double rb_joints_miss(const struct rb_world *world, int k, struct rb_step_joint 
 		else
 			square += error * error;
 	}
-	/* written so that NaN is large */
+	/* written so that NaN counts as large */
 	return max >= 0 && square >= 0 ? fmax(max, sqrt(square)) : (double)INFINITY;
 }
 
-/* Of the joints that the solver has last been asked about. */
+/* For the joints of the last solution. */
 bool rb_joints_mark(struct rb_world *world, unsigned char *of_group)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
@@ -213,7 +214,7 @@ bool rb_joints_mark(struct rb_world *world, unsigned char *of_group)
 
 		if (of->first_row < 0)
 			continue;
-		of->drift = rb_joints_miss(world, number, of, of->left);
+		of->drift = rb_joints_error(world, number, of, of->left);
 		of->is_measured = true;
 		of->eases = of->eases ||
 		            (is_one_sided(world, number) && before > max && of->drift > before);
@@ -259,9 +260,9 @@ void rb_joints_blame(struct rb_world *world, const struct rb_cohort *cohort,
 	for (int k; (k = next(world, cohort, &c)) >= 0;) {
 		const struct rb_joint *joint = &world->model->joints->joint[k];
 		const int ends[2] = {joint->a, joint->b};
-		const double drift = rb_joints_miss(world, k, &s->solver.joint[k], NULL);
+		const double drift = rb_joints_error(world, k, &s->solver.joint[k], NULL);
 
-		/* written so that NaN is not good */
+		/* written so that NaN fails */
 		if (drift <= world->model->stepped_tolerance_m)
 			continue;
 		if (outcome->joint < 0 || drift > outcome->drift) {
@@ -274,7 +275,7 @@ void rb_joints_blame(struct rb_world *world, const struct rb_cohort *cohort,
 	}
 }
 
-/* J: of a group at the end of the step. */
+/* Kinetic energy of a group at the end of the step, J. */
 static double kinetic_energy(const struct rb_world *world, const struct rb_island *island)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
@@ -294,8 +295,8 @@ static double kinetic_energy(const struct rb_world *world, const struct rb_islan
 }
 
 /*
- * J: by torques that stiffening stands for. What they take from vibrations under a steady pull is
- * little of the kinetic energy; of a pull by what moves itself it is much of it.
+ * Work of the torques by geometric stiffness, J. Their damping of vibrations under a steady tension
+ * is little of the kinetic energy; where the motion itself causes the tension it is much of it.
  */
 static double stiffening_work(const struct rb_world *world, const struct rb_island *island)
 {
@@ -309,7 +310,7 @@ static double stiffening_work(const struct rb_world *world, const struct rb_isla
 
 		if (!solver->stiff[i])
 			continue;
-		/* as the step began: once something has rebounded the solver does not know it */
+		/* at the beginning of the step: after a rebound the solver has other values */
 		const rb_vec3 before = rb_world_row3(world->mark.spin, i);
 		const rb_vec3 more = rb_vec3_sub(
 			rb_energy_momentum_of(solver, i, &turning).angular,
@@ -319,14 +320,14 @@ static double stiffening_work(const struct rb_world *world, const struct rb_isla
 	return sum;
 }
 
-/* What a group's joints have done, J, and what they may: forces along what they may be off by. */
+/* Work of a group's joints, J, and its limit: forces times the tolerance. */
 struct held {
 	double work, max;
 };
 
 /*
- * Whether a group moves by what shorter steps resolve better: contacts are no hindrance, springs
- * with rows in whole impulses are, as these damp what the step does not resolve.
+ * Whether shorter steps would resolve a group's motion better: contacts do not prevent that,
+ * springs with rows in whole impulses do, as these damp what the step does not resolve.
  */
 static bool is_resolvable(const struct rb_solver *solver, const struct rb_island *island)
 {
@@ -371,7 +372,7 @@ enum rb_status rb_joints_blame_held(struct rb_world *world, double h, struct rb_
 			continue;
 		if (!island->halves)
 			held[g].work += stiffening_work(world, island);
-		/* written so that NaN is left to others */
+		/* written so that NaN is left to other checks */
 		if (!(fabs(held[g].work) > held[g].max) ||
 		    !(fabs(held[g].work) >
 		      held[g].max + held_share * kinetic_energy(world, island)))
@@ -382,9 +383,12 @@ enum rb_status rb_joints_blame_held(struct rb_world *world, double h, struct rb_
 	return RB_OK;
 }
 
-/* ---- what is kept ---- */
+/* ---- keeping a step ---- */
 
-/* Of rows that others make redundant, too, a bend is what was measured, whatever was foreseen. */
+/*
+ * Remembers the nonlinear part of a row: the measured one, also for redundant rows, whatever was
+ * predicted.
+ */
 static void remember_bend(struct rb_step_joint *of, int r, bool slack, double h)
 {
 	struct rb_joint_memory *const last = &of->last;
@@ -411,7 +415,7 @@ static void remember(const struct rb_joint *joint, struct rb_step_joint *of, dou
 	of->last.twist = rb_vec3_scale(1 / h, of->twist);
 }
 
-double rb_joints_way(const struct rb_world *world, int k, double h)
+double rb_joints_coordinate(const struct rb_world *world, int k, double h)
 {
 	const struct rb_step_joint *of = &world->stepped->solver.joint[k];
 
@@ -430,11 +434,11 @@ void rb_joints_keep(struct rb_world *world, const struct rb_cohort *cohort, doub
 
 		if (skip && skip[cohort->body[c.body]])
 			continue;
-		/* of groups that rest the forces are those that they have come to rest with */
+		/* groups at rest keep the forces with which they came to rest */
 		if (of->first_row >= 0 || of->reduced)
 			remember(joint, of, h);
 		world->joint[k].was_set = false;
-		of->last.way = rb_joints_way(world, k, h);
+		of->last.way = rb_joints_coordinate(world, k, h);
 		of->sum[0] = rb_vec3_add_scaled(of->sum[0], h, of->last.reaction);
 		of->sum[1] = rb_vec3_add_scaled(of->sum[1], h, of->last.twist);
 		of->elapsed_s += h;
@@ -448,7 +452,7 @@ void rb_joints_load(const struct rb_stepped *s, int joint, rb_vec3 *reaction, rb
 	*reaction = of->last.reaction;
 	*twist = of->last.twist;
 	if (!(of->elapsed_s > 0))
-		return; /* it stands still: nobody looks at it */
+		return; /* asleep: the values are those of the last step */
 	*reaction = rb_vec3_scale(1 / of->elapsed_s, of->sum[0]);
 	*twist = rb_vec3_scale(1 / of->elapsed_s, of->sum[1]);
 }

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Verdict on a try of a step, in order of cost: values that are not finite, residuals of the
- * solver, bodies that impacts have thrown too far, then overlaps, which are measured only where the
- * rest is good or where other bodies keep the step. An impact shares its verdict between both
- * bodies (blame_both), since taking back one of them would lose momentum.
+ * Verdict on an attempt, in order of cost: values that are not finite, residuals of the solver,
+ * bodies that impacts have moved too far, then overlaps, which are measured only if nothing else
+ * has failed or the remaining bodies can keep the step. Both bodies of an impact share its verdict
+ * (blame_both), since rolling back one of them would lose momentum.
  *
- * Overlap is the last criterion and the only one that is mended rather than judged: the projection
- * moves positions first.
+ * Overlap is the last criterion and the only one that is corrected: the projection moves positions
+ * first.
  */
 #include "stepped/judge.h"
 
@@ -22,22 +22,22 @@
 #include "stepped/sleep.h"
 
 /*
- * Of the time until an impact, where a step ends before it; of a whole step, the shortest part that
- * is cut for one.
+ * A step ends at this share of the time before an impact; the shortest part of a whole step that is
+ * cut for one.
  */
 static const double before_share = 1 - 2e-4, shortest_share = 0x1p-20;
 
-/* ---- a glance at all ---- */
+/* ---- quick check of all bodies ---- */
 
-struct glance {
+struct quick_check {
 	const struct rb_world *world;
 	const struct rb_cohort *cohort;
-	bool wild, thrown; /* somebody is; written by all */
+	bool any_not_finite, any_thrown; /* written by all workers */
 };
 
 /*
- * A body farther from its start than it would have flown without impacts, by more than half its
- * size, may have tunnelled through bodies that are not among its candidates.
+ * Whether a body is farther from its start than without impacts by more than half its size: it may
+ * have tunnelled through bodies that are not among its candidates.
  */
 static inline bool is_thrown(const struct rb_world *world, const struct rb_cohort *cohort, int i)
 {
@@ -48,30 +48,31 @@ static inline bool is_thrown(const struct rb_world *world, const struct rb_cohor
 	return !(rb_vec3_dot(d, d) <= max * max);
 }
 
-/* Of most steps nobody is: then bodies need not be gone through one by one. */
-static void glance_at(void *user, size_t first, size_t end)
+/* In most steps none is bad, and a loop over single bodies is not needed. */
+static void quick_check_bodies(void *user, size_t first, size_t end)
 {
-	struct glance *glance = user;
-	const struct rb_cohort *cohort = glance->cohort;
-	const bool throws = glance->world->broadphase &&
-	                    glance->world->model->rollback != RB_ROLLBACK_NONE;
+	struct quick_check *quick_check = user;
+	const struct rb_cohort *cohort = quick_check->cohort;
+	const bool throws = quick_check->world->broadphase &&
+	                    quick_check->world->model->rollback != RB_ROLLBACK_NONE;
 
 	for (size_t k = first; k < end; k++) {
 		const int i = cohort->body[k];
 
-		glance->world->stepped->bad[i] = 0;
-		if (!rb_verdict_finite(&glance->world->state, i))
-			__atomic_store_n(&glance->wild, true, __ATOMIC_RELAXED);
-		if (throws && (int)k < cohort->member_count && is_thrown(glance->world, cohort, i))
-			__atomic_store_n(&glance->thrown, true, __ATOMIC_RELAXED);
+		quick_check->world->stepped->bad[i] = 0;
+		if (!rb_verdict_finite(&quick_check->world->state, i))
+			__atomic_store_n(&quick_check->any_not_finite, true, __ATOMIC_RELAXED);
+		if (throws && (int)k < cohort->member_count &&
+		    is_thrown(quick_check->world, cohort, i))
+			__atomic_store_n(&quick_check->any_thrown, true, __ATOMIC_RELAXED);
 	}
 }
 
 /* ---- reasons ---- */
 
-/* Bodies with a state that is not finite; the first is kept for the message. */
-static void blame_wild(struct rb_world *world, const struct rb_cohort *cohort,
-                       struct rb_attempt_outcome *outcome)
+/* Blames bodies whose state is not finite; the first is kept for the message. */
+static void blame_not_finite(struct rb_world *world, const struct rb_cohort *cohort,
+                             struct rb_attempt_outcome *outcome)
 {
 	for (int k = 0; k < cohort->body_count; k++) {
 		const int i = cohort->body[k];
@@ -85,8 +86,8 @@ static void blame_wild(struct rb_world *world, const struct rb_cohort *cohort,
 }
 
 /*
- * An island is bad if its residual closes a gap by more than the tolerance in h. With rollback
- * `none` the residual is only recorded.
+ * Blames islands whose residual closes a gap by more than the tolerance in h. With rollback `none`
+ * the residual is only recorded.
  */
 static void blame_residuals(struct rb_world *world, double h, struct rb_attempt_outcome *outcome)
 {
@@ -97,7 +98,7 @@ static void blame_residuals(struct rb_world *world, double h, struct rb_attempt_
 		const struct rb_island *island = &solver->island[g];
 		const double left = h * island->residual;
 
-		/* written so that NaN is not good */
+		/* written so that NaN fails */
 		if (left <= world->model->stepped_tolerance_m ||
 		    world->model->rollback == RB_ROLLBACK_NONE) {
 			outcome->residual = fmax(outcome->residual, left);
@@ -110,8 +111,8 @@ static void blame_residuals(struct rb_world *world, double h, struct rb_attempt_
 }
 
 /*
- * Mechanisms that meet somebody within the step: it is to end just before that, if it is not too
- * short for it.
+ * Blames mechanisms with an impact within the step, which is to end just before it unless that
+ * would be too short.
  */
 static void blame_impacts(struct rb_world *world, double h, struct rb_attempt_outcome *outcome)
 {
@@ -141,7 +142,7 @@ static void blame_thrown(struct rb_world *world, const struct rb_cohort *cohort)
 			rb_stepped_blame(world->stepped, cohort->body[k]);
 }
 
-/* The broadphase needs finite positions, also of bodies that will be taken back. */
+/* Restores bad bodies: the broadphase needs finite positions of these too. */
 static void restore_bad(struct rb_world *world, const struct rb_cohort *cohort)
 {
 	for (int k = 0; k < cohort->body_count; k++)
@@ -149,7 +150,7 @@ static void restore_bad(struct rb_world *world, const struct rb_cohort *cohort)
 			rb_state_copy_rows(&world->state, &world->mark, &cohort->body[k], 1);
 }
 
-/* Who has had an impact with one for which the try is bad: it is bad for both. */
+/* Blames both bodies of an impact if one is bad. */
 static void blame_both(struct rb_stepped *s, const struct rb_world *world,
                        const struct rb_cohort *cohort)
 {
@@ -157,10 +158,10 @@ static void blame_both(struct rb_stepped *s, const struct rb_world *world,
 
 	while (more) {
 		more = false;
-		for (size_t k = 0; k < cohort->hit_count; k++) {
-			const int a = cohort->hit[k].a, b = cohort->hit[k].b;
+		for (size_t k = 0; k < cohort->impact_count; k++) {
+			const int a = cohort->impact[k].a, b = cohort->impact[k].b;
 
-			if (cohort->hit[k].crowded || !rb_stepped_is_dynamic(world, b) ||
+			if (cohort->impact[k].crowded || !rb_stepped_is_dynamic(world, b) ||
 			    s->bad[a] == s->bad[b])
 				continue;
 			rb_stepped_blame(s, a);
@@ -174,18 +175,18 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
                         struct rb_attempt_outcome *outcome, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	struct glance glance = {.world = world, .cohort = cohort};
+	struct quick_check quick_check = {.world = world, .cohort = cohort};
 	struct rb_depths found;
 	enum rb_status status = RB_OK;
 
 	RB_ASSERT(h > 0);
 	*outcome = (struct rb_attempt_outcome){
 		.pair = {-1, -1}, .body = -1, .joint = -1, .clear_s = (double)INFINITY};
-	rb_team_share(world->team, (size_t)cohort->body_count, RB_BODIES_PER_BLOCK, glance_at,
-	              &glance);
+	rb_team_share(world->team, (size_t)cohort->body_count, RB_BODIES_PER_BLOCK,
+	              quick_check_bodies, &quick_check);
 	s->bad_count = 0;
-	if (glance.wild)
-		blame_wild(world, cohort, outcome);
+	if (quick_check.any_not_finite)
+		blame_not_finite(world, cohort, outcome);
 	blame_residuals(world, h, outcome);
 	rb_joints_blame(world, cohort, outcome);
 	if (world->model->rollback != RB_ROLLBACK_NONE && h > shortest_share * s->solver.whole_s) {
@@ -199,7 +200,7 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 	blame_impacts(world, h, outcome);
 	if (!world->broadphase)
 		return RB_OK;
-	if (glance.thrown)
+	if (quick_check.any_thrown)
 		blame_thrown(world, cohort);
 	blame_both(s, world, cohort);
 	if (s->bad_count > 0 && !cohort->divides)
@@ -219,7 +220,7 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 		status = rb_projection_close(world, cohort, &found, err);
 	if (status != RB_OK)
 		return status;
-	rb_joints_blame(world, cohort, outcome); /* what has been closed may have been joined */
+	rb_joints_blame(world, cohort, outcome); /* projection may have moved jointed bodies */
 	blame_both(s, world, cohort);
 	outcome->overlap = found.max;
 	for (size_t k = 0; k < found.deep_count; k++)

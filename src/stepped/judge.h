@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* What has become of a try: for whom it is good, for whom not. */
+/* Verdict on an attempt: for which bodies it is accepted. */
 #ifndef RB_STEPPED_JUDGE_H
 #define RB_STEPPED_JUDGE_H
 
 #include "stepped/stepped_state.h"
 
 /*
- * Marks `bad` bodies of the cohort: not finite, of a group whose residual is too large, thrown too
- * far, or in an overlap that moving positions does not close. In a cohort that divides, rows of bad
- * bodies may have been restored.
+ * Marks `bad` those bodies of the cohort that are not finite, belong to an island whose residual is
+ * too large, moved too far, or keep an overlap that position projection cannot close. In a cohort
+ * that divides, rows of bad bodies may have been restored.
  */
 RB_CHECKED enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double h_s,
                                    struct rb_attempt_outcome *outcome, struct rb_error *err);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Selective rollback: after a try of the whole step that failed for some bodies, groups with a
+ * Selective rollback: after an attempt of the whole step that failed for some bodies, groups with a
  * failed body return to the beginning and take adaptive substeps (halved on failure, doubled on
- * success), the others keep the try. Groups are independent as long as bodies stay in their swept
- * boxes; if one leaves, its box grows, groups are formed again, and only groups that have changed
- * start over. A box at least doubles each time, so this ends.
+ * success), the others keep the attempt. Groups are independent as long as bodies stay in their
+ * swept boxes; if one leaves, its box grows, groups are formed again, and only groups that have
+ * changed start over. A box at least doubles each time, so this ends.
  *
  * Results of finished groups are collected in lists with the body that they belong to, and joined
- * once at the end, sorted by body: the outcome is the same whatever the order in which groups were
+ * once at the end, sorted by body: the outcome does not depend on the order in which groups were
  * run. Compare the time-warp scheme of Mirtich (2000).
  */
 #include "stepped/local_rollback.h"
@@ -31,28 +31,29 @@
 struct rb_local_rollback {
 	struct rb_swept_bounds swept;
 	struct rb_state begin;
-	int *steps; /* owned, by body: that were taken and not taken back */
-	int *body;  /* owned: a group's, with driven ones */
-	struct rb_contacts last, before, kept; /* of a group's last step; of finished groups */
-	struct rb_contacts shown;    /* for the frames: of finished groups, over the whole step */
-	struct rb_mean_forces means; /* of the group under way */
+	int *steps; /* owned, by body: number of steps that were kept */
+	int *body;  /* owned: bodies of the current group, then driven ones */
+	struct rb_contacts last, before,
+		kept;             /* of the group's last two steps; of finished groups */
+	struct rb_contacts shown; /* for frames: of finished groups, averaged over the whole step */
+	struct rb_mean_forces means;      /* of the current group */
 	struct rb_named_impulse *impulse; /* owned: of finished groups */
 	size_t impulse_count, impulse_capacity;
 	struct rb_event_of *event; /* owned: impacts of finished groups */
 	size_t event_count, event_capacity;
-	struct rb_entries entries;  /* for the ledger: of the group under way */
-	struct rb_entries_of *book; /* owned: of finished groups */
-	size_t book_count, book_capacity;
-	bool fresh; /* the group under way has not taken a step yet */
+	struct rb_entries entries;          /* ledger entries of the current group */
+	struct rb_entries_of *ledger_entry; /* owned: of finished groups */
+	size_t ledger_entry_count, ledger_entry_capacity;
+	bool fresh; /* the current group has not taken a step yet */
 };
 
-/* An impact, and a body that yields in it. */
+/* An impact and a dynamic body of it. */
 struct rb_event_of {
 	struct rb_event event;
 	int body;
 };
 
-/* A group's entries of the ledger, and one of its bodies. */
+/* A group's ledger entries and one of its bodies. */
 struct rb_entries_of {
 	struct rb_entries entries;
 	int body;
@@ -99,7 +100,7 @@ void rb_local_rollback_destroy(struct rb_local_rollback *local)
 	rb_contacts_release(&local->shown);
 	rb_memory_free(local->impulse);
 	rb_memory_free(local->event);
-	rb_memory_free(local->book);
+	rb_memory_free(local->ledger_entry);
 	rb_memory_free(local);
 }
 
@@ -119,14 +120,14 @@ size_t rb_local_rollback_body_bytes(const struct rb_model *model)
 
 size_t rb_local_rollback_pair_bytes(void)
 {
-	/* those of the candidates, in order, and by group */
+	/* pairs of the candidates, in order and by group */
 	return 2 * sizeof(struct rb_pair) + sizeof(double);
 }
 
-/* ---- what has been found, and is to be found again ---- */
+/* ---- results, and those to be repeated ---- */
 
 /* Removes results of groups that have changed since they were finished. */
-static void forget_unsettled(struct rb_world *world)
+static void forget_changed(struct rb_world *world)
 {
 	struct rb_local_rollback *local = world->stepped->local;
 	size_t impulses = 0, events = 0, books = 0;
@@ -139,10 +140,10 @@ static void forget_unsettled(struct rb_world *world)
 	for (size_t k = 0; k < local->event_count; k++)
 		if (local->swept.finished[local->event[k].body])
 			local->event[events++] = local->event[k];
-	for (size_t k = 0; k < local->book_count; k++)
-		if (local->swept.finished[local->book[k].body])
-			local->book[books++] = local->book[k];
-	local->book_count = books;
+	for (size_t k = 0; k < local->ledger_entry_count; k++)
+		if (local->swept.finished[local->ledger_entry[k].body])
+			local->ledger_entry[books++] = local->ledger_entry[k];
+	local->ledger_entry_count = books;
 	local->impulse_count = impulses;
 	local->event_count = events;
 }
@@ -179,7 +180,7 @@ static void mark_bodies(struct rb_world *world)
 
 /* ---- one group ---- */
 
-/* The part-cohort becomes the group's bodies, the driven ones, and the group's pairs. */
+/* Sets the cohort `part` to the group's bodies, the driven ones, and the group's pairs. */
 static void cohort_of(struct rb_world *world, const struct rb_swept_group *group)
 {
 	struct rb_stepped *s = world->stepped;
@@ -188,14 +189,14 @@ static void cohort_of(struct rb_world *world, const struct rb_swept_group *group
 	memcpy(local->body, local->swept.member + group->first, (size_t)group->count * sizeof(int));
 	memcpy(local->body + group->count, s->body + s->member_count,
 	       (size_t)s->driven_count * sizeof(int));
-	rb_swept_bounds_show(&local->swept, group->pair, group->pair_count);
+	rb_swept_bounds_restrict(&local->swept, group->pair, group->pair_count);
 	s->part.body = local->body;
 	s->part.member_count = group->count;
 	s->part.body_count = group->count + s->driven_count;
 	s->part.candidates = &local->swept.candidates;
 }
 
-/* Keeps a good substep: counts, events, ledger, contacts, warm-start impulses. */
+/* Keeps an accepted substep: counts, events, ledger, contacts, warm-start impulses. */
 static enum rb_status keep_step(struct rb_world *world, double time, double h,
                                 const struct rb_attempt_outcome *outcome, struct rb_error *err)
 {
@@ -204,7 +205,7 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 	struct rb_cohort *part = &s->part;
 	struct rb_counts *counts = &world->frame_counts;
 	const struct rb_contacts swapped = local->before;
-	/* before the group's first step those of all: it has none of its own */
+	/* before the group's first step, the contacts of the world */
 	const struct rb_contacts *before = local->fresh ? &world->contacts : &local->last;
 
 	RB_ASSERT(h > 0 && outcome->residual >= 0);
@@ -253,7 +254,7 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 	return status;
 }
 
-/* The bodies and their impulses as they were before the step. */
+/* Restores the group's bodies and impulses to the beginning of the step. */
 static enum rb_status begin_group(struct rb_world *world, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
@@ -274,9 +275,11 @@ static enum rb_status begin_group(struct rb_world *world, struct rb_error *err)
 	return RB_OK;
 }
 
-/* The group has reached the end of the step: its results join those of finished groups. */
-static enum rb_status resolve(struct rb_world *world, struct rb_swept_group *group, double dt,
-                              struct rb_error *err)
+/*
+ * Appends the results of a group that has reached the end of the step to those of finished groups.
+ */
+static enum rb_status finish_group(struct rb_world *world, struct rb_swept_group *group, double dt,
+                                   struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_local_rollback *local = s->local;
@@ -296,10 +299,10 @@ static enum rb_status resolve(struct rb_world *world, struct rb_swept_group *gro
 	if (status != RB_OK)
 		return status;
 	if (s->tally) {
-		if (!rb_memory_reserve(&local->book, &local->book_capacity, local->book_count + 1,
-		                       sizeof *local->book))
+		if (!rb_memory_reserve(&local->ledger_entry, &local->ledger_entry_capacity,
+		                       local->ledger_entry_count + 1, sizeof *local->ledger_entry))
 			return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the ledger of a step");
-		local->book[local->book_count++] = (struct rb_entries_of){
+		local->ledger_entry[local->ledger_entry_count++] = (struct rb_entries_of){
 			local->entries, local->swept.member[group->first]};
 	}
 	group->finished = true;
@@ -362,9 +365,7 @@ static bool is_separate(struct rb_world *world, struct rb_swept_group *group,
 	*status = rb_swept_bounds_form(&local->swept, world, err);
 	if (*status != RB_OK)
 		return false;
-	/*
-	 * nobody else's territory has changed: if it has met none, all groups are those of before
-	 */
+	/* no other box has changed: if this one overlaps none, all groups are as before */
 	if (local->swept.group[local->swept.group_of[first]].count != count)
 		return false;
 	cohort_of(world, &local->swept.group[local->swept.group_of[first]]);
@@ -372,7 +373,7 @@ static bool is_separate(struct rb_world *world, struct rb_swept_group *group,
 }
 
 /* Restores the beginning of the current substep. */
-static void take_back(struct rb_world *world)
+static void restore_substep(struct rb_world *world)
 {
 	struct rb_stepped *s = world->stepped;
 	const struct rb_cohort *part = &s->part;
@@ -383,12 +384,12 @@ static void take_back(struct rb_world *world)
 }
 
 /*
- * Adaptive substeps of one group over dt. `*left`: a body has left its box and the group has met
- * another; it has to start over.
+ * Takes adaptive substeps of one group over dt. `*left`: a body has left its box and the group has
+ * met another; it must start over.
  *
- * Attraction gives its impulse of the whole step as that begins, as it does to the others
- * (symplectic Euler): what two bodies give each other is then opposite and along one line, whoever
- * takes substeps, which keeps the motion of the centre of mass and the angular momentum.
+ * The gravitation impulse of the whole step is given at its beginning, as for the other bodies
+ * (symplectic Euler): the impulses of two bodies on each other are then opposite and collinear,
+ * whichever takes substeps, which conserves linear and angular momentum.
  */
 static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *group, double start,
                                 double dt, bool *left, struct rb_error *err)
@@ -415,7 +416,7 @@ static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *g
 		if (status != RB_OK)
 			break;
 		if (s->bad_count > 0) {
-			take_back(world);
+			restore_substep(world);
 			world->frame_counts.rollbacks++;
 			if (rb_halvings_end(halvings++, h, dt))
 				return rb_local_rollback_give_up(world, start + done, &outcome,
@@ -424,7 +425,7 @@ static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *g
 			continue;
 		}
 		if (rb_swept_bounds_left(&s->local->swept, world, part, dt - done - h)) {
-			take_back(world);
+			restore_substep(world);
 			*left = !is_separate(world, group, &status, err);
 			if (*left)
 				return status;
@@ -435,12 +436,12 @@ static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *g
 		h = rb_next_part(2 * h, dt - done, dt);
 		halvings = 0;
 	}
-	return status == RB_OK ? resolve(world, group, dt, err) : status;
+	return status == RB_OK ? finish_group(world, group, dt, err) : status;
 }
 
 /* ---- the step ---- */
 
-/* Runs all failed groups, again after each regrouping. */
+/* Runs all failed groups, and again after each regrouping. */
 static enum rb_status run_groups(struct rb_world *world, double start, double dt,
                                  struct rb_error *err)
 {
@@ -455,7 +456,7 @@ static enum rb_status run_groups(struct rb_world *world, double start, double dt
 		if (status != RB_OK)
 			break;
 		mark_bodies(world);
-		forget_unsettled(world);
+		forget_changed(world);
 		for (size_t g = 0; g < local->swept.group_count && status == RB_OK; g++) {
 			const size_t events = local->event_count;
 			bool left = false;
@@ -480,7 +481,8 @@ static enum rb_status show_contacts(struct rb_world *world, double dt,
 	world->shown.count = 0;
 	enum rb_status status = rb_contacts_join(&world->shown, whole, err);
 	if (status == RB_OK)
-		status = rb_record_passed(&s->all, dt, s->local->swept.failed, &world->shown, err);
+		status = rb_record_transmitted(&s->all, dt, s->local->swept.failed, &world->shown,
+		                               err);
 	if (status == RB_OK)
 		status = rb_contacts_join(&world->shown, &s->local->shown, err);
 	rb_contacts_sort(&world->shown);
@@ -520,8 +522,8 @@ static void enter_all(struct rb_world *world, double start, double dt)
 		world, &world->stepped->all, &local->begin, start, dt, local->swept.failed);
 
 	rb_ledger_enter(&world->ledger, &whole);
-	for (size_t k = 0; k < local->book_count; k++)
-		rb_ledger_enter(&world->ledger, &local->book[k].entries);
+	for (size_t k = 0; k < local->ledger_entry_count; k++)
+		rb_ledger_enter(&world->ledger, &local->ledger_entry[k].entries);
 }
 
 /* Warm-start impulses of both kinds, sorted by body. */
@@ -595,25 +597,25 @@ static enum rb_status count_steps(struct rb_world *world, double dt,
 	struct rb_counts *counts = &world->frame_counts;
 	struct rb_depths found = {0};
 	enum rb_status status = RB_OK;
-	bool some = false;
+	bool any_whole = false;
 
 	for (int k = 0; k < s->member_count; k++)
 		counts->body_steps += (uint64_t)local->steps[s->body[k]];
 	for (size_t g = 0; g < local->swept.group_count; g++) {
 		const struct rb_swept_group *group = &local->swept.group[g];
 
-		some = some || !group->failed;
+		any_whole = any_whole || !group->failed;
 		if (group->failed)
 			counts->substeps += (uint64_t)
 			                            local->steps[local->swept.member[group->first]];
 	}
-	if (!some)
+	if (!any_whole)
 		return RB_OK;
 	counts->substeps++;
 	counts->smallest_step_s = fmin(counts->smallest_step_s, dt);
 	counts->residual_m = fmax(counts->residual_m, outcome->residual);
 	counts->slip_m = fmax(counts->slip_m, outcome->slip);
-	rb_swept_bounds_show(&local->swept, 0, local->swept.pair_count);
+	rb_swept_bounds_restrict(&local->swept, 0, local->swept.pair_count);
 	rb_candidates_place(&local->swept.candidates, world, s->body, world->model->body_count);
 	if (world->broadphase)
 		status = rb_depths_find(world, &local->swept.candidates, local->swept.failed, NULL,
@@ -658,7 +660,7 @@ enum rb_status rb_local_rollback_step(struct rb_world *world, double start, doub
 		local->steps[i] = 1;
 	}
 	local->kept.count = local->shown.count = local->impulse_count = local->event_count =
-		local->book_count = 0;
+		local->ledger_entry_count = 0;
 	if (!rb_candidates_keep(&s->candidates))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs",
 		                 s->candidates.pair_count);

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A step that has failed for some bodies: these are taken back and go on in shorter steps, the
+ * Local rollback: when a step has failed for some bodies, these go back and take shorter steps, the
  * others keep theirs.
  *
- * Each body has a territory for the step: the box of the way that it would fly, or has flown if all
- * was well with it, and an eighth of its size to all sides. Bodies of which the territories meet,
- * or that a spring joins, are a group; groups cannot touch each other. A group in which something
- * has failed goes back as a whole. Should somebody leave the territory, it grows, groups are formed
- * anew, and those that have changed begin the step again. What becomes of a group depends on
- * nothing but the group.
+ * Each body has a box for the step that its origin should not leave (swept bounds): the bounding
+ * box of its path in the attempt, or of its free path if the attempt failed for it, padded by an
+ * eighth of its size. Bodies whose boxes overlap, or that a spring or joint connects, form a group;
+ * groups cannot touch each other. A group with a failed body goes back as a whole. If a body leaves
+ * its box, the box grows, groups are formed again, and those that have changed begin the step
+ * again. The result of a group depends on nothing but the group.
  */
 #ifndef RB_STEPPED_LOCAL_ROLLBACK_H
 #define RB_STEPPED_LOCAL_ROLLBACK_H
@@ -18,9 +18,10 @@
 #include "stepped/stepped_state.h"
 
 /*
- * From a try over the whole of dt_s that was good for some (rb_stepped's `bad`; reaches of
- * `all.candidates` are the try's) to the end of the step, with contacts, impulses and counts;
- * impacts are told, not handed on. After RB_ERR_PHYSICS the state is that of the beginning.
+ * Completes a step after an attempt over the whole of dt_s that succeeded for some bodies
+ * (rb_stepped's `bad`; reaches of `all.candidates` are the attempt's), with contacts, impulses and
+ * counts; impacts are collected in rb_stepped's `reported`. After RB_ERR_PHYSICS the state is that
+ * of the beginning.
  */
 RB_CHECKED enum rb_status rb_local_rollback_step(struct rb_world *world, double start_s,
                                                  double dt_s,
@@ -28,21 +29,21 @@ RB_CHECKED enum rb_status rb_local_rollback_step(struct rb_world *world, double 
                                                  struct rb_error *err);
 void rb_local_rollback_destroy(struct rb_local_rollback *local); /* NULL is fine */
 
-/* Bytes that it takes for a body, and for a candidate pair, beside contacts. */
+/* Memory per body and per candidate pair, except for contacts, bytes. */
 size_t rb_local_rollback_body_bytes(const struct rb_model *model);
 size_t rb_local_rollback_pair_bytes(void);
 
-/* Why no step is short enough. */
+/* Fails with the reason why no step was short enough. */
 enum rb_status rb_local_rollback_give_up(const struct rb_world *world, double start_s,
                                          const struct rb_attempt_outcome *outcome,
                                          struct rb_error *err);
 
-/* Halvings of a step before it is given up: in a row, and of the whole step. */
+/* Limit of halvings of a step: in a row, and below the whole step. */
 enum { RB_HALVINGS_MAX = 24, RB_HALVINGS_IN_ALL = 32 };
 
 /*
- * Is a part of dt_s that has failed, after so many halvings in a row, not to be halved again? Parts
- * that hold now and then in between come to no end where nothing holds beyond a moment.
+ * Whether a failed part of dt_s is not halved again, after `in_a_row` halvings in a row. The second
+ * limit ends steps in which short parts succeed now and then but nothing longer.
  */
 static inline bool rb_halvings_end(int in_a_row, double h_s, double dt_s)
 {
@@ -50,8 +51,8 @@ static inline bool rb_halvings_end(int in_a_row, double h_s, double dt_s)
 }
 
 /*
- * s: the next part of dt_s, of which left_s are left. A rest too short to be tried is no part of
- * its own: sums of parts are rounded, and what is known per time from such a rest is noise.
+ * Length of the next part of dt_s, of which left_s remain, s. A remainder too short for an attempt
+ * is merged: sums of parts are rounded, and quantities per time from such a remainder are noise.
  */
 static inline double rb_next_part(double h_s, double left_s, double dt_s)
 {

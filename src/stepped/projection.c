@@ -13,32 +13,35 @@
 #include "stepped/projection_energy.h"
 #include "world/joint_state.h"
 
-/* Rounds; and by how many of the deepest overlaps a body may be moved, as one pushes the next. */
+/*
+ * Limit of rounds; limit of a body's displacement in deepest overlaps, as one body pushes the next.
+ */
 enum { CLOSINGS_MAX = 12, CHAIN_MAX = 16 };
 /*
- * From body to body, how far from what overlaps others give way in the first round; in each further
- * round twice as far. Most overlaps are closed by few, and a heap is one group.
+ * Contacts, counted from an overlap, across which bodies may move in the first round; twice as many
+ * in each further one. Most overlaps are closed by few bodies, and a heap is one group.
  */
 enum { FIRST_WAVES = 2 };
 
 /*
- * Overlap after a step that moving positions is for, over the smallest size, and of what turns,
- * over its bend: what is deeper is looked at again, and taken back where twice as much is left.
+ * Overlap that is closed by moving positions, as a share of the smallest size, plus multiples of
+ * the bend of rotating bodies. A deeper one is relinearized, and the step rejected where twice as
+ * much is left.
  */
 static const double closable_share = 0.02, closable_bends = 2, lost_ratio = 2;
-/* What spin does not pay for is looked at in shorter steps, down to this part of the whole one. */
+/* If spin cannot pay for the lift, the step is shortened, down to this part of the whole one. */
 static const double paying_parts = 8;
 /*
- * A turn within a step whose bend is closed at most: a quarter of a radian, of which the bend is a
- * thirty-second.
+ * Largest rotation in a step whose bend may be closed, rad: the bend is a thirty-second of the
+ * radius.
  */
 static const double bend_turn_max = 0.25;
 
-/* ---- how much ---- */
+/* ---- limits ---- */
 
 /*
- * m: how far points of a body that turns are off the straight ways that contacts were solved for, r
- * (w h)^2 / 2.
+ * Bend: distance of the points of a rotating body from the straight paths of the linear model, r (w
+ * h)^2 / 2, m.
  */
 static double bend_of(const struct rb_world *world, int i, double h)
 {
@@ -56,46 +59,50 @@ double rb_projection_max(const struct rb_world *world, const struct rb_deep *dee
 	       closable_bends * (bend_of(world, deep->a, h) + bend_of(world, deep->b, h));
 }
 
-double rb_projection_lost(const struct rb_world *world, const struct rb_deep *deep, double h)
+double rb_projection_reject_depth(const struct rb_world *world, const struct rb_deep *deep,
+                                  double h)
 {
 	return lost_ratio * rb_projection_max(world, deep, h);
 }
 
 enum { PAIRS_PER_BLOCK = 1024, BODIES_PER_BLOCK = 64 };
 
-/* Places of a pair's bodies among those that could be moved; -1: it does not yield. */
+/* Positions of a pair's bodies in search.body; -1: not dynamic. */
 struct ends {
 	int a, b;
 };
 
-/* What is looked for from what overlaps, from body to body. All in the arena. */
+/* Breadth-first search from overlaps over candidate pairs. All in the arena. */
 struct search {
 	struct rb_world *world;
 	struct rb_cohort *cohort;
-	const int *body; /* that could be moved: those of the cohort, and what stands */
+	const int *body; /* bodies that could be moved: those of the cohort, and sleeping ones */
 	int count;
-	uint32_t *first, *of; /* by body, its candidates: `of` from first[i] up to the next one's */
-	int *place;           /* by body: in `body` */
-	struct ends *ends;    /* by pair, while these are indexed */
-	unsigned char *seen;  /* by body: its candidates have been looked at */
-	double *depth;        /* m, by body that is: the overlap that it has been seen from */
-	unsigned char *moved; /* by body: in the round before */
-	int *parent;          /* by body: groups as far as they are known */
-	unsigned char *lost;  /* by group: somebody in it is bad */
-	unsigned char *inspected;    /* by pair */
-	unsigned char *anchored;     /* by body: something static is in its group of the solution */
-	unsigned char *frozen;       /* by body: gives no way in this round */
-	unsigned char *astray;       /* by group of the solver: it stays where it is */
-	struct rb_solver_body *kept; /* what the solver has of those */
+	uint32_t *first,
+		*of; /* by body: its candidate pairs are of[first[i]] to of[first[i + 1] - 1] */
+	int *place;  /* by body: index in `body` */
+	struct ends *ends;    /* by pair, while pairs are indexed */
+	unsigned char *seen;  /* by body: reached by the search */
+	double *depth;        /* m, by reached body: largest overlap from which it was reached */
+	unsigned char *moved; /* by body: moved in the last round */
+	int *parent;          /* by body: union-find forest of groups */
+	unsigned char *lost;  /* by group: contains a bad body */
+	unsigned char *inspected;    /* by pair: visited */
+	unsigned char *anchored;     /* by body: its group of the solution contains a static body */
+	unsigned char *frozen;       /* by body: treated as static in this round */
+	unsigned char *astray;       /* by island: moved too far, so it is not moved */
+	struct rb_solver_body *kept; /* by body: the solver's copy of a frozen body */
 	int waves, waves_max;
-	int *wave, *active,
-		*at_rest;       /* bodies: to look from; seen ones; without their velocities */
-	unsigned char *stopped; /* by body: it is without its velocity */
-	uint32_t *pair;         /* to be looked at */
+	int *wave;              /* bodies from which the search continues */
+	int *active;            /* bodies reached and not frozen */
+	int *at_rest;           /* bodies whose velocity is saved and cleared */
+	unsigned char *stopped; /* by body: is in at_rest */
+	uint32_t *pair;         /* to be inspected */
 	int wave_count, active_count, resting_count;
 	struct rb_projection_energy lift;
-	struct rb_end_points carried; /* points for pairs that are not to be looked at */
-	uint32_t *carried_pair;       /* those of a wave */
+	/* the step's points, carried to its end, of pairs that need no inspection */
+	struct rb_end_points carried;
+	uint32_t *carried_pair; /* pairs of a wave with carried points */
 	size_t carried_count;
 	bool again; /* not the first round */
 };
@@ -187,7 +194,7 @@ static enum rb_status index_pairs(struct search *search, struct rb_error *err)
 	return RB_OK;
 }
 
-/* ---- velocities, which are ways while positions are moved ---- */
+/* velocities: displacements while positions are moved */
 
 static void clear_velocity(struct rb_world *world, int i)
 {
@@ -199,7 +206,7 @@ static void clear_velocity(struct rb_world *world, int i)
 static void take_velocity(struct search *search, int i)
 {
 	struct rb_world *world = search->world;
-	double *const aside = world->stepped->aside;
+	double *const aside = world->stepped->saved_velocity;
 
 	if (i >= world->model->body_count || search->stopped[i])
 		return;
@@ -209,7 +216,7 @@ static void take_velocity(struct search *search, int i)
 	if (world->state.spin)
 		rb_vec3_to(aside + 6 * (size_t)i + 3, rb_world_row3(world->state.spin, i));
 	clear_velocity(world, i);
-	/* whoever has been found before is seen as without its turn since then */
+	/* a body found in an earlier round: its reach is again that without rotation */
 	if (search->again)
 		rb_candidates_turn(search->cohort->candidates, world, i);
 }
@@ -217,7 +224,7 @@ static void take_velocity(struct search *search, int i)
 static void give_velocities(const struct search *search)
 {
 	struct rb_world *world = search->world;
-	const double *aside = world->stepped->aside;
+	const double *aside = world->stepped->saved_velocity;
 
 	for (int k = 0; k < search->resting_count; k++) {
 		const int i = search->at_rest[k];
@@ -230,7 +237,7 @@ static void give_velocities(const struct search *search)
 	}
 }
 
-/* ---- which groups ---- */
+/* ---- groups ---- */
 
 static void inspect_from(struct search *search, int i, double depth)
 {
@@ -253,7 +260,7 @@ static void join_groups(struct search *search, int a, int b)
 	search->lost[a > b ? b : a] = lost;
 }
 
-/* m: the larger overlap that two bodies have been seen from. */
+/* The larger overlap from which two bodies were reached, m. */
 static double depth_from(const struct search *search, int a, int b)
 {
 	const bool has_b = rb_stepped_is_dynamic(search->world, b) && search->seen[b];
@@ -272,14 +279,14 @@ static void join(struct search *search, const struct rb_step_point *point)
 }
 
 /*
- * What nothing holds keeps its centre of mass, so all of it gives way; nor are joints parted. The
- * groups are those of the solution.
+ * Finds bodies whose group, as in the solution, touches a static or driven body. A free group keeps
+ * its centre of mass, so all of it must be movable; nor are joints separated.
  */
 static void find_anchored(struct search *search)
 {
 	const struct rb_step_points *points = &search->cohort->points;
 	const struct rb_world *world = search->world;
-	unsigned char *const holds = search->frozen; /* by the first of a group */
+	unsigned char *const holds = search->frozen; /* scratch, by root of a group */
 
 	for (int k = 0; k < search->count; k++)
 		holds[search->body[k]] = search->anchored[search->body[k]] = 0;
@@ -291,7 +298,10 @@ static void find_anchored(struct search *search)
 			holds[rb_forest_root(search->lift.parent, search->body[k])];
 }
 
-/* Groups with somebody who is bad are not moved: what overlaps with one need not be looked from. */
+/*
+ * Begins a round from deep overlaps. Groups with a bad body are not moved: overlaps with it are not
+ * searched from.
+ */
 static void begin_round(struct search *search, const struct rb_depths *found)
 {
 	const unsigned char *bad = search->world->stepped->bad;
@@ -321,7 +331,7 @@ static void begin_round(struct search *search, const struct rb_depths *found)
 	}
 }
 
-/* Whoever is joined to a body moves with it, whether it has candidates or not. */
+/* Adds jointed bodies, which move together, whether they are candidates or not. */
 static void inspect_joined(struct search *search, int i)
 {
 	const struct rb_joints *joints = search->world->model->joints;
@@ -340,8 +350,8 @@ static void inspect_joined(struct search *search, int i)
 }
 
 /*
- * Candidates of the bodies of the wave that have not been looked at, but for groups that are lost:
- * those to be looked at now, and those with points that are carried.
+ * Collects candidate pairs of the wave's bodies that have not been visited, except in lost groups:
+ * pairs to inspect, and pairs with carried points. Returns the number of the former.
  */
 static size_t next_pairs(struct search *search)
 {
@@ -349,7 +359,7 @@ static size_t next_pairs(struct search *search)
 	size_t count = 0;
 
 	search->carried_count = 0;
-	/* the wave grows on the way */
+	/* the wave grows during the loop */
 	for (int k = 0; search->world->model->joints && k < search->wave_count; k++)
 		inspect_joined(search, search->wave[k]);
 	for (int k = 0; k < search->wave_count; k++) {
@@ -361,7 +371,7 @@ static size_t next_pairs(struct search *search)
 			search->frozen[search->wave[k]] = 1;
 			continue;
 		}
-		take_velocity(search, search->wave[k]); /* it may be moved */
+		take_velocity(search, search->wave[k]);
 		for (uint32_t at = search->first[place]; at < search->first[place + 1]; at++) {
 			const uint32_t pair = search->of[at];
 
@@ -385,8 +395,8 @@ static size_t next_pairs(struct search *search)
 }
 
 /*
- * Those near enough for what the overlap that they are seen from may move: one that is missing is
- * looked at in the next round. False: no memory.
+ * Adds carried points near enough for the displacement that the overlap may cause; one that is
+ * missed is found in the next round. False: no memory.
  */
 static bool add_carried(struct search *search)
 {
@@ -405,8 +415,8 @@ static bool add_carried(struct search *search)
 }
 
 /*
- * Points of all groups in which something overlaps, in order of pairs, and their bodies: from
- * those, wave by wave.
+ * Finds the points of all groups with an overlap, in order of pairs, and their bodies, wave by
+ * wave.
  */
 static enum rb_status find_points(struct search *search, const struct rb_depths *found, double max,
                                   struct rb_error *err)
@@ -441,7 +451,7 @@ static enum rb_status find_points(struct search *search, const struct rb_depths 
 	return status == RB_OK ? rb_step_points_sort(points, &world->arena[0], err) : status;
 }
 
-/* Joints have rows without points: bodies of the other groups are left out altogether. */
+/* Leaves out bodies of other groups, since joints have rows without points. */
 static void keep_joined(struct search *search)
 {
 	int kept = 0;
@@ -455,10 +465,7 @@ static void keep_joined(struct search *search)
 	search->active_count = kept;
 }
 
-/*
- * Of all points those of groups that overlap and in which nobody is bad: the others are as they
- * should be, or lost.
- */
+/* Keeps the points of groups that overlap and have no bad body: others are admissible or lost. */
 static void keep_points(struct search *search, const struct rb_depths *found)
 {
 	struct rb_step_points *points = &search->world->stepped->closing;
@@ -481,7 +488,7 @@ static void keep_points(struct search *search, const struct rb_depths *found)
 
 /* ---- moving ---- */
 
-/* Those that give no way are as static ones to the solver. */
+/* Makes frozen bodies static for the solver. */
 static void freeze(struct search *search)
 {
 	struct rb_solver *const solver = &search->world->stepped->solver;
@@ -507,8 +514,8 @@ static void thaw(struct search *search)
 }
 
 /*
- * Groups that would go farther than points were looked for, m: nobody has seen what they meet
- * there. Where friction or rounding wedges a group, sweeps may end as far off as that.
+ * Finds groups that would move farther than the distance within which points were searched, m:
+ * contacts there are unknown. Where friction or rounding wedges a group, sweeps may end as far off.
  */
 static void find_astray(struct search *search, double max)
 {
@@ -528,7 +535,7 @@ static void find_astray(struct search *search, double max)
 		                   rb_vec3_length(body->angular) *
 		                           rb_candidates_size(world->model, i);
 
-		/* written so that NaN is far */
+		/* written so that NaN counts as far */
 		if (way <= max)
 			continue;
 		search->astray[solver->island_of[i]] = 1;
@@ -539,7 +546,7 @@ static void find_astray(struct search *search, double max)
 			points->row[k].normal_impulse = 0;
 }
 
-/* Moves positions by what the solver's velocities have become: of each body its own. */
+/* Moves the active bodies by the solver's velocities, which are displacements. */
 static void shift(void *user, size_t first, size_t end)
 {
 	struct search *search = user;
@@ -582,13 +589,13 @@ static void lift_joined(struct search *search, int i)
 		const struct rb_joint *joint = &model->joints->joint[k];
 		const int other = joint->a == i ? joint->b : joint->a;
 
-		/* the world stands still */
+		/* the world is static */
 		rb_projection_energy_join(&search->lift, search->world, i,
 		                          other < 0 ? model->body_count : other);
 	}
 }
 
-/* Whoever gives no way holds the others, as what is static does. */
+/* Joins groups for the energy of the lift. A frozen body acts as a static one. */
 static void join_lift(struct search *search, int a, int b)
 {
 	rb_projection_energy_join(&search->lift, search->world, a, b);
@@ -597,17 +604,17 @@ static void join_lift(struct search *search, int a, int b)
 		                          search->world->model->body_count);
 }
 
-/* Positions are moved without friction. */
+/* Material of projection: no friction. */
 static const struct rb_pair_material smooth = {0};
 
-/* Groups are solved on their own: nobody else is asked about. */
+/* One round: finds points, solves the groups concerned, moves their bodies. */
 static enum rb_status close_once(struct search *search, const struct rb_depths *found,
                                  struct rb_error *err)
 {
 	struct rb_world *world = search->world;
 	struct rb_stepped *s = world->stepped;
 
-	/* parts stand where their overlaps were found */
+	/* parts are placed at the poses at which overlaps were measured */
 	const double max = CHAIN_MAX * deepest(found) + world->model->stepped_tolerance_m;
 	enum rb_status status = find_points(search, found, max, err);
 	if (status == RB_OK)
@@ -618,7 +625,7 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 	}
 	for (int k = 0; status == RB_OK && k < search->active_count; k++)
 		lift_joined(search, search->active[k]);
-	/* driven bodies have no velocity either */
+	/* driven bodies have no displacement either */
 	for (int k = 0; k < s->driven_count; k++) {
 		take_velocity(search, s->body[s->member_count + k]);
 		search->active[search->active_count + k] = s->body[s->member_count + k];
@@ -635,7 +642,7 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 		              search);
 	}
 	thaw(search);
-	/* ways in m and rad are no velocities: what is looked at next must not take them so */
+	/* displacements are no velocities: clear them before the next measurement */
 	for (int k = 0; k < search->resting_count; k++)
 		clear_velocity(world, search->at_rest[k]);
 	s->solver.active = search->cohort->body;
@@ -643,7 +650,7 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 	return status;
 }
 
-/* Of those that have been moved; parts of the others stand where they did. */
+/* Measures overlaps of moved bodies; the parts of others are still in place. */
 static enum rb_status find_depths_again(struct search *search, struct rb_depths *found,
                                         struct rb_error *err)
 {
@@ -667,14 +674,15 @@ static void blame(struct rb_world *world, const struct rb_deep *deep)
 		rb_stepped_blame(world->stepped, deep->b);
 }
 
-/* Nothing but shorter steps will do. */
+/* Blames overlaps that only shorter steps can avoid. */
 static void blame_unclosable(struct rb_world *world, const struct rb_cohort *cohort,
                              const struct rb_depths *found)
 {
 	for (size_t k = 0; k < found->deep_count; k++) {
 		const struct rb_deep *deep = &found->deep[k];
 
-		if (!(deep->depth <= rb_projection_lost(world, deep, cohort->candidates->h_s)))
+		if (!(deep->depth <=
+		      rb_projection_reject_depth(world, deep, cohort->candidates->h_s)))
 			blame(world, deep);
 	}
 }
@@ -733,7 +741,7 @@ enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *coh
 		status = close_once(&search, &last, err);
 		search.again = true;
 		search.waves_max *= 2;
-		/* nothing moves: all that overlap are with somebody who is bad */
+		/* nothing to move: each overlapping group has a bad body */
 		if (status == RB_OK && s->closing.count == 0)
 			break;
 		world->frame_counts.closings++;
@@ -745,15 +753,15 @@ enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *coh
 		status = rb_projection_energy_pay(
 			&search.lift, world,
 			paying_parts * cohort->candidates->h_s <= s->solver.whole_s, err);
-	if (status == RB_OK && search.lift.owes)
-		status = rb_projection_impulses(world, cohort, search.lift.owed, err);
+	if (status == RB_OK && search.lift.has_momentum_change)
+		status = rb_projection_impulses(world, cohort, search.lift.momentum_change, err);
 	for (size_t k = 0; k < last.deep_count; k++)
 		blame(world, &last.deep[k]);
 	if (last.deep_count > 0 || s->bad_count == 0)
 		*found = last;
 	else
 		found->max = fmax(found->max, last.max);
-	if (found->deep_count == 0) /* none in the arena, which the records of the step go on in */
+	if (found->deep_count == 0) /* `found` then holds nothing in the arena */
 		rb_arena_back(&world->arena[0], here);
 	return status;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Overlap that linearization has left, closed by moving positions only: groups that overlap, each
- * until it does not, by a step of length 1 s from rest (constraint/row). Contacts of the located
- * method are put right otherwise (located/drift): they are held from both sides.
+ * Position projection: overlap left by linearization is closed by moving positions only. Groups
+ * that overlap are solved as by a step of 1 s from rest (constraint/row), until none overlaps.
+ * Contacts of the located method are bilateral and corrected by located/drift.
  */
 #ifndef RB_STEPPED_PROJECTION_H
 #define RB_STEPPED_PROJECTION_H
@@ -11,18 +11,19 @@
 #include "stepped/stepped_state.h"
 
 /*
- * Overlaps of the cohort's candidates among bodies that are not bad; those that do not close are
- * blamed. What is left stands in `found`. Once one is blamed in a cohort that does not divide,
+ * Overlaps of the cohort's candidates, without those of bad bodies; those that cannot be closed are
+ * blamed. `found` gets what is left. Once a body is blamed in a cohort that does not divide,
  * nothing more is moved.
  */
 RB_CHECKED enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *cohort,
                                               struct rb_depths *found, struct rb_error *err);
 
 /*
- * m: what moving positions is for; a deeper overlap is looked at again, stepped/relinearize. And
- * what is too deep for it: the try is bad.
+ * m: deepest overlap that the projection may close, beyond which the step is relinearized
+ * (stepped/relinearize); and the depth beyond which the attempt is rejected.
  */
 double rb_projection_max(const struct rb_world *world, const struct rb_deep *deep, double h);
-double rb_projection_lost(const struct rb_world *world, const struct rb_deep *deep, double h);
+double rb_projection_reject_depth(const struct rb_world *world, const struct rb_deep *deep,
+                                  double h);
 
 #endif

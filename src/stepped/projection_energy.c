@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Energy balance of closing overlaps by moving positions. Moving a body against gravity adds
- * potential energy that no contact force has given; it is taken back from kinetic energy of the
- * same group, in the order of rb_projection_energy_pay: spin about the contacts, motion along the
- * directions of closing, all motion. A body whose group cannot pay is marked bad, and the step is
- * halved.
+ * Energy balance of position projection. Moving a body against gravity adds potential energy that
+ * no contact force has given; it is taken from the kinetic energy of the same group, in the order
+ * of rb_projection_energy_pay: spin about the contacts, motion along the displacements of the
+ * projection, all motion. A body whose group cannot pay is marked bad, and the step is halved.
  *
- * Sums are kept per group at its root (union-find of islands, joined where closing connects them).
- * For a change of velocities by -s d the kinetic energy changes by -s <v, d>_M + s^2 <d, d>_M / 2;
- * `share_of` solves that for s.
+ * Sums are kept per group at its root (union-find of islands, joined where projection connects
+ * them). For a change of velocities by -s d the kinetic energy changes by -s <v, d>_M + s^2 <d,
+ * d>_M / 2; `share_of` solves that for s.
  */
 #include "stepped/projection_energy.h"
 
@@ -23,15 +22,15 @@
 
 /*
  * Sums of a group, J: potential energy gained, kinetic energy, and <v, d> and <d, d> in the mass
- * metric for d = torque of closing (TURN_*) and d = displacement of closing.
+ * metric for d = torque of the projection (TURN_*) and d = its displacement.
  */
 enum { RISE, KINETIC, TURN_MIXED, TURN_SQUARE, MIXED, SQUARE, SUMS };
 
 enum { BODIES_PER_BLOCK = 128 };
 
 /*
- * Energy that contacts with an initial overlap have missed: gap times force. Rising again by that
- * much is not a gain.
+ * Energy that contacts with an initial overlap have not given: gap times force. Rising again by
+ * that much is not a gain.
  */
 static void add_sunk(struct rb_projection_energy *lift, const struct rb_step_points *points,
                      double h)
@@ -46,7 +45,10 @@ static void add_sunk(struct rb_projection_energy *lift, const struct rb_step_poi
 	}
 }
 
-/* A group of the solution has all that is near: what nothing touches has no part in its turn. */
+/*
+ * Joins bodies that touch. A group of the solution contains all that is near; bodies that nothing
+ * touches have no part in its rotation.
+ */
 static void join_touching(struct rb_projection_energy *lift, const struct rb_world *world,
                           const struct rb_step_points *points)
 {
@@ -78,24 +80,24 @@ enum rb_status rb_projection_energy_begin(struct rb_projection_energy *lift, str
 		.joined = rb_arena_take(arena, n, sizeof *lift->joined),
 		.energy_budget = rb_arena_take(arena, n, sizeof *lift->energy_budget),
 		.sunk = rb_arena_take(arena, n, sizeof *lift->sunk),
-		.way = rb_arena_take(arena, 6 * n, sizeof *lift->way),
+		.displacement = rb_arena_take(arena, 6 * n, sizeof *lift->displacement),
 		.turn = rb_arena_take(arena, 3 * n, sizeof *lift->turn),
 		.swept = rb_arena_take(arena, 3 * n, sizeof *lift->swept),
 		.moved = rb_arena_take(arena, n, 1),
-		.given = rb_arena_take(arena, n, 1),
-		.held = rb_arena_take(arena, n, 1),
-		.owed = rb_arena_take(arena, n, sizeof *lift->owed),
+		.has_driven = rb_arena_take(arena, n, 1),
+		.has_static = rb_arena_take(arena, n, 1),
+		.momentum_change = rb_arena_take(arena, n, sizeof *lift->momentum_change),
 		.sum = rb_arena_take(arena, SUMS * n, sizeof *lift->sum)};
-	if (!lift->parent || !lift->joined || !lift->energy_budget || !lift->sunk || !lift->way ||
-	    !lift->turn || !lift->swept || !lift->moved || !lift->given || !lift->held ||
-	    !lift->owed || !lift->sum)
+	if (!lift->parent || !lift->joined || !lift->energy_budget || !lift->sunk ||
+	    !lift->displacement || !lift->turn || !lift->swept || !lift->moved ||
+	    !lift->has_driven || !lift->has_static || !lift->momentum_change || !lift->sum)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
 	memset(lift->turn, 0, 3 * n * sizeof *lift->turn);
 	memset(lift->swept, 0, 3 * n * sizeof *lift->swept);
 	memset(lift->moved, 0, n);
-	memset(lift->given, 0, n);
-	memset(lift->held, 0, n);
-	memset(lift->owed, 0, n * sizeof *lift->owed);
+	memset(lift->has_driven, 0, n);
+	memset(lift->has_static, 0, n);
+	memset(lift->momentum_change, 0, n * sizeof *lift->momentum_change);
 	for (size_t i = 0; i < n; i++) {
 		lift->parent[i] = lift->joined[i] = (int)i;
 		lift->energy_budget[i] = lift->sunk[i] = 0;
@@ -122,8 +124,8 @@ void rb_projection_energy_join(struct rb_projection_energy *lift, const struct r
 	if (!rb_stepped_is_dynamic(world, b)) {
 		const bool is_static = b >= world->model->body_count;
 
-		lift->given[root] = lift->given[root] || !is_static;
-		lift->held[root] = lift->held[root] || is_static;
+		lift->has_driven[root] = lift->has_driven[root] || !is_static;
+		lift->has_static[root] = lift->has_static[root] || is_static;
 		return;
 	}
 	rb_forest_join(lift->joined, a, b, false);
@@ -134,8 +136,8 @@ void rb_projection_energy_join(struct rb_projection_energy *lift, const struct r
 	lift->parent[second] = first;
 	lift->energy_budget[first] += lift->energy_budget[second];
 	lift->sunk[first] += lift->sunk[second];
-	lift->given[first] = lift->given[first] || lift->given[second];
-	lift->held[first] = lift->held[first] || lift->held[second];
+	lift->has_driven[first] = lift->has_driven[first] || lift->has_driven[second];
+	lift->has_static[first] = lift->has_static[first] || lift->has_static[second];
 }
 
 void rb_projection_energy_turn(struct rb_projection_energy *lift, const struct rb_world *world,
@@ -145,14 +147,14 @@ void rb_projection_energy_turn(struct rb_projection_energy *lift, const struct r
 		const struct rb_step_point *point = &closing->row[k];
 		const int ends[2] = {point->a, point->b};
 
-		/* the points of spheres about their centres stay where they are */
+		/* points of balls about their centres of mass do not move with the rotation */
 		for (int e = 0; e < 2 && point->normal_impulse > 0 && !point->central; e++) {
 			const int i = ends[e];
 			if (!rb_stepped_is_dynamic(world, i))
 				continue;
 			double *const turn = lift->turn + 3 * (size_t)i;
-			const rb_vec3 spin = rb_vec3_from(world->stepped->aside + 6 * (size_t)i +
-			                                  3);
+			const rb_vec3 spin = rb_vec3_from(world->stepped->saved_velocity +
+			                                  6 * (size_t)i + 3);
 			const rb_vec3 along = rb_vec3_cross(spin, e ? point->arm_b : point->arm_a);
 
 			rb_vec3_to(turn, rb_vec3_add_scaled(rb_vec3_from(turn),
@@ -168,8 +170,8 @@ void rb_projection_energy_add(struct rb_projection_energy *lift, struct rb_world
 	const struct rb_solver *solver = &world->stepped->solver;
 	const struct rb_solver_body *body = &solver->dense.bodies.body[i];
 	const struct rb_solver_body momentum = rb_energy_momentum_of(solver, i, body);
-	double *const way = lift->way + 6 * (size_t)i;
-	double *const aside = world->stepped->aside + 6 * (size_t)i;
+	double *const displacement = lift->displacement + 6 * (size_t)i;
+	double *const aside = world->stepped->saved_velocity + 6 * (size_t)i;
 
 	RB_ASSERT_COSTLY(rb_stepped_is_dynamic(world, i));
 	if (world->stepped->tally) {
@@ -177,13 +179,13 @@ void rb_projection_energy_add(struct rb_projection_energy *lift, struct rb_world
 		                                                        ? rb_vec3_from(aside + 3)
 		                                                        : (rb_vec3){0, 0, 0}};
 
-		rb_tally_close(world, i, motion);
+		rb_tally_projection_begin(world, i, motion);
 	}
 	if (!lift->moved[i])
-		memset(way, 0, 6 * sizeof *way);
+		memset(displacement, 0, 6 * sizeof *displacement);
 	lift->moved[i] = 1;
-	rb_vec3_to(way, rb_vec3_add(rb_vec3_from(way), body->linear));
-	rb_vec3_to(way + 3, rb_vec3_add(rb_vec3_from(way + 3), momentum.angular));
+	rb_vec3_to(displacement, rb_vec3_add(rb_vec3_from(displacement), body->linear));
+	rb_vec3_to(displacement + 3, rb_vec3_add(rb_vec3_from(displacement + 3), momentum.angular));
 	double *const swept = lift->swept + 3 * (size_t)i;
 	const rb_vec3 p = rb_vec3_scale(world->model->mass[i], rb_vec3_from(aside));
 	rb_vec3 more = rb_vec3_cross(body->linear, p);
@@ -201,25 +203,26 @@ void rb_projection_energy_add(struct rb_projection_energy *lift, struct rb_world
 
 /* ---- angular momentum ---- */
 
-/* Whether a group, of that first body in `parent`, is to keep its momenta. */
+/* Whether the group of this root in `parent` must conserve its momenta. */
 static bool is_free(const struct rb_projection_energy *lift, const struct rb_world *world, int root)
 {
-	return world->stepped->solver.joins_arms && !lift->held[root] && !lift->given[root];
+	return world->stepped->solver.joins_arms && !lift->has_static[root] &&
+	       !lift->has_driven[root];
 }
 
-/* Sums of what is joined, by its first body. */
+/* Sums of joined bodies, by root in `joined`. */
 struct turning {
 	double mass;
 	rb_vec3 moment, momentum, swept; /* kg m, kg m/s; kg m^2/s */
 	rb_mat3 inertia;                 /* kg m^2, about the centre of mass */
-	rb_vec3 turn;                    /* rad/s: what gives it back */
+	rb_vec3 turn;                    /* rad/s: rotation that restores angular momentum */
 	bool moved;
-	double gain; /* J: of that turn */
+	double gain; /* J: energy gained by that rotation */
 };
 
 /*
- * Of the largest moment of inertia: what is added to all of them, so that two points, which have
- * none about their line, have an inverse. Twelve digits of a correction are right.
+ * Share of the trace of inertia added to all moments, so that two points, which have none about
+ * their line, have an inverse. Twelve digits of the correction are right.
  */
 static const double least_inertia = 1e-12;
 
@@ -244,32 +247,32 @@ static void add_inertia(const struct rb_world *world, int i, struct turning *gro
 static void find_turn(struct turning *group)
 {
 	rb_mat3 inverse, *const inertia = &group->inertia;
-	const double some = least_inertia *
-	                    (inertia->m[0][0] + inertia->m[1][1] + inertia->m[2][2]);
+	const double regularization = least_inertia *
+	                              (inertia->m[0][0] + inertia->m[1][1] + inertia->m[2][2]);
 
 	for (int c = 0; c < 3; c++)
-		inertia->m[c][c] += some;
-	if (some > 0 && rb_mat3_inverse(inertia, &inverse))
+		inertia->m[c][c] += regularization;
+	if (regularization > 0 && rb_mat3_inverse(inertia, &inverse))
 		group->turn = rb_vec3_neg(rb_mat3_apply(&inverse, group->swept));
 }
 
-static void note_moved(struct rb_projection_energy *lift, struct rb_world *world, int i,
+static void mark_moved(struct rb_projection_energy *lift, struct rb_world *world, int i,
                        const rb_vec3 motion[2])
 {
 	if (world->stepped->tally)
-		rb_tally_close(world, i, motion);
+		rb_tally_projection_begin(world, i, motion);
 	if (!lift->moved[i])
-		memset(lift->way + 6 * (size_t)i, 0, 6 * sizeof *lift->way);
+		memset(lift->displacement + 6 * (size_t)i, 0, 6 * sizeof *lift->displacement);
 	lift->moved[i] = 1;
 }
 
-static void note_owed(struct rb_projection_energy *lift, int i, rb_vec3 momentum)
+static void add_momentum_change(struct rb_projection_energy *lift, int i, rb_vec3 momentum)
 {
-	lift->owed[i] = rb_vec3_add(lift->owed[i], momentum);
-	lift->owes = lift->owes || rb_vec3_max_abs(momentum) > 0;
+	lift->momentum_change[i] = rb_vec3_add(lift->momentum_change[i], momentum);
+	lift->has_momentum_change = lift->has_momentum_change || rb_vec3_max_abs(momentum) > 0;
 }
 
-/* A body turns with its group. */
+/* Rotates a body with its group. */
 static void turn_body(struct rb_projection_energy *lift, struct rb_world *world, int i,
                       struct turning *group)
 {
@@ -279,10 +282,11 @@ static void turn_body(struct rb_projection_energy *lift, struct rb_world *world,
 	const rb_vec3 r = rb_vec3_sub(rb_world_row3(world->state.position, i), center);
 	const rb_vec3 motion[2] = {rb_vec3_from(v), w ? rb_vec3_from(w) : (rb_vec3){0, 0, 0}};
 
-	note_moved(lift, world, i, motion);
+	mark_moved(lift, world, i, motion);
 	group->gain -= rb_world_kinetic_energy(world, world->model->id_of[i]);
 	rb_vec3_to(v, rb_vec3_add(motion[0], rb_vec3_cross(group->turn, r)));
-	note_owed(lift, i, rb_vec3_scale(world->model->mass[i], rb_vec3_cross(group->turn, r)));
+	add_momentum_change(lift, i,
+	                    rb_vec3_scale(world->model->mass[i], rb_vec3_cross(group->turn, r)));
 	if (w)
 		rb_vec3_to(w, rb_vec3_add(motion[1], group->turn));
 	group->gain += rb_world_kinetic_energy(world, world->model->id_of[i]);
@@ -317,11 +321,10 @@ static void add_groups(struct rb_projection_energy *lift, const struct rb_world 
 }
 
 /*
- * Groups that nothing holds get the angular momentum back that closing them has changed, by turning
- * as a whole: no gap closes and nothing slips by that. What it gains is to be paid. False: no
- * memory.
+ * Restores the angular momentum of free groups that projection has changed, by rotation as a whole,
+ * which closes no gap and causes no slip. The energy that this adds must be paid. False: no memory.
  */
-static bool keep_turning(struct rb_projection_energy *lift, struct rb_world *world)
+static bool restore_angular_momentum(struct rb_projection_energy *lift, struct rb_world *world)
 {
 	struct rb_stepped *s = world->stepped;
 	const size_t n = (size_t)world->model->body_count;
@@ -369,48 +372,50 @@ static void add_turn(const struct rb_world *world, int i, const double *momentum
 	*square += rb_vec3_dot(turn, spin_of(world, i, momentum));
 }
 
-/* J: potential energy that a body gains on the way by which it is moved. */
-static double rise_of(const struct rb_world *world, int i, rb_vec3 way)
+/* Potential energy that a body gains by a displacement, J. */
+static double rise_of(const struct rb_world *world, int i, rb_vec3 displacement)
 {
 	const struct rb_world_def *of = &world->model->scene->world;
 	const double mass = world->model->mass[i];
-	const double rise = -mass * rb_vec3_dot(of->gravity, way) -
-	                    rb_vec3_dot(of->gravity_force, way);
+	const double rise = -mass * rb_vec3_dot(of->gravity, displacement) -
+	                    rb_vec3_dot(of->gravity_force, displacement);
 
 	if (!(world->model->features & RB_FEATURE_GRAVITATION))
 		return rise;
-	return rise - mass * rb_vec3_dot(rb_gravitation_found(world->gravitation, i), way);
+	return rise - mass * rb_vec3_dot(rb_gravitation_found(world->gravitation, i), displacement);
 }
 
-/* What one body adds to the sums of its group: by its way, then by its turns. */
+/* Terms of one body in the sums of its group: by displacement, then by rotation. */
 struct addend {
-	double way[SUMS], turn[SUMS];
+	double displacement[SUMS], turn[SUMS];
 };
 
-/* Bodies of which there are addends at a time: enough for threads, few beside all there are. */
+/* Number of bodies whose terms are stored at a time: enough for threads, little memory. */
 enum { ADDENDS_MAX = 8192 };
 
 struct addends {
 	const struct rb_projection_energy *lift;
 	const struct rb_world *world;
 	const int *body;
-	struct addend *of; /* by these */
+	struct addend *of; /* by body */
 };
 
 static struct addend addend_of(const struct rb_projection_energy *lift,
                                const struct rb_world *world, int i)
 {
-	const rb_vec3 way = rb_vec3_from(lift->way + 6 * (size_t)i);
+	const rb_vec3 displacement = rb_vec3_from(lift->displacement + 6 * (size_t)i);
 	const double mass = world->model->mass[i];
-	struct addend more = {.way = {0}};
+	struct addend more = {.displacement = {0}};
 
-	more.way[KINETIC] = rb_world_kinetic_energy(world, world->model->id_of[i]);
+	more.displacement[KINETIC] = rb_world_kinetic_energy(world, world->model->id_of[i]);
 	if (!lift->moved[i])
 		return more;
-	more.way[RISE] = rise_of(world, i, way);
-	more.way[MIXED] = mass * rb_vec3_dot(rb_world_row3(world->state.velocity, i), way);
-	more.way[SQUARE] = mass * rb_vec3_dot(way, way);
-	add_turn(world, i, lift->way + 6 * (size_t)i + 3, &more.turn[MIXED], &more.turn[SQUARE]);
+	more.displacement[RISE] = rise_of(world, i, displacement);
+	more.displacement[MIXED] = mass * rb_vec3_dot(rb_world_row3(world->state.velocity, i),
+	                                              displacement);
+	more.displacement[SQUARE] = mass * rb_vec3_dot(displacement, displacement);
+	add_turn(world, i, lift->displacement + 6 * (size_t)i + 3, &more.turn[MIXED],
+	         &more.turn[SQUARE]);
 	add_turn(world, i, lift->turn + 3 * (size_t)i, &more.turn[TURN_MIXED],
 	         &more.turn[TURN_SQUARE]);
 	return more;
@@ -427,12 +432,12 @@ static void find_addends(void *user, size_t first, size_t end)
 static void add_to(double *sum, const struct addend *more)
 {
 	for (int j = 0; j < SUMS; j++) {
-		sum[j] += more->way[j];
+		sum[j] += more->displacement[j];
 		sum[j] += more->turn[j];
 	}
 }
 
-/* Sums of groups, in order of their bodies; false: no memory. */
+/* Adds up the sums of groups, in order of their bodies; false: no memory. */
 static bool add_up(struct rb_projection_energy *lift, const struct rb_world *world,
                    struct rb_arena *arena)
 {
@@ -460,8 +465,8 @@ static bool add_up(struct rb_projection_energy *lift, const struct rb_world *wor
 }
 
 /*
- * Change of a group's velocities: v (1 - slowed) - pace * displacement of closing - twist * torque
- * of closing. NAN: the group does not have the energy.
+ * Change of a group's velocities: v (1 - slowed) - pace * displacement of the projection - twist *
+ * its torque. NAN: the group does not have the energy.
  */
 struct payment {
 	double twist, pace, slowed;
@@ -480,14 +485,14 @@ static double share_of(double need, double mixed, double square)
 	return left >= 0 ? 2 * need / (mixed + copysign(sqrt(left), mixed)) : (double)NAN;
 }
 
-/* What a group may pay with. */
+/* Means of payment of a group. */
 struct means {
-	bool held;   /* something stands below it */
-	bool free;   /* nothing holds it: motion along the ways of closing leaves its momenta */
+	bool held; /* a static body holds it */
+	bool free; /* no static or driven body: motion along the displacements conserves momenta */
 	bool anyhow; /* linear momentum may change */
 };
 
-/* The first way of paying `need` J that suffices. */
+/* The first means that suffices to pay `need` J. */
 static struct payment payment_of(const double *sum, double need, struct means means)
 {
 	if (!(need > 0))
@@ -505,22 +510,22 @@ static struct payment payment_of(const double *sum, double need, struct means me
 	return impossible;
 }
 
-/* Changes the velocities of one body as its group pays. */
+/* Changes the velocities of one body by its group's payment. */
 static void pay(struct rb_projection_energy *lift, struct rb_world *world, int i,
                 struct payment payment)
 {
 	double *const v = world->state.velocity + 3 * (size_t)i;
 	double *const w = world->state.spin ? world->state.spin + 3 * (size_t)i : NULL;
-	const double *way = lift->way + 6 * (size_t)i;
+	const double *displacement = lift->displacement + 6 * (size_t)i;
 	const double kept = 1 - payment.slowed;
 	rb_vec3 linear = rb_vec3_from(v), spin = w ? rb_vec3_from(w) : (rb_vec3){0, 0, 0};
 	const rb_vec3 before[2] = {linear, spin};
 
 	if (world->stepped->tally)
-		rb_tally_close(world, i, (const rb_vec3[2]){linear, spin});
+		rb_tally_projection_begin(world, i, (const rb_vec3[2]){linear, spin});
 	if (lift->moved[i]) {
-		linear = rb_vec3_add_scaled(linear, -payment.pace, rb_vec3_from(way));
-		spin = rb_vec3_add_scaled(spin, -payment.pace, spin_of(world, i, way + 3));
+		linear = rb_vec3_add_scaled(linear, -payment.pace, rb_vec3_from(displacement));
+		spin = rb_vec3_add_scaled(spin, -payment.pace, spin_of(world, i, displacement + 3));
 		spin = rb_vec3_add_scaled(spin, -payment.twist,
 		                          spin_of(world, i, lift->turn + 3 * (size_t)i));
 	}
@@ -531,7 +536,7 @@ static void pay(struct rb_projection_energy *lift, struct rb_world *world, int i
 	const rb_vec3 p = rb_vec3_scale(world->model->mass[i], more);
 	const rb_vec3 twist = w ? rb_vec3_sub(rb_vec3_from(w), before[1]) : more;
 
-	note_owed(lift, i, p);
+	add_momentum_change(lift, i, p);
 
 	rb_vec3_to(lift->swept + 3 * (size_t)i,
 	           rb_vec3_add(rb_vec3_cross(rb_world_row3(world->state.position, i), p),
@@ -539,19 +544,20 @@ static void pay(struct rb_projection_energy *lift, struct rb_world *world, int i
 }
 
 /*
- * Ledger entry for closing: by a driven body, a static one, or other dynamic bodies of the group.
+ * Ledger entry of the projection: by a driven body, a static one, or other dynamic bodies of the
+ * group.
  */
 static void record_closed(const struct rb_projection_energy *lift, struct rb_world *world, int i)
 {
 	const int root = rb_forest_root(lift->parent, i);
-	const rb_vec3 way = rb_vec3_from(lift->way + 6 * (size_t)i);
-	const double lifted = lift->moved[i] ? rise_of(world, i, way) : 0;
+	const rb_vec3 displacement = rb_vec3_from(lift->displacement + 6 * (size_t)i);
+	const double lifted = lift->moved[i] ? rise_of(world, i, displacement) : 0;
 
-	rb_tally_closed(world, i,
-	                lift->given[root]  ? RB_MOMENTUM_DRIVEN
-	                : lift->held[root] ? RB_MOMENTUM_STATIC
-	                                   : RB_MOMENTUM_CAUSES,
-	                lifted);
+	rb_tally_projection_end(world, i,
+	                        lift->has_driven[root]   ? RB_MOMENTUM_DRIVEN
+	                        : lift->has_static[root] ? RB_MOMENTUM_STATIC
+	                                                 : RB_MOMENTUM_CAUSES,
+	                        lifted);
 }
 
 enum rb_status rb_projection_energy_pay(struct rb_projection_energy *lift, struct rb_world *world,
@@ -562,7 +568,7 @@ enum rb_status rb_projection_energy_pay(struct rb_projection_energy *lift, struc
 
 	for (int k = 0; k < s->member_count; k++)
 		memset(lift->sum + SUMS * (size_t)s->body[k], 0, SUMS * sizeof *lift->sum);
-	if (s->solver.joins_arms && !keep_turning(lift, world))
+	if (s->solver.joins_arms && !restore_angular_momentum(lift, world))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
 	unsigned char *const paid = rb_arena_take(&world->arena[0], n, 1);
 	bool any = false;
@@ -575,9 +581,10 @@ enum rb_status rb_projection_energy_pay(struct rb_projection_energy *lift, struc
 		const int i = s->body[k];
 		const int root = rb_forest_root(lift->parent, i);
 		const double *sum = lift->sum + SUMS * (size_t)root;
-		const double need = lift->given[root] ? 0
-		                                      : sum[RISE] - 0.5 * lift->energy_budget[root];
-		const struct means means = {.held = lift->held[root],
+		const double need = lift->has_driven[root]
+		                            ? 0
+		                            : sum[RISE] - 0.5 * lift->energy_budget[root];
+		const struct means means = {.held = lift->has_static[root],
 		                            .free = is_free(lift, world, root),
 		                            .anyhow = anyhow};
 		struct payment payment = payment_of(sum, need, means);
@@ -592,7 +599,7 @@ enum rb_status rb_projection_energy_pay(struct rb_projection_energy *lift, struc
 		paid[i] = need > 0 && !isnan(payment.twist);
 		any = any || paid[i];
 	}
-	if (s->solver.joins_arms && any && !keep_turning(lift, world))
+	if (s->solver.joins_arms && any && !restore_angular_momentum(lift, world))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
 	for (int k = 0; s->tally && k < s->member_count; k++)
 		if (lift->moved[s->body[k]] || paid[s->body[k]])

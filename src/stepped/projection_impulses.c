@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A spanning forest of the step's contacts, of the largest impulses: in a tree, what each contact
- * passes on is all that the bodies beyond it are owed, and no solution is needed.
+ * Maximum spanning forest of the step's contacts by impulse: in a tree each contact transmits the
+ * sum of all changes beyond it, and nothing has to be solved.
  */
 #include "stepped/projection_impulses.h"
 
@@ -12,7 +12,7 @@
 #include "base/forest.h"
 #include "base/memory.h"
 
-/* A contact of the tree; `next`: the next one of either end, by its place in `edge`. */
+/* A contact of the tree; `next`: next edge of either end, index into `edge`. */
 struct edge {
 	size_t point;
 	int end[2], next[2];
@@ -23,9 +23,9 @@ struct edge {
 struct tree {
 	struct edge *edge;
 	int count;
-	int *parent; /* [bodies + 1]: what is joined; the last one: all that does not yield */
-	int *first;  /* [bodies + 1]: an edge of it, -1: none is left */
-	int *degree; /* [bodies + 1] */
+	int *parent; /* [bodies + 1]: union-find; the last one: all that are not dynamic */
+	int *first;  /* [bodies + 1]: first edge, -1: none */
+	int *degree; /* [bodies + 1]: edges left */
 };
 
 static int node_of(const struct rb_world *world, int i)
@@ -43,7 +43,7 @@ static int by_impulse(const void *left, const void *right)
 	return (x->point > y->point) - (x->point < y->point);
 }
 
-/* N s, on b: in all, without dues. */
+/* Total impulse of a point on b, N s, without that by projection. */
 static rb_vec3 impulse_of(const struct rb_cohort *cohort, size_t k)
 {
 	const struct rb_step_point *point = &cohort->points.row[k];
@@ -54,9 +54,9 @@ static rb_vec3 impulse_of(const struct rb_cohort *cohort, size_t k)
 }
 
 /*
- * What of an impulse neither pulls nor is beyond what friction holds. In a part of a step
- * (`friction` INFINITY) it is paid along the normals with which the part ends: what contacts tell
- * of parts is a mean about several normals.
+ * Part of an impulse within the friction cone. In a part of a step (`friction` INFINITY) only its
+ * normal part is limited, along the normal at the end of the part: reported contacts of parts are
+ * means over several normals.
  */
 static rb_vec3 within_cone(double friction, rb_vec3 normal, rb_vec3 impulse)
 {
@@ -85,7 +85,7 @@ static void list_edges(const struct rb_world *world, const struct rb_cohort *coh
 		qsort(tree->edge, (size_t)tree->count, sizeof *tree->edge, by_impulse);
 }
 
-/* Keeps what joins something to it that nothing larger does. */
+/* Kruskal's algorithm: keeps edges that connect two trees, the largest first. */
 static void grow(struct tree *tree, int nodes)
 {
 	int kept = 0;
@@ -112,7 +112,7 @@ static void grow(struct tree *tree, int nodes)
 	tree->count = kept;
 }
 
-/* The one edge of a leaf that is left. */
+/* The remaining edge of a leaf. */
 static struct edge *edge_of(const struct tree *tree, int i)
 {
 	int k = tree->first[i];
@@ -122,7 +122,7 @@ static struct edge *edge_of(const struct tree *tree, int i)
 	return &tree->edge[k];
 }
 
-/* From its leaves inwards, each passes on what it is owed. */
+/* From the leaves inwards, transmits the change of each body's momentum. */
 static void pass_on(const struct rb_world *world, const struct tree *tree, struct rb_cohort *cohort,
                     int i, rb_vec3 *owed)
 {
@@ -136,7 +136,7 @@ static void pass_on(const struct rb_world *world, const struct tree *tree, struc
 		const struct rb_step_point *point = &cohort->points.row[edge->point];
 		const rb_vec3 now = impulse_of(cohort, edge->point);
 		const rb_vec3 on_b = is_a ? rb_vec3_neg(owed[i]) : owed[i];
-		/* an impact's normal is that of its moment */
+		/* an impact has the normal of its moment */
 		const bool strict = whole || point->approach > world->stepped->solver.tolerance;
 		const double friction = strict ? point->material->friction : (double)INFINITY;
 		const rb_vec3 due = rb_vec3_sub(
@@ -146,7 +146,7 @@ static void pass_on(const struct rb_world *world, const struct tree *tree, struc
 		edge->done = true;
 		tree->degree[i] = 0;
 		tree->degree[other]--;
-		cohort->dues[edge->point] = due;
+		cohort->closing_impulse[edge->point] = due;
 		if (other != ground)
 			owed[other] = rb_vec3_add_scaled(owed[other], is_a ? -1 : 1, due);
 		i = other;
@@ -166,15 +166,16 @@ enum rb_status rb_projection_impulses(struct rb_world *world, struct rb_cohort *
 	                    .first = rb_arena_take(arena, nodes, sizeof *tree.first),
 	                    .degree = rb_arena_take(arena, nodes, sizeof *tree.degree)};
 	const bool fine = tree.edge && tree.parent && tree.first && tree.degree &&
-	                  rb_memory_reserve(&cohort->dues, &cohort->dues_capacity, count + 1,
-	                                    sizeof *cohort->dues);
+	                  rb_memory_reserve(&cohort->closing_impulse,
+	                                    &cohort->closing_impulse_capacity, count + 1,
+	                                    sizeof *cohort->closing_impulse);
 
 	if (!fine) {
 		rb_arena_back(arena, here);
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
 	}
-	memset(cohort->dues, 0, (count + 1) * sizeof *cohort->dues);
-	cohort->owes = true;
+	memset(cohort->closing_impulse, 0, (count + 1) * sizeof *cohort->closing_impulse);
+	cohort->has_closing_impulses = true;
 	list_edges(world, cohort, &tree);
 	grow(&tree, (int)nodes);
 	for (int i = 0; i < ground; i++)

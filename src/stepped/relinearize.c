@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A second look at a step. The constraint is on the gap at the end of the step, linearized at its
+ * Relinearization. The constraint is on the gap at the end of the step, linearized at its
  * beginning; rotation by an angle t about an arm r leaves an error of r t^2 / 2 in it. Where that
  * makes an overlap beyond what the projection may close, the islands concerned get contact points
  * from the poses at the end, with gaps such that the linear model is exact there, and are solved
@@ -24,22 +24,22 @@
 
 /* Bodies and candidate pairs of the islands that are solved again. */
 struct view {
-	unsigned char *again; /* by body: of a group that is looked at again */
+	unsigned char *again; /* by body: its island is solved again */
 	/*
-	 * By body: pairs of these alone. In a heap those that overlap, and whom they touch: there a
-	 * look is for what would take all back, and everything else has come out well.
+	 * By body: at least one body of an inspected pair is marked. In a heap, those that overlap:
+	 * inspection is for what would reject the step, and the rest has come out well.
 	 */
 	unsigned char *near;
-	int *body; /* those, then driven ones */
+	int *body; /* bodies solved again, then driven ones */
 	int count;
 	uint32_t *pair; /* of the candidates */
 	size_t pair_count;
 };
 
-/* What is to be solved again. All in the arena. */
+/* Islands and bodies to be solved again. All in the arena. */
 struct marks {
-	unsigned char *of_group; /* by group */
-	unsigned char *alone;    /* by body: of none */
+	unsigned char *of_group; /* by island */
+	unsigned char *alone;    /* by body: in no island */
 };
 
 /* Island of a body in the cohort; -1: no contacts, or asleep. */
@@ -51,20 +51,21 @@ static int group_of(const struct rb_world *world, int i)
 }
 
 /*
- * m: deeper overlaps of a group are looked at. In a heap a look at one pair solves all of it again,
- * while closing moves a few bodies: only what would take it back is looked at, as often as may be,
- * as shorter steps cost more. Small groups are sooner done with these than with another look.
+ * Depth beyond which overlaps of an island are relinearized, m. In a heap one pair causes another
+ * solution of the whole heap, while the projection moves a few bodies: only what would reject the
+ * step is relinearized, and as often as allowed, since shorter steps cost more. For small islands
+ * projection and rejection are cheaper than a second relinearization.
  */
 static double max_of(const struct rb_world *world, const struct rb_deep *deep, int g,
                      int inspections)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
 
-	/* its points have no say yet in where it is */
+	/* its points have not acted on it yet */
 	if (solver->island[g].reduced)
 		return 0;
 	if (solver->island[g].row_count >= RB_STRATEGY_HEAP_ROWS)
-		return rb_projection_lost(world, deep, solver->h_s);
+		return rb_projection_reject_depth(world, deep, solver->h_s);
 	return inspections == 0 ? rb_projection_max(world, deep, solver->h_s) : (double)INFINITY;
 }
 
@@ -74,8 +75,8 @@ static bool is_heap(const struct rb_world *world, int g)
 }
 
 /*
- * Marks islands with an overlap that the projection may not close; false: there are none. Whoever a
- * heap overlaps with is looked at with it: of one pair, one body is never solved for alone.
+ * Marks islands with an overlap that the projection may not close; false: there are none. The
+ * island of a body that overlaps with a heap is solved with it: never one body of a pair alone.
  */
 static bool mark_groups(const struct rb_world *world, const struct rb_depths *found,
                         int inspections, const struct marks *marks)
@@ -121,7 +122,7 @@ static bool is_seen(const struct rb_world *world, const struct view *view, struc
 	       (view->near[pair.a] || (is_dynamic && view->near[pair.b]));
 }
 
-/* Of a heap, who overlaps by more than the projection is for. */
+/* Marks, in heaps, bodies that overlap by more than the projection may close; elsewhere all. */
 static void mark_near(const struct rb_world *world, const struct rb_depths *found,
                       struct view *view)
 {
@@ -141,7 +142,7 @@ static void mark_near(const struct rb_world *world, const struct rb_depths *foun
 	}
 }
 
-/* `found`: what is deep, or NULL: nothing is. False: no memory. */
+/* `found`: deep overlaps, or NULL: none. False: no memory. */
 static bool take_view(struct rb_world *world, const struct rb_cohort *cohort,
                       const struct rb_depths *found, const struct marks *marks, struct view *view)
 {
@@ -176,7 +177,7 @@ static bool take_view(struct rb_world *world, const struct rb_cohort *cohort,
 	return true;
 }
 
-/* What has gone its way by its joints alone, and overlaps there, takes rows. */
+/* Gives rows to groups that were stepped in reduced coordinates and now overlap. */
 static void unswing(const struct rb_world *world, const struct marks *marks)
 {
 	struct rb_solver *const solver = &world->stepped->solver;
@@ -186,7 +187,10 @@ static void unswing(const struct rb_world *world, const struct marks *marks)
 			rb_islands_revert_reduced(solver, world->model->joints, &solver->island[g]);
 }
 
-/* Points are found from velocities as ways ahead; at the end of the step there is no way left. */
+/*
+ * Clears velocities: points are searched along the displacement of a step, and at its end none is
+ * left.
+ */
 static void clear_velocities(struct rb_world *world, const struct view *view)
 {
 	for (int k = 0; k < view->count; k++) {
@@ -220,8 +224,8 @@ static void inherit(struct rb_step_point *fresh, size_t fresh_count,
 }
 
 /*
- * What rolls goes on from the lowest point that it began with: an impulse at the one that it ends
- * with would find the approach of the next step.
+ * A rolling point keeps the arms of the beginning of the step: an impulse at the point of the end
+ * would change the approach of the next step.
  */
 static void keep_arms(struct rb_step_point *fresh, const struct rb_step_point *old,
                       size_t old_count)
@@ -236,7 +240,7 @@ static void keep_arms(struct rb_step_point *fresh, const struct rb_step_point *o
 	}
 }
 
-/* To where its impulse acts as the step begins. */
+/* Moves arms and normal to where the impulse acts at the beginning of the step. */
 static void turn(const struct rb_world *world, rb_vec3 between, struct rb_step_point *point)
 {
 	const int of[2] = {point->a, point->b};
@@ -252,7 +256,7 @@ static void turn(const struct rb_world *world, rb_vec3 between, struct rb_step_p
 }
 
 /*
- * Gap at the beginning of the step for which the linear model gives the gap that was found at its
+ * Sets the gap at the beginning of the step for which the linear model gives the gap found at its
  * end; the difference is `bend`.
  */
 static void bend(const struct rb_world *world, struct rb_step_point *point)
@@ -266,7 +270,7 @@ static void bend(const struct rb_world *world, struct rb_step_point *point)
 	const double here = point->gap;
 
 	RB_ASSERT_COSTLY(solver->h_s > 0);
-	/* what has closed stood open, as far as anybody is told */
+	/* reported as open at the beginning, even if closed now */
 	point->gap = fmax(0, here);
 	point->bend = here - point->gap -
 	              solver->h_s * rb_vec3_dot(rb_constraint_velocity(&solver->dense.bodies, &row),
@@ -274,8 +278,8 @@ static void bend(const struct rb_world *world, struct rb_step_point *point)
 }
 
 /*
- * Somebody has come out on the other side: its way there is not to be trusted, and what it has left
- * stays deep.
+ * Whether a body has come out on the other side of its partner: the normal found there is wrong,
+ * and the old one stays, with a deep overlap.
  */
 static bool is_through(const struct rb_step_point *old, size_t old_count,
                        const struct rb_step_point *fresh, size_t fresh_count)
@@ -288,22 +292,22 @@ struct merging {
 	struct rb_world *world;
 	const struct rb_pair *pair;
 	const struct view *view;
-	const struct rb_step_point *row, *fresh; /* before; of the pairs looked at */
+	const struct rb_step_point *row, *fresh; /* points before; points of the inspected pairs */
 	size_t count, fresh_count;
-	struct rb_step_point *old, *to; /* what was in `row`, and where the points come to be */
-	size_t *length;                 /* by block: points, then where they begin */
+	struct rb_step_point *old, *to; /* copy of `row`; destination */
+	size_t *length;                 /* by block: number of points, then offset */
 };
 
 enum { PAIRS_PER_BLOCK = 512 };
 
-/* The points of one pair, of both lists. */
+/* Points of one pair in both lists. */
 struct both {
 	const struct rb_step_point *old, *fresh;
 	size_t was, is;
-	bool seen; /* the fresh ones stand */
+	bool seen; /* the fresh ones are used */
 };
 
-/* The first point of a pair or of a later one. */
+/* Index of the first point of this pair or a later one. */
 static size_t first_of(const struct rb_step_point *row, size_t count, size_t pair)
 {
 	size_t low = 0, high = count;
@@ -342,7 +346,7 @@ static struct both take_both(const struct merging *merging, const struct rb_step
 	return both;
 }
 
-/* Counts the points that there will be of these pairs, and takes aside those that there are. */
+/* Counts the merged points of these pairs, and copies the old ones. */
 static void count_points(void *user, size_t first, size_t end)
 {
 	const struct merging *merging = user;
@@ -379,7 +383,7 @@ static void merge_points(void *user, size_t first, size_t end)
 		for (size_t p = 0; both.seen && p < count; p++) {
 			keep_arms(&to[p], both.old, both.was);
 			bend(merging->world, &to[p]);
-			rb_impacts_seen(merging->world->stepped, &to[p]);
+			rb_impacts_update_approach(merging->world->stepped, &to[p]);
 		}
 		if (both.seen)
 			inherit(to, count, both.old, both.was);
@@ -389,7 +393,7 @@ static void merge_points(void *user, size_t first, size_t end)
 	}
 }
 
-/* In order of the candidates: those of the pairs looked at are new. */
+/* Merges old and new points in the order of candidates; inspected pairs get new ones. */
 static enum rb_status merge(struct rb_world *world, struct rb_cohort *cohort,
                             const struct view *view, struct rb_error *err)
 {
@@ -426,7 +430,7 @@ static enum rb_status merge(struct rb_world *world, struct rb_cohort *cohort,
 	return RB_OK;
 }
 
-/* Points of the groups as they are now. */
+/* Finds contact points of the groups at their present poses. */
 static enum rb_status find_points(struct rb_world *world, struct rb_candidates *candidates,
                                   const struct view *view, struct rb_error *err)
 {
@@ -444,9 +448,9 @@ static enum rb_status find_points(struct rb_world *world, struct rb_candidates *
 	return status;
 }
 
-/* ---- the whole ---- */
+/* ---- top level ---- */
 
-/* Overlaps of the cohort where they can be measured; marks groups in which one is deep. */
+/* Measures overlaps of the cohort if its candidates hold; marks islands with a deep one. */
 static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort, int inspections,
                                 const struct marks *marks, bool *deep, struct rb_error *err)
 {

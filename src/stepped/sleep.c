@@ -2,12 +2,12 @@
 /*
  * Sleeping without a threshold: a group sleeps only if a whole step has left its state bit for bit
  * unchanged under the same forces, and every step checks that the inputs are still the same bits. A
- * run with sleeping is therefore identical to one without, unlike one with thresholds on velocity
- * and time. The price is that bodies which creep by an ulp never sleep.
+ * run with sleeping is therefore identical to one without, unlike with thresholds on velocity and
+ * time. The price is that bodies which creep by an ulp never sleep.
  *
- * A group is a ring through `next`; waking one body wakes the ring. What a sleeping group touches
- * anew wakes it before the step is solved, and waking propagates until no new point touches a
- * sleeper.
+ * A group is a ring through `next`; waking one body wakes the ring. A sleeping group that is
+ * touched by an awake body wakes before the step is solved, and waking propagates until no new
+ * point touches a sleeping body.
  */
 #include "stepped/sleep.h"
 
@@ -20,7 +20,8 @@ enum { POSE = 7 };
 
 /*
  * A group sleeps only if its reach in a step is below this share of the smallest size: contacts of
- * spheres are then evaluated where they stand, whatever the rounding of the step's length.
+ * spheres are then evaluated at their present positions, whatever the rounding of the step's
+ * length.
  */
 static const double small_share = 0.05;
 
@@ -57,9 +58,9 @@ void rb_sleep_release(struct rb_sleep *sleep)
 	*sleep = (struct rb_sleep){0};
 }
 
-/* ---- who ---- */
+/* ---- conditions ---- */
 
-/* Whether the vector of a body is zero (a column that does not exist is). */
+/* Whether the vector of a body is zero; a column that does not exist counts as zero. */
 static bool is_none(const double *column, int i)
 {
 	const double *v = column ? column + 3 * (size_t)i : NULL;
@@ -81,7 +82,7 @@ static inline uint64_t differ(const double *a, const double *b)
 	return (bits(a) ^ bits(b)) | (bits(a + 1) ^ bits(b + 1)) | (bits(a + 2) ^ bits(b + 2));
 }
 
-/* Position and orientation are bit for bit these. */
+/* Whether position and orientation are these, bit for bit. */
 static inline bool has_pose(const struct rb_state *state, int i, const double *pose)
 {
 	uint64_t sum = differ(state->position + 3 * (size_t)i, pose);
@@ -127,8 +128,8 @@ static void wake(struct rb_sleep *sleep, int i)
 }
 
 /*
- * The conditions under which the step that put it to sleep would do the same again: no velocity,
- * the same pose, the same external acceleration.
+ * Whether the step that put the body to sleep would give the same result again: no velocity, the
+ * same pose, the same external acceleration.
  */
 static bool remains_asleep(const struct rb_world *world, int i, double h)
 {
@@ -136,7 +137,7 @@ static bool remains_asleep(const struct rb_world *world, int i, double h)
 	const struct rb_state *state = &world->state, *before = &world->mark;
 	static const double none[3] = {0, 0, 0};
 	const size_t row = 3 * (size_t)i;
-	/* before the step a driven body has the velocity that takes it to its next pose */
+	/* at the beginning of a step a driven body has the velocity to its next pose */
 	uint64_t moves = differ(before->velocity + row, none);
 
 	if (state->spin)
@@ -153,7 +154,7 @@ struct pass {
 };
 
 /*
- * Checks a block of sleeping bodies and renews their reaches, which follow the length of the step.
+ * Checks a block of sleeping bodies and updates their reaches, which follow the length of the step.
  */
 static void check_block(void *user, int block, int worker)
 {
@@ -169,7 +170,8 @@ static void check_block(void *user, int block, int worker)
 		s->sleep.mark[i] = s->sleep.sleeps[i] && !remains_asleep(world, i, pass->h_s);
 		if (!s->sleep.sleeps[i])
 			continue;
-		s->candidates.reach[i] = rb_candidates_way(world, &world->state, i, pass->h_s);
+		s->candidates.reach[i] = rb_candidates_displacement(world, &world->state, i,
+		                                                    pass->h_s);
 		if (s->candidates.ahead && is_none(world->state.spin, i))
 			s->candidates.ahead[i] = s->candidates.reach[i];
 		else if (s->candidates.ahead)
@@ -289,8 +291,8 @@ enum rb_status rb_sleep_list(struct rb_world *world, struct rb_error *err)
 }
 
 /*
- * Wakes groups touched by the points from `first` on and marks their bodies; whether there were
- * any.
+ * Wakes groups touched by the points from `first` on and marks their bodies; returns whether there
+ * were any.
  */
 static bool wake_touched(struct rb_world *world, size_t first)
 {
@@ -314,8 +316,8 @@ static bool wake_touched(struct rb_world *world, size_t first)
 }
 
 /*
- * Points of pairs among the bodies just woken, and between them and sleepers; pairs with others
- * have been examined before.
+ * Adds points of pairs among the bodies just woken, and between them and sleeping ones; pairs with
+ * others have been inspected.
  */
 static enum rb_status inspect_woken(struct rb_world *world, double h, struct rb_error *err)
 {
@@ -349,10 +351,7 @@ static enum rb_status inspect_woken(struct rb_world *world, double h, struct rb_
 	return status;
 }
 
-/*
- * Forces were added to all bodies before it was known who sleeps; sleepers get their zero velocity
- * back.
- */
+/* Sets velocities of sleeping bodies to zero again, since forces were added to all bodies. */
 static void stop(struct rb_world *world)
 {
 	struct rb_stepped *s = world->stepped;
@@ -411,9 +410,9 @@ enum rb_status rb_sleep_points(struct rb_world *world, double start, double h, s
 	return status;
 }
 
-/* ---- who may from now on ---- */
+/* ---- falling asleep ---- */
 
-void rb_sleep_note(struct rb_world *world)
+void rb_sleep_mark(struct rb_world *world)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_sleep *sleep = &s->sleep;
@@ -434,8 +433,8 @@ void rb_sleep_note(struct rb_world *world)
 }
 
 /*
- * Not failed, moved by no bit, with nothing left that the next step would take into account, and
- * with a small reach.
+ * Whether a body has not failed, has not moved by a bit, has no residual that the next step would
+ * use, and has a small reach.
  */
 static bool may_sleep(const struct rb_world *world, int i, const unsigned char *failed)
 {
@@ -457,7 +456,7 @@ static void fall_asleep(struct rb_world *world, int i)
 	sleep->changed = true;
 }
 
-/* Driven bodies sleep while their function leaves them where they are. */
+/* Driven bodies sleep while their function of time does not move them. */
 static void end_driven(struct rb_world *world)
 {
 	struct rb_stepped *s = world->stepped;

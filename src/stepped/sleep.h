@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sleeping groups: steps skip them, and keep their contacts and impulses in the world's lists.
+ * Sleeping groups: steps skip them and keep their contacts and impulses in the world's lists.
  *
  * A group falls asleep when a whole step under the same forces has changed no bit of its state. It
  * wakes when its forces change, a callback moves it, or an awake body may touch it; its contact
@@ -16,7 +16,7 @@ RB_CHECKED enum rb_status rb_sleep_create(struct rb_sleep *sleep, const struct r
                                           struct rb_error *err);
 void rb_sleep_release(struct rb_sleep *sleep);
 
-/* Makes all bodies, also sleeping ones, the cohort of all again, before forces are added. */
+/* Makes all bodies, including sleeping ones, the cohort of all again, before forces are added. */
 void rb_sleep_gather(struct rb_stepped *s);
 
 /*
@@ -26,13 +26,13 @@ void rb_sleep_gather(struct rb_stepped *s);
 RB_CHECKED enum rb_status rb_sleep_points(struct rb_world *world, double start_s, double h_s,
                                           struct rb_error *err);
 
-/* Lists the live pairs, those with an awake body, after candidates have been found anew. */
+/* Lists the live pairs, those with an awake body, after a new search for candidates. */
 RB_CHECKED enum rb_status rb_sleep_list(struct rb_world *world, struct rb_error *err);
 
-/* Notes which groups may fall asleep, after the step has been solved. */
-void rb_sleep_note(struct rb_world *world);
+/* Marks groups that may fall asleep, after the step has been solved. */
+void rb_sleep_mark(struct rb_world *world);
 /*
- * Ends a step that is kept, when its contacts are the world's: noted groups fall asleep if none of
+ * Ends a step that is kept, when its contacts are the world's: marked groups fall asleep if none of
  * their bodies has moved or has a mark in `failed` (NULL: none has).
  */
 void rb_sleep_end(struct rb_world *world, double end_s, const unsigned char *failed);

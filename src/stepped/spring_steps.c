@@ -11,18 +11,21 @@
 #include "stepped/tally.h"
 #include "world/joint_state.h"
 
-/* As of joints (stepped/joint_steps): of the tolerance, and of what it was in the look before. */
+/*
+ * As for joints (stepped/joint_steps): share of the tolerance, and reduction since the last
+ * relinearization.
+ */
 static const double inspect_share = 1.0 / 16, gain_share = 0.5;
 
-/* ---- who is joined ---- */
+/* ---- selection ---- */
 
-/* What holds bodies of a tree. */
+/* Why the bodies of a tree are held. */
 enum { BY_JOINTS = 1, BY_PUSHES = 2 };
 
-/* Springs that may be joined, as trees of bodies. */
+/* Trees of bodies connected by springs that may get rows. */
 struct web {
-	int *parent;         /* [bodies]: of those of the step */
-	unsigned char *held; /* [bodies]: of roots, by these */
+	int *parent;         /* [bodies]: union-find of the step's bodies */
+	unsigned char *held; /* [bodies]: flags BY_... at roots */
 };
 
 static bool is_held_by_joints(const struct rb_world *world, int i)
@@ -35,7 +38,7 @@ static bool is_held_by_joints(const struct rb_world *world, int i)
 	return false;
 }
 
-/* Whether anything holds a body at all. */
+/* Whether anything may hold a body. */
 static bool may_hold(const struct rb_world *world, const struct rb_cohort *cohort)
 {
 	bool any = world->model->joints || world->stepped->kicks.count > 0;
@@ -50,7 +53,7 @@ static void hold(struct web *web, int i, unsigned char by)
 	web->held[rb_forest_root(web->parent, i)] |= by;
 }
 
-/* A body that the step moves: no sleeping one. */
+/* Whether the step moves the body: dynamic and not asleep. */
 static bool is_solved(const struct rb_world *world, const struct web *web, int i)
 {
 	return rb_stepped_is_dynamic(world, i) && web->parent[i] >= 0;
@@ -78,8 +81,8 @@ static void link_ends(const struct rb_world *world, const struct web *web,
 	web->parent[a > b ? a : b] = a > b ? b : a;
 }
 
-static enum rb_status weave(struct rb_world *world, const struct rb_cohort *cohort, struct web *web,
-                            struct rb_error *err)
+static enum rb_status build_web(struct rb_world *world, const struct rb_cohort *cohort,
+                                struct web *web, struct rb_error *err)
 {
 	const struct rb_stepped *s = world->stepped;
 	const size_t n = (size_t)world->model->body_count;
@@ -116,8 +119,8 @@ static enum rb_status weave(struct rb_world *world, const struct rb_cohort *coho
 	return RB_OK;
 }
 
-/* Takes an impulse of forces back from what drag has left of it. */
-static void take_back(struct rb_world *world, int i, rb_vec3 impulse, rb_vec3 arm)
+/* Takes back an impulse of forces, as reduced by drag. */
+static void revert_impulse(struct rb_world *world, int i, rb_vec3 impulse, rb_vec3 arm)
 {
 	struct rb_stepped *s = world->stepped;
 	const size_t row = 3 * (size_t)i;
@@ -138,7 +141,7 @@ static void take_back(struct rb_world *world, int i, rb_vec3 impulse, rb_vec3 ar
 		                                            impulse);
 }
 
-/* Whether a spring that is not joined is to be: one that is resolved where halves are taken. */
+/* Whether a spring without rows must get them: one that is resolved only where halves are taken. */
 static bool is_due(const struct rb_world *world, struct web *web,
                    const struct rb_step_spring *spring)
 {
@@ -161,7 +164,7 @@ static bool any_due(const struct rb_world *world, struct web *web)
 	return any;
 }
 
-/* m: what its way is bent by, as its ends move and turn before forces act. */
+/* Nonlinear part of a spring's displacement, m, as its ends move and rotate before forces act. */
 static rb_vec3 predict_bend(const struct rb_world *world, const struct rb_step_spring *spring,
                             double h)
 {
@@ -182,7 +185,7 @@ static rb_vec3 predict_bend(const struct rb_world *world, const struct rb_step_s
 	                   rb_step_spring_straight(spring, rb_vec3_sub(v[1], v[0]), h));
 }
 
-/* What only its rows need. */
+/* Sets what only a spring's rows need. */
 static void prepare(const struct rb_world *world, struct rb_step_spring *spring, double h)
 {
 	const struct rb_elements *springs = rb_model_elements(world->model, &rb_force_spring);
@@ -195,9 +198,9 @@ static void prepare(const struct rb_world *world, struct rb_step_spring *spring,
 	spring->bend = predict_bend(world, spring, h);
 }
 
-/* Springs of its net act alone again. */
+/* Releases the net of a spring: its springs act alone again. */
 static void release_net(struct rb_world *world, const struct rb_step_spring *spring,
-                        unsigned char *fresh)
+                        unsigned char *changed)
 {
 	const struct rb_nets *nets = world->stepped->nets;
 	const int k = nets ? nets->of_spring[spring->row] : -1;
@@ -205,18 +208,18 @@ static void release_net(struct rb_world *world, const struct rb_step_spring *spr
 	if (k < 0 || nets->net[k].released)
 		return;
 	rb_nets_release(world, k);
-	for (int b = 0; fresh && b < nets->net[k].body_count; b++)
-		fresh[nets->net[k].body[b].index] = 1;
+	for (int b = 0; changed && b < nets->net[k].body_count; b++)
+		changed[nets->net[k].body[b].index] = 1;
 }
 
-/* Joins those that are due; sets `fresh`, where it is given, of their bodies. */
-static void join_due(struct rb_world *world, struct web *web, double h, unsigned char *fresh)
+/* Gives rows to springs that are due; sets `changed`, if given, for their bodies. */
+static void join_due(struct rb_world *world, struct web *web, double h, unsigned char *changed)
 {
 	struct rb_solver *solver = &world->stepped->solver;
 
 	for (int k = 0; k < solver->spring_count; k++)
 		if (is_due(world, web, &solver->spring[k]))
-			release_net(world, &solver->spring[k], fresh);
+			release_net(world, &solver->spring[k], changed);
 	for (int k = 0; k < solver->spring_count; k++) {
 		struct rb_step_spring *spring = &solver->spring[k];
 
@@ -225,11 +228,11 @@ static void join_due(struct rb_world *world, struct web *web, double h, unsigned
 		spring->joined = true;
 		prepare(world, spring, h);
 		solver->sprung_count++;
-		take_back(world, spring->end[0], rb_vec3_neg(spring->impulse), spring->arm[0]);
-		take_back(world, spring->end[1], spring->impulse, spring->arm[1]);
-		for (int e = 0; fresh && e < 2; e++)
+		revert_impulse(world, spring->end[0], rb_vec3_neg(spring->impulse), spring->arm[0]);
+		revert_impulse(world, spring->end[1], spring->impulse, spring->arm[1]);
+		for (int e = 0; changed && e < 2; e++)
 			if (rb_stepped_is_dynamic(world, spring->end[e]))
-				fresh[spring->end[e]] = 1;
+				changed[spring->end[e]] = 1;
 	}
 }
 
@@ -241,14 +244,16 @@ enum rb_status rb_springs_join(struct rb_world *world, const struct rb_cohort *c
 
 	if (world->stepped->solver.spring_count == 0 || !may_hold(world, cohort))
 		return RB_OK;
-	const enum rb_status status = weave(world, cohort, &web, err);
+	const enum rb_status status = build_web(world, cohort, &web, err);
 	if (status == RB_OK)
 		join_due(world, &web, h, NULL);
 	rb_arena_back(&world->arena[0], here);
 	return status;
 }
 
-/* Whether one that is not joined ends at a body that a point pushes; it looks at no more. */
+/*
+ * Whether an unresolved spring without rows ends at a body with a contact impulse: a quick check.
+ */
 static bool may_join_pushed(const struct rb_solver *solver)
 {
 	for (int k = 0; k < solver->spring_count; k++) {
@@ -261,21 +266,21 @@ static bool may_join_pushed(const struct rb_solver *solver)
 	return false;
 }
 
-/* Marks the bodies of groups that a fresh one is in, too. */
+/* Marks all bodies of groups with a changed one. */
 static void spread(const struct rb_solver *solver, const struct rb_cohort *cohort,
-                   unsigned char *fresh, unsigned char *of_group)
+                   unsigned char *changed, unsigned char *of_group)
 {
 	for (int k = 0; k < cohort->member_count; k++) {
 		const int i = cohort->body[k], g = solver->island_of[i];
 
-		if (fresh[i] && g >= 0)
+		if (changed[i] && g >= 0)
 			of_group[g] = 1;
 	}
 	for (int k = 0; k < cohort->member_count; k++) {
 		const int i = cohort->body[k], g = solver->island_of[i];
 
 		if (g >= 0 && of_group[g])
-			fresh[i] = 1;
+			changed[i] = 1;
 	}
 }
 
@@ -285,24 +290,24 @@ static enum rb_status join_pushed_once(struct rb_world *world, struct rb_cohort 
 	struct rb_solver *solver = &world->stepped->solver;
 	struct rb_arena *arena = &world->arena[0];
 	const size_t n = (size_t)world->model->body_count;
-	unsigned char *fresh = rb_arena_take(arena, n, 1);
+	unsigned char *changed = rb_arena_take(arena, n, 1);
 	unsigned char *of_group = rb_arena_take(arena, solver->island_count + 1, 1);
 	struct web web;
 
-	if (!fresh || !of_group)
+	if (!changed || !of_group)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the springs of a step");
-	memset(fresh, 0, n);
+	memset(changed, 0, n);
 	memset(of_group, 0, solver->island_count + 1);
-	const enum rb_status status = weave(world, cohort, &web, err);
+	const enum rb_status status = build_web(world, cohort, &web, err);
 	if (status != RB_OK)
 		return status;
 	*again = any_due(world, &web);
 	if (!*again)
 		return RB_OK;
 	rb_solver_go_back(solver, world);
-	join_due(world, &web, solver->h_s, fresh);
-	spread(solver, cohort, fresh, of_group);
-	return rb_solver_again(solver, world, &cohort->points, fresh, err);
+	join_due(world, &web, solver->h_s, changed);
+	spread(solver, cohort, changed, of_group);
+	return rb_solver_again(solver, world, &cohort->points, changed, err);
 }
 
 enum rb_status rb_springs_join_pushed(struct rb_world *world, struct rb_cohort *cohort,
@@ -320,9 +325,9 @@ enum rb_status rb_springs_join_pushed(struct rb_world *world, struct rb_cohort *
 	return status;
 }
 
-/* ---- bends ---- */
+/* ---- linearization errors ---- */
 
-/* m: what its group is solved for, from where bodies were. */
+/* Displacement of a spring as predicted by the solution, m, from the initial positions. */
 static rb_vec3 predicted(const struct rb_solver *solver, const struct rb_step_spring *spring)
 {
 	const struct rb_spring_query query = rb_islands_springs(solver, spring);
@@ -346,7 +351,7 @@ static int group_of(const struct rb_solver *solver, const struct rb_step_spring 
 	                                              solver->body_count)];
 }
 
-/* m: by how much a spring that has rows is not as foreseen, as bodies stand. */
+/* Linearization error of a spring with rows at the present poses, m. */
 static double miss(const struct rb_world *world, struct rb_step_spring *spring)
 {
 	const struct rb_pose pose[2] = {rb_world_pose(world, &world->state, spring->end[0]),
@@ -357,7 +362,10 @@ static double miss(const struct rb_world *world, struct rb_step_spring *spring)
 	return rb_vec3_length(spring->missed);
 }
 
-/* Whether it has rows that look ahead: what is given as the step begins misses nothing. */
+/*
+ * Whether a spring has rows that predict the end of the step: one taken at the beginning has no
+ * error.
+ */
 static bool has_rows(const struct rb_step_spring *spring)
 {
 	return spring->joined && spring->first_row >= 0 && spring->time != RB_SPRING_AT_BEGIN;
@@ -424,9 +432,9 @@ void rb_springs_blame(struct rb_world *world)
 	}
 }
 
-/* ---- the ledger ---- */
+/* ---- ledger ---- */
 
-void rb_springs_note(struct rb_world *world)
+void rb_springs_record(struct rb_world *world)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
 

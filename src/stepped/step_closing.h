@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* How far two bodies may close in a step: points that are farther away are none of it. */
+/* Bounds of how far two bodies may approach in a step: points with a larger gap are left out. */
 #ifndef RB_STEPPED_STEP_CLOSING_H
 #define RB_STEPPED_STEP_CLOSING_H
 
 #include "geom/distance.h"
 #include "stepped/candidates.h"
 
-/* m: way of b's origin from a's within h_s at the present velocities. */
-static inline rb_vec3 rb_step_closing_ways(const struct rb_world *world, struct rb_pair pair,
-                                           double h_s)
+/* Relative displacement of b's origin within h_s at the present velocities, m. */
+static inline rb_vec3 rb_step_closing_displacement(const struct rb_world *world,
+                                                   struct rb_pair pair, double h_s)
 {
 	const rb_vec3 none = {0, 0, 0};
 	const int n = world->model->body_count;
@@ -19,8 +19,8 @@ static inline rb_vec3 rb_step_closing_ways(const struct rb_world *world, struct 
 }
 
 /*
- * A driven plane may turn: the farther away, the more of a way. About its own normal that closes
- * nothing.
+ * Approach by rotation of a driven plane, in proportion to the distance. Rotation about its own
+ * normal causes none.
  */
 static inline double rb_step_closing_by_plane(const struct rb_world *world,
                                               const struct rb_candidates *candidates,
@@ -43,7 +43,7 @@ static inline double rb_step_closing_by_plane(const struct rb_world *world,
 	return fmin(2, candidates->h_s * tilt) * rb_vec3_length(between);
 }
 
-/* m: by how far either gets. */
+/* Bound for two balls: the sum of both displacements, m. */
 static inline double rb_step_closing_of_balls(const struct rb_world *world,
                                               const struct rb_candidates *candidates,
                                               struct rb_pair pair)
@@ -58,8 +58,8 @@ static inline double rb_step_closing_of_balls(const struct rb_world *world,
 }
 
 /*
- * The same of bodies that turn. One may be stopped on its way, while the other goes on, but bodies
- * that move together do not close both of their ways.
+ * The same for bodies that rotate. One may be stopped while the other moves on, but bodies that
+ * move together do not approach by both displacements.
  */
 static inline double rb_step_closing_of(const struct rb_world *world,
                                         const struct rb_candidates *candidates, struct rb_pair pair,
@@ -73,17 +73,17 @@ static inline double rb_step_closing_of(const struct rb_world *world,
 		b = candidates->reach[pair.b];
 		turning += candidates->ahead[pair.b] - b;
 	}
-	const double between = rb_vec3_length(rb_step_closing_ways(world, pair, h_s));
+	const double between = rb_vec3_length(rb_step_closing_displacement(world, pair, h_s));
 	const double least = a > b ? a : b, way = between > least ? between : least;
 	const double closing = (way < a + b ? way : a + b) + turning + model->stepped_tolerance_m;
 	return model->driven ? closing + rb_step_closing_by_plane(world, candidates, pair)
 	                     : closing;
 }
 
-/* m: no less than that, but of what is driven. */
-static inline double rb_step_closing_glance(const struct rb_world *world,
-                                            const struct rb_candidates *candidates,
-                                            struct rb_pair pair)
+/* Cheap upper bound of that, m, not for driven bodies. */
+static inline double rb_step_closing_bound(const struct rb_world *world,
+                                           const struct rb_candidates *candidates,
+                                           struct rb_pair pair)
 {
 	return candidates->ahead[pair.a] + candidates->ahead[pair.b] +
 	       world->model->stepped_tolerance_m;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Ledger of a step: entries of momentum and energy by cause. Every impulse p of a step that acts at
- * the contact with relative velocities u before and u' after does the work p . (u + u') / 2,
- * exactly: kinetic energy changes by the sum of these products.
+ * a contact with relative velocities u before and u' after does the work p . (u + u') / 2, exactly:
+ * kinetic energy changes by the sum of these products.
  *
  * Bodies at rest get no entries of their own contacts: their forces are entered, and the holder
  * (static or driven) gives the opposite. At the end dissipation is limited to what the bodies have
- * lost (keep_to), as roundoff may make it negative.
+ * lost (limit_dissipation), as roundoff may make it negative.
  */
 #include "stepped/step_ledger.h"
 
@@ -17,7 +17,7 @@
 /* Sums over bodies with weight, for gravity (per mass) and gravity_force (per body). */
 struct weights {
 	double mass, count;
-	rb_vec3 moment, place; /* kg m; m: sums of where their weights act */
+	rb_vec3 moment, place; /* kg m; m: sums of the points where their weights act */
 };
 
 struct entering {
@@ -26,10 +26,10 @@ struct entering {
 	const struct rb_tally *tally;
 	const struct rb_state *before;
 	const unsigned char *skip;
-	const int *member; /* of the cohort, and of all those that stand */
+	const int *member; /* of the cohort; for that of all, also sleeping ones */
 	int member_count;
-	struct rb_pass pass;         /* what stated forces are asked with */
-	struct weights all, resting; /* of those that stand still */
+	struct rb_pass pass;         /* query of the scene's constant forces */
+	struct weights all, resting; /* of all; of those at rest */
 	struct rb_entries e;
 };
 
@@ -116,13 +116,13 @@ static void enter_weights(struct entering *n, enum rb_ledger_momentum cause, dou
 	                    rb_vec3_scale(seconds, torque));
 }
 
-/* Who balances forces on bodies at rest: statics if there are any. */
+/* Cause that balances forces on bodies at rest: statics if there are any. */
 static enum rb_ledger_momentum holder(const struct entering *n)
 {
 	return n->world->model->static_count > 0 ? RB_MOMENTUM_STATIC : RB_MOMENTUM_DRIVEN;
 }
 
-/* Work of an impulse that has no potential, at the mean of velocities. */
+/* Enters the work of an impulse without potential, at the mean of velocities. */
 static void enter_force(struct entering *n, const struct rb_tally_body *body,
                         enum rb_ledger_momentum cause, rb_vec3 impulse, rb_vec3 turn)
 {
@@ -135,8 +135,8 @@ static void enter_force(struct entering *n, const struct rb_tally_body *body,
 	rb_entries_energy(&n->e, energy[cause], cause == RB_MOMENTUM_DRAG ? -work : work);
 }
 
-static void enter_even(struct entering *n, int i, const struct rb_force_impulse *force, rb_vec3 at,
-                       struct held *held)
+static void enter_constant_force(struct entering *n, int i, const struct rb_force_impulse *force,
+                                 rb_vec3 at, struct held *held)
 {
 	const struct rb_tally_body *body = &n->tally->body[i];
 
@@ -147,8 +147,8 @@ static void enter_even(struct entering *n, int i, const struct rb_force_impulse 
 	held->angular = rb_vec3_add(held->angular, force->turn);
 }
 
-/* Place at which constant forces act, m: for a free body the middle of its way without them. */
-static rb_vec3 even_place(const struct entering *n, int i)
+/* Point at which constant forces act, m: for a free body the middle of its path without them. */
+static rb_vec3 constant_force_place(const struct entering *n, int i)
 {
 	const struct rb_tally_body *body = &n->tally->body[i];
 	const rb_vec3 begin = rb_world_row3(n->before->position, i);
@@ -163,7 +163,7 @@ static rb_vec3 even_place(const struct entering *n, int i)
 	                                    rb_world_row3(n->before->velocity, i));
 }
 
-static void enter_even_forces(struct entering *n, int i, rb_vec3 at, struct held *held)
+static void enter_constant_forces(struct entering *n, int i, rb_vec3 at, struct held *held)
 {
 	const struct rb_model *model = n->world->model;
 	const int count = model->scene->bodies[model->id_of[i]].force_count;
@@ -171,12 +171,12 @@ static void enter_even_forces(struct entering *n, int i, rb_vec3 at, struct held
 	for (int f = 0; f < count; f++) {
 		const struct rb_force_impulse force = rb_forces_stated(&n->pass, n->before, i, f);
 
-		enter_even(n, i, &force, at, held);
+		enter_constant_force(n, i, &force, at, held);
 	}
 	if (model->features & RB_FEATURE_PUSHES) {
 		const struct rb_force_impulse force = rb_forces_pushed(&n->pass, i);
 
-		enter_even(n, i, &force, at, held);
+		enter_constant_force(n, i, &force, at, held);
 	}
 }
 
@@ -214,8 +214,8 @@ static void enter_held(struct entering *n, int i, const struct held *held)
 }
 
 /*
- * What closing of overlaps has done to a body, unless it was done by other dynamic bodies: momentum
- * within the group cancels.
+ * Effect of position projection on a body, unless by other dynamic bodies: momentum within the
+ * group cancels.
  */
 static void enter_closing(struct entering *n, int i)
 {
@@ -228,7 +228,7 @@ static void enter_closing(struct entering *n, int i)
 		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN, body->lifted);
 }
 
-/* At rest before and after: no motion was taken. */
+/* At rest before and after. */
 static bool is_resting(const struct rb_tally_body *body)
 {
 	return rb_vec3_max_abs(body->begin[0]) == 0 && rb_vec3_max_abs(body->begin[1]) == 0 &&
@@ -236,8 +236,8 @@ static bool is_resting(const struct rb_tally_body *body)
 }
 
 /*
- * Attraction on a body: what bodies give each other leaves the momentum of all as it is, and has a
- * potential. Entered is what those give that do not yield, and what has no reaction.
+ * Gravitation on a body: between dynamic bodies it conserves total momentum and has a potential.
+ * Entered are the parts by bodies that are not dynamic, and those without reaction.
  */
 static void enter_gravitation(struct entering *n, int i, struct held *held)
 {
@@ -282,7 +282,7 @@ static void enter_body(struct entering *n, int i)
 	                                  RB_FEATURE_GRAVITATION;
 	const rb_features features = n->world->model->features;
 	const struct rb_tally_body *body = &n->tally->body[i];
-	const rb_vec3 at = even_place(n, i);
+	const rb_vec3 at = constant_force_place(n, i);
 	const bool rests = body->kind == RB_TALLY_RESTS;
 	struct held held = {none, none};
 
@@ -290,7 +290,7 @@ static void enter_body(struct entering *n, int i)
 	if (rests)
 		add_weight(&n->resting, n->world->model->mass[i], at);
 	if (features & (RB_FEATURE_FORCES | RB_FEATURE_PUSHES))
-		enter_even_forces(n, i, at, &held);
+		enter_constant_forces(n, i, at, &held);
 	if (features & (RB_FEATURE_FIELD | RB_FEATURE_ELEMENTS))
 		enter_varied(n, i, RB_MOMENTUM_APPLIED, &body->varied, &held);
 	if ((features & RB_FEATURE_ELEMENTS) || n->world->hooks.potential)
@@ -409,8 +409,8 @@ static void enter_elements(struct entering *n)
 
 /* ---- contacts ---- */
 
-/* Friction in a collision, or of sliding contact. */
-static enum rb_ledger_energy friction_of(const struct rb_step_point *point)
+/* Ledger entry of friction: in an impact, or of sliding contact. */
+static enum rb_ledger_energy friction_entry(const struct rb_step_point *point)
 {
 	return point->after_impact ? RB_ENERGY_IMPACT_FRICTION : RB_ENERGY_SLIDING;
 }
@@ -426,7 +426,7 @@ static void enter_work(struct entering *n, const struct rb_step_point *point, rb
 	const double along = rb_vec3_dot(impulse, normal) * rb_vec3_dot(u, normal);
 
 	rb_entries_energy(&n->e, RB_ENERGY_IMPACTS, -along);
-	rb_entries_energy(&n->e, friction_of(point), along - work);
+	rb_entries_energy(&n->e, friction_entry(point), along - work);
 }
 
 /* Arm of a to the point of action, m. */
@@ -442,7 +442,7 @@ static rb_vec3 arm_of_b(const struct rb_step_point *point)
 	                      : rb_vec3_add(point->arm_b, rb_vec3_sub(point->lever, point->arm_a));
 }
 
-/* Arms of a point whose impulse acts where they meet; `normal` becomes the one there. */
+/* Arms of a point whose impulse acts at their common point; `normal` becomes the one there. */
 static void joined_arms(const struct entering *n, const struct rb_step_point *point, bool at_end,
                         rb_vec3 *normal, rb_vec3 arm[2])
 {
@@ -511,7 +511,7 @@ static void enter_point(struct entering *n, const struct rb_step_point *point)
 	const rb_vec3 u = mean_at(n, point, is_dynamic, on_fixed);
 	rb_entries_energy(&n->e, RB_ENERGY_IMPACTS,
 	                  -point->normal_impulse * rb_vec3_dot(u, point->normal));
-	rb_entries_energy(&n->e, friction_of(point), -rb_vec3_dot(u, point->friction_impulse));
+	rb_entries_energy(&n->e, friction_entry(point), -rb_vec3_dot(u, point->friction_impulse));
 }
 
 /* Mean of this velocity and the present one at that arm. */
@@ -562,32 +562,33 @@ static void enter_points(struct entering *n)
 }
 
 /*
- * Impacts within the step. A body goes on from there with the velocity of the step's end, as if it
- * had come with it: that is where the impulse acts on it.
+ * Impacts within the step. The body continues with the velocity of the step's end, as if it had
+ * arrived with it: the point of action is computed so.
  */
-static void enter_blow(struct entering *n, const struct rb_ledger_impact *blow)
+static void enter_impact(struct entering *n, const struct rb_ledger_impact *impact)
 {
-	rb_entries_energy(&n->e, RB_ENERGY_IMPACTS, blow->along);
-	rb_entries_energy(&n->e, RB_ENERGY_IMPACT_FRICTION, blow->across);
-	if (rb_stepped_is_dynamic(n->world, blow->b))
+	rb_entries_energy(&n->e, RB_ENERGY_IMPACTS, impact->along);
+	rb_entries_energy(&n->e, RB_ENERGY_IMPACT_FRICTION, impact->across);
+	if (rb_stepped_is_dynamic(n->world, impact->b))
 		return;
-	const rb_vec3 from = rb_world_row3(n->before->position, blow->a);
-	const rb_vec3 center = rb_vec3_add_scaled(from, blow->t_s, n->tally->body[blow->a].end[0]);
+	const rb_vec3 from = rb_world_row3(n->before->position, impact->a);
+	const rb_vec3 center = rb_vec3_add_scaled(from, impact->t_s,
+	                                          n->tally->body[impact->a].end[0]);
 
-	rb_entries_impulse(&n->e, cause_of(n, blow->b), rb_vec3_neg(blow->impulse),
-	                   rb_vec3_add(center, blow->arm_a));
-	if (blow->b < n->world->model->body_count)
-		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN, blow->driven);
+	rb_entries_impulse(&n->e, cause_of(n, impact->b), rb_vec3_neg(impact->impulse),
+	                   rb_vec3_add(center, impact->arm_a));
+	if (impact->b < n->world->model->body_count)
+		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN, impact->driven);
 }
 
 /* ---- joints ---- */
 
-/* J: what a spring about the free coordinate has given back, beside its work, as it has moved. */
+/* Energy that a spring of a joint coordinate has lost beside its work, J, at most its damper's. */
 static double spring_lost(const struct entering *n, int k, const struct rb_step_joint *of)
 {
 	const struct rb_joint *joint = &n->world->model->joints->joint[k];
 	const double from = of->last.way - joint->rest;
-	const double to = rb_joints_way(n->world, k, n->pass.h_s) - joint->rest;
+	const double to = rb_joints_coordinate(n->world, k, n->pass.h_s) - joint->rest;
 	const double lost = 0.5 * joint->stiffness * (from - to) * (from + to) - of->work.spring;
 	const double rate = (to - from) / n->pass.h_s;
 
@@ -615,7 +616,7 @@ static void enter_joint(struct entering *n, int k)
 		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN, work->driven);
 }
 
-/* Of what stands still the holder gives all that forces take. */
+/* Joints of the cohort; for bodies at rest the holder balances all forces. */
 static void enter_joints(struct entering *n)
 {
 	for (int m = 0; n->world->model->joints && m < n->cohort->member_count; m++) {
@@ -667,7 +668,7 @@ static bool may_lose(const struct entering *n, const struct rb_tally_body *body)
 }
 
 /* Limits dissipation to [0, energy lost] where no force varies, scaling all takers alike. */
-static void keep_to(struct entering *n)
+static void limit_dissipation(struct entering *n)
 {
 	static const enum rb_ledger_energy taker[] = {RB_ENERGY_IMPACTS, RB_ENERGY_IMPACT_FRICTION,
 	                                              RB_ENERGY_SLIDING, RB_ENERGY_DRAG};
@@ -677,8 +678,8 @@ static void keep_to(struct entering *n)
 
 	double *const row = n->e.row;
 	/*
-	 * friction within an impact can make the normal impulse give energy: only both together
-	 * take
+	 * friction within an impact can make the normal impulse give energy: only their sum
+	 * dissipates
 	 */
 	if (row[RB_ENERGY_IMPACTS] + row[RB_ENERGY_IMPACT_FRICTION] < 0)
 		row[RB_ENERGY_IMPACTS] = row[RB_ENERGY_IMPACT_FRICTION] = 0;
@@ -719,11 +720,11 @@ struct rb_entries rb_step_ledger_enter(struct rb_world *world, const struct rb_c
 	if (n.resting.count > 0)
 		enter_weights(&n, holder(&n), -h, &n.resting);
 	enter_points(&n);
-	for (size_t k = 0; k < cohort->blow_count; k++)
-		if (is_in(&n, cohort->blow[k].a))
-			enter_blow(&n, &cohort->blow[k]);
+	for (size_t k = 0; k < cohort->ledger_impact_count; k++)
+		if (is_in(&n, cohort->ledger_impact[k].a))
+			enter_impact(&n, &cohort->ledger_impact[k]);
 	enter_elements(&n);
 	enter_joints(&n);
-	keep_to(&n);
+	limit_dissipation(&n);
 	return n.e;
 }

@@ -1,12 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Top level of the stepped method: memory, the loop of tries and halvings, commit, and the
- * checkpoint. What happens to a step that fails is the scene's choice: only the groups concerned go
- * back (local_rollback.c), or all bodies, or with RB_ROLLBACK_NONE nobody unless a value is not
- * finite.
+ * Top level of the stepped method: memory, the loop of attempts and halvings, commit, and the
+ * checkpoint. Equations and the course of one attempt are in stepped.h; around it:
  *
- * Until commit the beginning of the step stands in world->mark; every error copies it back, so that
- * a failed step leaves the world as it was.
+ *     step h: attempt (attempt) ---> verdict (judge), for each body
+ *                                       |
+ *       all good -----------------------+--> commit: contacts, events, ledger, joints, sleep
+ *       some bad, rollback selective ---+--> commit the groups without bad bodies, the others
+ *                                       |    take h / 2, and so on (local_rollback)
+ *       some bad, rollback global ------+--> all back, h / 2; doubled after each success
+ *       not finite, rollback none ------+--> all back, h / 2; other failures are kept
+ *
+ * Until commit, world->mark holds the beginning of the step; every error copies it back, so that a
+ * failed step leaves the world as it was.
  */
 #include "stepped/stepped.h"
 
@@ -30,7 +36,7 @@
 #include "stepped/strategies.h"
 #include "stepped/wide.h"
 
-/* ---- what it needs ---- */
+/* ---- storage ---- */
 
 /* List of bodies: dynamic ones ascending, then driven ones ascending. */
 static enum rb_status take_bodies(struct rb_stepped *s, const struct rb_model *model,
@@ -39,9 +45,9 @@ static enum rb_status take_bodies(struct rb_stepped *s, const struct rb_model *m
 	const size_t n = (size_t)model->body_count;
 
 	s->body = rb_memory_take(n, sizeof *s->body);
-	s->aside = rb_memory_take(6 * n, sizeof *s->aside);
+	s->saved_velocity = rb_memory_take(6 * n, sizeof *s->saved_velocity);
 	s->bad = rb_memory_take(n, 1);
-	if (!s->body || !s->aside || !s->bad)
+	if (!s->body || !s->saved_velocity || !s->bad)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the stepped method");
 	for (int i = 0; i < model->body_count; i++)
 		if (model->inverse_mass[i] > 0)
@@ -49,8 +55,8 @@ static enum rb_status take_bodies(struct rb_stepped *s, const struct rb_model *m
 	for (int i = 0; i < model->body_count; i++)
 		if (!(model->inverse_mass[i] > 0))
 			s->body[s->member_count + s->driven_count++] = i;
-	s->ride = rb_memory_take((size_t)s->driven_count, sizeof *s->ride);
-	if (!s->ride)
+	s->driven_end = rb_memory_take((size_t)s->driven_count, sizeof *s->driven_end);
+	if (!s->driven_end)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %d driven bodies",
 		               s->driven_count);
 	rb_sleep_gather(s);
@@ -140,7 +146,7 @@ static enum rb_status prepare(struct rb_world *world, struct rb_error *err)
 		status = rb_impacts_create(made, model, err);
 	if (status == RB_OK)
 		status = rb_tally_create(made, model, err);
-	/* without contact nobody looks at who stands */
+	/* sleep is detected by contacts */
 	made->sleep.off = !world->broadphase;
 	return status;
 }
@@ -160,20 +166,20 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 	rb_tally_release(stepped);
 	rb_memory_free(stepped->all.rebound);
 	rb_memory_free(stepped->part.rebound);
-	rb_memory_free(stepped->all.dues);
-	rb_memory_free(stepped->part.dues);
-	rb_memory_free(stepped->all.hit);
-	rb_memory_free(stepped->part.hit);
+	rb_memory_free(stepped->all.closing_impulse);
+	rb_memory_free(stepped->part.closing_impulse);
+	rb_memory_free(stepped->all.impact);
+	rb_memory_free(stepped->part.impact);
 	rb_mean_forces_release(&stepped->means);
 	rb_contacts_release(&stepped->part_contacts);
-	rb_contacts_release(&stepped->all.passed);
-	rb_contacts_release(&stepped->part.passed);
-	rb_memory_free(stepped->all.blow);
-	rb_memory_free(stepped->part.blow);
+	rb_contacts_release(&stepped->all.transmitted);
+	rb_contacts_release(&stepped->part.transmitted);
+	rb_memory_free(stepped->all.ledger_impact);
+	rb_memory_free(stepped->part.ledger_impact);
 	rb_memory_free(stepped->top);
 	rb_memory_free(stepped->body);
-	rb_memory_free(stepped->ride);
-	rb_memory_free(stepped->aside);
+	rb_memory_free(stepped->driven_end);
+	rb_memory_free(stepped->saved_velocity);
 	rb_memory_free(stepped->varied);
 	rb_memory_free(stepped->undragged);
 	rb_memory_free(stepped->bad);
@@ -182,21 +188,21 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 }
 
 /*
- * Contacts of a body in a heap, each shared by two: as many as take its freedoms, at which heaps
- * stop giving way; with friction each takes three of a sphere's six. Boxes made to last overlap
- * those of its neighbours, of which equal spheres have 12.
+ * Contacts per body of a heap, each shared by two bodies: as many as remove its degrees of freedom,
+ * at which heaps stop giving way; with friction each contact removes three of a sphere's six.
+ * Enlarged boxes overlap those of neighbours, of which equal spheres have 12.
  */
 enum { SPHERE_POINTS = 3, ROUGH_SPHERE_POINTS = 2, BODY_POINTS = 6, HEAP_PAIRS = 12 };
-/* Steps for which boxes of bodies that fall are made to last, as far as their size. */
+/* Steps for which the boxes of falling bodies are enlarged, at most by the body's size. */
 enum { FALLING_STEPS = 8 };
 
-/* m/s: of what has fallen from the highest body to where the lowest is. */
+/* Speed after a fall from the height of the highest body to that of the lowest, m/s. */
 static double falling_speed(const struct rb_model *model)
 {
 	const rb_vec3 gravity = model->scene->world.gravity;
 	double low = (double)INFINITY, high = -(double)INFINITY;
 
-	/* heights times the acceleration */
+	/* potential energy per mass, m^2/s^2 */
 	for (int i = 0; i < model->body_count + model->static_count; i++) {
 		const double height = -rb_vec3_dot(gravity, model->position[i]);
 
@@ -207,9 +213,9 @@ static double falling_speed(const struct rb_model *model)
 }
 
 /*
- * Pairs of all bodies as a heap of them comes to lie: the more, the less of the sphere round a body
- * is its own, and as it falls boxes are up to twice as wide; no more than there are, as long rods
- * and thin plates would have.
+ * Candidate pairs of all bodies once they lie in a heap. The smaller a body's share of its bounding
+ * sphere, the more neighbours' boxes overlap its own; while it falls, boxes are up to twice as
+ * wide. At most all pairs, a bound that long rods and thin plates would exceed.
  */
 static double heap_pairs(const struct rb_model *model)
 {
@@ -237,11 +243,11 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads)
 	const bool central = !model->parts;
 	const bool tensors = (model->features & RB_FEATURE_GYROSCOPIC) != 0;
 	const size_t contact = sizeof(struct rb_contact) + sizeof(struct rb_named_impulse);
-	/* spheres do not turn beyond what a step foresees: few take shorter ones */
+	/* spheres have no error of linearized rotation: few take substeps */
 	const bool divides = !central && model->rollback == RB_ROLLBACK_SELECTIVE;
 	/*
-	 * of turning bodies, points are also kept where they are closed, or looked at again, and
-	 * what is told of them while some take shorter steps
+	 * rotating bodies: points also in the list of the position projection or of
+	 * relinearization, and contacts recorded by bodies that take substeps
 	 */
 	const size_t again = central ? 0
 	                             : sizeof(struct rb_step_point) +
@@ -249,13 +255,13 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads)
 	                                                          2 * sizeof(struct rb_contact)
 	                                                : 0);
 	/*
-	 * of what turns, factors too, by blocks of 6 by 6: about as many as points, of bodies, of
-	 * pairs that touch, and of what is filled in
+	 * rotating bodies: factors too, in blocks of 6 by 6; about as many as points, for bodies,
+	 * touching pairs and fill-in
 	 */
 	const size_t factors = central ? 0 : 4 * sizeof(rb_mat3);
 	const size_t scratch = rb_wide_row_bytes(central, tensors) + sizeof(struct rb_saved_row) +
 	                       factors;
-	/* pairs that come close have clues, no more than points */
+	/* pairs that come close have cached axes, no more than points */
 	const size_t clue = central ? 0 : sizeof(struct rb_clue);
 	const size_t point = sizeof(struct rb_step_point) + sizeof(struct rb_constraint) +
 	                     2 * sizeof(int) + contact + again + scratch + clue;
@@ -264,7 +270,7 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads)
 	const double pairs = central ? HEAP_PAIRS * (double)model->body_count : heap_pairs(model);
 	const bool rough = (model->features & RB_FEATURE_FRICTION) != 0;
 	const int points = !central ? BODY_POINTS : rough ? ROUGH_SPHERE_POINTS : SPHERE_POINTS;
-	/* what further threads look at, or solve of groups that are not shared */
+	/* of further threads: points that they find, and rows of groups that each solves alone */
 	const size_t rows = (size_t)points * (size_t)model->body_count;
 	const size_t group = rows < RB_STRATEGY_LARGE_ROWS ? rows : RB_STRATEGY_LARGE_ROWS;
 	const size_t others = (size_t)(threads - 1) * group *
@@ -297,16 +303,16 @@ static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_
 		                 s->all.points.chosen_count);
 	if (status != RB_OK)
 		return status;
-	rb_record_in_place(world, &s->all, h); /* it reads impulses of the step before */
+	rb_record_in_place(world, &s->all, h); /* reads the impulses of the last step */
 	rb_step_points_keep_in(&s->all.points, world, h, s->solver.asleep, sleeps, space);
 	rb_arena_back(&world->arena[0], here);
 	if (world->model->driven)
 		rb_contacts_sort(&world->contacts);
-	if (status == RB_OK && world->keeps_means && s->all.passed.count > 0) {
+	if (status == RB_OK && world->keeps_means && s->all.transmitted.count > 0) {
 		world->shown.count = 0;
 		status = rb_contacts_join(&world->shown, &world->contacts, err);
 		if (status == RB_OK)
-			status = rb_record_passed(&s->all, h, NULL, &world->shown, err);
+			status = rb_record_transmitted(&s->all, h, NULL, &world->shown, err);
 		rb_contacts_sort(&world->shown);
 		world->has_shown = true;
 	}
@@ -315,8 +321,8 @@ static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_
 }
 
 /*
- * Makes a good try the state of the world. Everything that can fail comes before the first change
- * that cannot be undone.
+ * Makes an accepted attempt the state of the world. Everything that can fail precedes the first
+ * change that cannot be undone.
  */
 static enum rb_status commit(struct rb_world *world, double end, double h,
                              const struct rb_attempt_outcome *outcome, struct rb_error *err)
@@ -335,7 +341,7 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 	enum rb_status status = rb_record_impacts(world, &s->all, end, &world->contacts, NULL, err);
 	if (status == RB_OK)
 		status = rb_joint_records_add(world, &s->all, end, h, NULL, err);
-	/* if everything sleeps and nothing touches, the lists stay as they are */
+	/* if everything sleeps and no awake body has a contact, the lists stay as they are */
 	if (status == RB_OK && !(s->sleep.unchanged && s->all.points.count == 0))
 		status = keep_contacts(world, h, err);
 	if (status == RB_OK && !rb_record_reserve(world, s->reported.count))
@@ -364,9 +370,9 @@ static void reset_arenas(struct rb_world *world)
 	}
 }
 
-/* One try for all bodies; on an error the state is that of the beginning. */
-static enum rb_status try_all(struct rb_world *world, double start, double h,
-                              struct rb_attempt_outcome *outcome, struct rb_error *err)
+/* One attempt for all bodies and its verdict; after an error the state is that of the beginning. */
+static enum rb_status attempt_all(struct rb_world *world, double start, double h,
+                                  struct rb_attempt_outcome *outcome, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 
@@ -393,7 +399,7 @@ static enum rb_status step_locally(struct rb_world *world, double start, double 
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_attempt_outcome outcome;
-	enum rb_status status = try_all(world, start, dt, &outcome, err);
+	enum rb_status status = attempt_all(world, start, dt, &outcome, err);
 
 	if (status != RB_OK)
 		return status;
@@ -419,7 +425,7 @@ static enum rb_status show_means(struct rb_world *world, double dt, struct rb_er
 }
 
 /*
- * Attraction at the beginning of a step, which holds through it, also for bodies that take
+ * Gravitation at the beginning of a step, constant during the step, also for bodies that take
  * substeps.
  */
 static enum rb_status attract(struct rb_world *world, struct rb_error *err)
@@ -431,8 +437,8 @@ static enum rb_status attract(struct rb_world *world, struct rb_error *err)
 }
 
 /*
- * Substeps common to all bodies: halves the substep for all bodies until it is good, doubles it
- * after each success. With RB_ROLLBACK_NONE only values that are not finite count as failure.
+ * Substeps common to all bodies: halves the substep until the attempt is accepted, doubles it after
+ * each success. With RB_ROLLBACK_NONE only values that are not finite count as failure.
  */
 static enum rb_status step_together(struct rb_world *world, double start, double dt,
                                     struct rb_error *err)
@@ -445,7 +451,7 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 	s->means.count = 0;
 	while (done < dt) {
 		struct rb_attempt_outcome outcome;
-		enum rb_status status = try_all(world, start + done, h, &outcome, err);
+		enum rb_status status = attempt_all(world, start + done, h, &outcome, err);
 
 		if (status != RB_OK)
 			return status;
@@ -495,11 +501,11 @@ static enum rb_status step(struct rb_world *world, double start, double dt, stru
 	               : step_together(world, start, dt, err);
 }
 
-/* ---- to bytes and back ---- */
+/* ---- checkpoint ---- */
 
 /*
- * Warm-start impulses, sorted by first body, since the index by body relies on it; a checkpoint may
- * be damaged, so that is checked.
+ * Warm-start impulses, sorted by first body because the index by body relies on it. A checkpoint
+ * may be damaged, so the order is checked.
  */
 static void pack_pushes(struct rb_world *world, struct rb_pack *pack)
 {
@@ -522,8 +528,8 @@ static void pack_pushes(struct rb_world *world, struct rb_pack *pack)
 }
 
 /*
- * Which bodies rest, as columns by body, and the external accelerations of those that do; groups
- * are put to sleep again by the next step.
+ * Bodies at rest, as columns by body, and their external accelerations; groups are put to sleep
+ * again by the next step.
  */
 static void pack_rests(struct rb_world *world, struct rb_pack *pack)
 {
@@ -575,8 +581,8 @@ static void release(struct rb_world *world)
 }
 
 /*
- * Default: a free fall of h = 1/240 s is wrong by g h^2 / 2 = 8.5e-5 m of its own, 1e-3 of the
- * sizes for which such a step is made; ten times less than that costs as many sweeps again.
+ * Default: in free fall a step h = 1/240 s has an error of g h^2 / 2 = 8.5e-5 m, 1e-3 of the sizes
+ * for which such a step is chosen; a tenth of that takes twice as many sweeps.
  */
 const struct rb_stepper rb_stepper_stepped = {
 	.tolerance = 1e-4,

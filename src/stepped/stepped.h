@@ -12,36 +12,42 @@
  *     x' = x + h v'                               positions move with the solved velocities
  *
  * Impacts have the law of constraint/simultaneous, resolved in order of time within the step where
- * the group is small. Impulses are found until what is left closes no gap by more than a share of
- * the tolerance (stepped/strategies).
+ * the group is small. Iterations end when the residual closes no gap by more than a share of the
+ * tolerance (stepped/strategies).
  *
- * One step:
+ * One attempt of a step; stepped.c has the loop of attempts and halvings:
  *
- *     stage of forces ---> candidate pairs ---> contact points, warm impulses
- *      (force)              (candidates)         (contact_points)
- *                                                     |
- *       impacts of the step before, in order of time <+   (flight, impact_pass)
+ *     velocities after forces --> candidate pairs --> contact points, warm-start impulses
+ *      (force, nets)               (candidates)        (contact_points)
+ *                                                          |
+ *       impacts within the step, in order of time <--------+     (flight, impact_pass)
  *                       |
- *       groups of points that share a dynamic body        (islands)
+ *       islands of contacts, joints, springs that share a dynamic body      (islands)
  *                       |
- *       each: joints alone? by what they leave free       (swing)
- *       else: strategies from a table, until one is good  (strategies: drawing there)
+ *       each: still at rest? --> no rows                              (islands_rest)
+ *             joints alone? --> reduced coordinates                (reduced_islands)
+ *             else strategies from a table, until one is accepted       (strategies)
  *                       |
- *       move; impacts left for the end rebound            (attempt)
+ *       move bodies                                                        (attempt)
  *                       |
- *       overlap of what turns? --small--> close by moving positions (projection, lift)
- *                       |large
- *       solve again with the points of now, once          (attempt)
+ *       overlap or drift by rotation beyond what projection may close?
+ *                       |no            |yes: contact points and rows from the poses at
+ *                       |              |the end, solve again, up to 6 times  (relinearize)
+ *       impacts left to the end of the step rebound  (solve, joined_rebound)
  *                       |
- *       verdict: finite, overlap within the tolerance? --yes--> commit: contacts, events, ledger
- *                       |no                                     (contact_records, enter)
- *       back; the bodies concerned take half the step     (local_rollback)
+ *       verdict: finite, residual, drift, thrown?                            (judge)
+ *                       |
+ *       close overlaps by moving positions; its energy is paid by spin
+ *                       |                      (projection, projection_energy)
+ *       overlap within the tolerance? --yes--> commit: contacts, events, ledger
+ *                       |no                     (contact_records, step_ledger)
+ *       back; the bodies concerned take half the step               (local_rollback)
  *
- * Constants stand at the top of the file that uses them, each with the case that it comes from:
+ * Constants are at the top of the file that uses them, each with the case that it comes from:
  * sweeps, factors and their budgets in strategies.c (the sphere heap, the box heap and the mass
  * ratios of `tests/bench`, `rbsim verify` stack and arch); weights of Newton's method in direct.c;
- * what closing may move in projection.c; the work of one impact in impact_pass.c (a break of 136
- * balls); overrelaxation in wide.c (the sphere heap).
+ * limits of position projection in projection.c; the cost of one impact in impact_pass.c (a break
+ * of 136 balls); overrelaxation in wide.c (the sphere heap).
  */
 #ifndef RB_STEPPED_STEPPED_H
 #define RB_STEPPED_STEPPED_H
@@ -54,14 +60,12 @@ struct rb_stepped;
 void rb_stepped_destroy(struct rb_stepped *stepped); /* NULL is fine */
 
 /*
- * Bytes of bodies that come to lie in a heap, beyond what they have from the start: what is there
- * by contact and by pair, while impulses are solved for.
+ * Memory for bodies once they lie in a heap, beyond that at the start, bytes: storage per contact
+ * and per pair, while impulses are being solved.
  */
 size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads);
 
-/*
- * Taking over after another method starts from the forces of the contacts that this has left.
- */
+/* After another method, the first step starts from the contact forces that this has left. */
 extern const struct rb_stepper rb_stepper_stepped;
 
 #endif

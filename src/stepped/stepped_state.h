@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * State of the stepped method, shared by its rooms, and what one try of a step is made of.
+ * State of the stepped method, shared by its modules: the world's (`rb_stepped`), that of the
+ * bodies that step together (`rb_cohort`), and the outcome of one attempt of a step.
  *
- * Owned by the world; simulator thread, but for rows that a pass lends to workers.
+ * Owned by the world; simulator thread, except for rows that a pass lends to workers.
  */
 #ifndef RB_STEPPED_STEPPED_STATE_H
 #define RB_STEPPED_STEPPED_STATE_H
@@ -16,81 +17,92 @@
 enum { RB_BODIES_PER_BLOCK = 512 };
 
 /*
- * An impact that was resolved within the step; crowded: one of a group that is too large for that.
+ * An impact resolved within the step; crowded: left to the end of the step, because its group is
+ * too large.
  */
 struct rb_step_impact {
 	int a, b;
 	bool crowded;
-	bool plastic; /* the group's impacts did not settle but without restitution */
+	bool plastic; /* simultaneous impacts converged only without restitution */
 	double time_s;
 	double approach;                /* m/s */
-	double energy;                  /* J: crowded: of the approach */
-	double normal_impulse;          /* N s: along the normals, of all its points */
+	double energy;                  /* J, if crowded: energy of the approach */
+	double normal_impulse;          /* N s: sum over its points */
 	rb_vec3 point, normal, impulse; /* impulse: N s, on b */
 };
 
-/* A contact in an impact within the step, for the ledger. */
+/* A contact that took part in an impact within the step, for the energy ledger. */
 struct rb_ledger_impact {
 	int a, b;
 	double t_s;             /* after the step's beginning */
 	rb_vec3 impulse, arm_a; /* N s, on b; m, from a's centre of mass */
-	double along, across;   /* J: taken, along the normal and across it */
-	double driven;          /* J: given by b, if that is driven */
+	double along, across;   /* J: dissipated along the normal, across it */
+	double driven;          /* J: work done by b, if it is driven */
 };
 
-/*
- * Bodies that step together: all of them, or a group that the others cannot meet within the step.
- */
+/* Bodies that step together: all, or a group that cannot meet the others within the step. */
 struct rb_cohort {
-	const int *body; /* borrowed: those that yield, ascending, then all driven ones */
+	const int *body; /* borrowed: dynamic bodies ascending, then all driven ones */
 	int member_count, body_count;
-	struct rb_candidates *candidates; /* borrowed: candidates of theirs, reaches */
-	bool divides;       /* what fails may be told apart: else one that fails takes all */
-	double attracted_s; /* attraction gives its impulse of so long as the try begins */
-	struct rb_step_points points; /* of the try; `last` of the step before */
-	rb_vec3 *rebound;             /* owned, by point: N s on b; to be read if `rebounds` */
+	struct rb_candidates *candidates; /* borrowed: their candidate pairs, and reaches */
+	bool divides; /* failed groups are rolled back alone; else one failure rejects the step */
+	/* duration of the gravitation impulse that is given at the beginning of the attempt */
+	double attracted_s;
+	struct rb_step_points points; /* of the attempt; `last`: of the step before */
+	rb_vec3 *rebound; /* owned, by point: rebound impulse on b, N s; valid if `rebounds` */
 	size_t rebound_capacity;
-	bool rebounds; /* something may have, in the try */
-	/* owned, by point: N s on b; valid if `owes` (stepped/projection_impulses) */
-	rb_vec3 *dues;
-	size_t dues_capacity;
-	bool owes;                  /* closing has changed linear momenta in the try */
-	struct rb_step_impact *hit; /* owned: of the try, in order of time */
-	size_t hit_count, hit_capacity;
-	struct rb_contacts passed;     /* contacts that have passed impacts on, N s for N */
-	struct rb_ledger_impact *blow; /* owned: of the try, where the ledger is kept */
-	size_t blow_count, blow_capacity;
-	struct rb_depths
-		depths; /* where the try has ended, if they are known; borrowed from the arena */
+	bool rebounds; /* a point of this attempt may have a rebound */
+	/*
+	 * owned, by point: impulse on b by which projecting positions changed momenta, N s; valid
+	 * if `has_closing_impulses` (stepped/projection_impulses)
+	 */
+	rb_vec3 *closing_impulse;
+	size_t closing_impulse_capacity;
+	bool has_closing_impulses;     /* position projection has changed momenta in this attempt */
+	struct rb_step_impact *impact; /* owned: impacts of the attempt, in order of time */
+	size_t impact_count, impact_capacity;
+	struct rb_contacts transmitted; /* contacts that transmitted an impact: N s in place of N */
+	/* owned: contacts in impacts of the attempt, if the ledger is kept */
+	struct rb_ledger_impact *ledger_impact;
+	size_t ledger_impact_count, ledger_impact_capacity;
+	/* overlaps at the end of the attempt, if `is_measured`; borrowed from the arena */
+	struct rb_depths depths;
 	bool is_measured;
 };
 
-/* N s, on b: what a point has given back at the end of the try. */
+/* Rebound impulse of a point at the end of the attempt, N s on b. */
 static inline rb_vec3 rb_cohort_rebound(const struct rb_cohort *cohort, size_t point)
 {
 	return cohort->rebounds ? cohort->rebound[point] : (rb_vec3){0, 0, 0};
 }
 
-/* N s, on b: what a point is told to have done beside its impulse of the step. */
-static inline rb_vec3 rb_cohort_more(const struct rb_cohort *cohort, size_t point)
+/*
+ * Impulse that is reported for a point beside the step's own: rebound and position projection, N s
+ * on b.
+ */
+static inline rb_vec3 rb_cohort_extra_impulse(const struct rb_cohort *cohort, size_t point)
 {
 	const rb_vec3 rebound = rb_cohort_rebound(cohort, point);
 
-	return cohort->owes ? rb_vec3_add(rebound, cohort->dues[point]) : rebound;
+	return cohort->has_closing_impulses ? rb_vec3_add(rebound, cohort->closing_impulse[point])
+	                                    : rebound;
 }
 
-/* What has become of a try: rb_stepped's `bad` says for whom. */
+/* Outcome of an attempt; rb_stepped's `bad` marks the bodies that failed. */
 struct rb_attempt_outcome {
-	int pair[2];    /* that overlaps, -1: none */
-	int body;       /* that is not finite, -1: none */
-	int joint;      /* that drifts most of those that do by too much, -1: none */
-	double drift;   /* m: by how much */
+	int pair[2];    /* the deepest overlapping pair, -1: none */
+	int body;       /* one whose state is not finite, -1: none */
+	int joint;      /* the joint of largest inadmissible drift, -1: none */
+	double drift;   /* m: of that joint */
 	double overlap; /* m */
-	/* s: up to when nothing is met, where that is all that is wrong; INFINITY: it is not */
+	/*
+	 * s: time before the first impact of a mechanism, if that is all that is wrong; else
+	 * INFINITY
+	 */
 	double clear_s;
-	/* m: the largest that a solution which is good has left of a gap's closing */
+	/* m: largest gap violation by the residual of an accepted solution */
 	double residual;
-	double slip; /* m: the largest that such a one left by holding friction */
+	double slip; /* m: largest residual slip at points where friction holds */
 };
 
 /* A driven body at the end of the step. */
@@ -99,30 +111,28 @@ struct rb_driven_end {
 	rb_quat orientation;
 };
 
-/* What stands still: stepped/sleep. */
+/* Sleeping bodies (stepped/sleep). */
 struct rb_sleep {
-	unsigned char *
-		/* owned: [bodies] 1: nobody looks at it; of a driven one: it stays where it is */
-		sleeps;
-	unsigned char *mark; /* owned: [bodies] scratch, 0 */
-	int *next;           /* owned: [bodies] the next one of its group, in a ring */
-	/* owned: [bodies] of the step under way: the first of a group that rests, or -1 */
+	unsigned char *sleeps; /* owned: [bodies] 1: sleeps; a driven one: does not move */
+	unsigned char *mark;   /* owned: [bodies] scratch, 0 */
+	int *next;             /* owned: [bodies] next body of its sleeping group, in a ring */
+	/* owned: [bodies] in the current step: first body of its group at rest, or -1 */
 	int *group;
-	int *points;     /* owned: [bodies] of its group, for the first of it */
-	double *pose;    /* owned: [7 bodies] where it stands: position, orientation */
-	int *body;       /* owned: those that yield and do not stand, ascending, then driven ones */
-	int live_bodies; /* of those that yield */
-	uint32_t *live;  /* owned: pairs of which one does not stand */
+	int *points;     /* owned: [bodies] number of points of the group, at its first body */
+	double *pose;    /* owned: [7 bodies] position and orientation when it fell asleep */
+	int *body;       /* owned: awake dynamic bodies ascending, then driven ones */
+	int live_bodies; /* awake dynamic bodies */
+	uint32_t *live;  /* owned: pairs with an awake body */
 	size_t live_capacity;
-	int count;          /* of bodies that stand */
-	size_t point_count; /* of theirs */
-	/* m: the largest overlap among them at the end of the step before; NAN: not known */
+	int count;          /* sleeping bodies */
+	size_t point_count; /* their points */
+	/* m: largest overlap among them at the end of the last step; NAN: unknown */
 	double resting_depth;
-	size_t contact_count; /* of the world's when the step before ended */
-	double end_s;         /* of the step before */
-	bool changed;         /* since the lists were made */
-	bool unchanged;       /* in the step before nobody else had points, and nobody changed */
-	bool off;             /* for tests: nothing stands */
+	size_t contact_count; /* contacts of the world at the end of the last step */
+	double end_s;         /* of the last step */
+	bool changed;         /* since the lists were built */
+	bool unchanged; /* in the last step no awake body had points and none fell asleep or woke */
+	bool off;       /* sleeping is disabled */
 };
 
 struct rb_nets;
@@ -130,37 +140,38 @@ struct rb_nets;
 struct rb_stepped {
 	struct rb_candidates candidates;
 	struct rb_cohort all, part;
-	struct rb_step_points closing; /* of the last projection; its `last` stays empty */
+	struct rb_step_points
+		closing; /* points of the last position projection; its `last` stays empty */
 	struct rb_solver solver;
 	struct rb_top_body *top; /* owned; NULL: no body needs one */
-	int *body;               /* owned: those that yield, then driven ones */
+	int *body;               /* owned: dynamic bodies, then driven ones */
 	int member_count, driven_count;
 	struct rb_sleep sleep;
-	struct rb_driven_end *ride; /* owned, by driven body */
-	double *aside;              /* owned: [6 bodies] velocities while positions are moved */
-	double *varied; /* owned: [3 bodies] m/s by forces that vary within a step; NULL: none do */
-	/* owned: [bodies] what drag leaves of a velocity in the step; NULL: there is none */
+	struct rb_driven_end *driven_end; /* owned, by driven body */
+	double *saved_velocity; /* owned: [6 bodies] velocities, saved during position projection */
+	/* owned: [3 bodies] m/s by forces that vary within a step; NULL: there are none */
+	double *varied;
+	/* owned: [bodies] share of a velocity that drag leaves in a step; NULL: no drag */
 	double *undragged;
-	struct rb_kicks kicks;      /* of the try */
-	struct rb_nets *nets;       /* of the try, in the arena; NULL: none */
+	struct rb_kicks kicks;      /* of the attempt */
+	struct rb_nets *nets;       /* of the attempt, in the arena; NULL: none */
 	struct rb_impact_queue due; /* scratch of stepped/impact_pass */
-	unsigned char *bad;         /* owned: [bodies] 1: the try has failed for it */
+	unsigned char *bad;         /* owned: [bodies] 1: the attempt failed for it */
 	int bad_count;
-	struct rb_events reported;       /* impacts of the step under way, not in order yet */
-	struct rb_tally *tally;          /* owned; NULL: the ledger is not kept */
-	struct rb_local_rollback *local; /* owned; NULL until a step has first failed for some */
-	struct rb_mean_forces
-		means; /* of a step that is halved for all, where frames keep contacts */
+	struct rb_events reported;        /* impacts of the current step, not sorted yet */
+	struct rb_tally *tally;           /* owned; NULL: the ledger is not kept */
+	struct rb_local_rollback *local;  /* owned; NULL until a step first fails for some bodies */
+	struct rb_mean_forces means;      /* over a step halved for all, if frames keep contacts */
 	struct rb_contacts part_contacts; /* scratch of rb_record_part */
 };
 
-/* Forces move it: no static, no driven one. */
+/* Whether forces move the body: neither static nor driven. */
 static inline bool rb_stepped_is_dynamic(const struct rb_world *world, int i)
 {
 	return i < world->model->body_count && world->model->inverse_mass[i] > 0;
 }
 
-/* Whether the impulse of a point on b acts where both arms meet: stepped/levers. */
+/* Whether the impulse of a point acts at a common point of both lever arms: stepped/levers. */
 static inline bool rb_stepped_joins_arms(const struct rb_world *world, int b)
 {
 	return world->stepped->solver.joins_arms && rb_stepped_is_dynamic(world, b);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Bodies that may meet within a step: each gets a box that its origin does not leave ("territory"),
- * overlaps of the boxes are found by the broadphase, and union-find joins them to groups. As long
- * as all stay in their boxes, groups are independent and can be stepped with different substeps;
- * that is checked afterwards (rb_swept_bounds_left), not assumed.
+ * Groups of bodies that may meet within a step: each body gets a box that its origin should not
+ * leave, overlaps of the boxes are found by the broad phase, and union-find joins them to groups.
+ * As long as all stay in their boxes, groups are independent and can take different substeps; that
+ * is checked afterwards (rb_swept_bounds_left), not assumed.
  *
  * The root of a group is its smallest body, and groups are numbered in that order, so that
  * numbering does not depend on the order of pairs.
@@ -54,7 +54,7 @@ void rb_swept_bounds_release(struct rb_swept_bounds *swept)
 	*swept = (struct rb_swept_bounds){0};
 }
 
-/* ---- territories ---- */
+/* ---- boxes ---- */
 
 static rb_vec3 lower(rb_vec3 a, rb_vec3 b)
 {
@@ -67,7 +67,7 @@ static rb_vec3 upper(rb_vec3 a, rb_vec3 b)
 }
 
 /* Bounding box of the segment, grown by pad m to all sides. */
-static rb_aabb box_of_way(rb_vec3 from, rb_vec3 to, double pad)
+static rb_aabb box_of_path(rb_vec3 from, rb_vec3 to, double pad)
 {
 	const rb_vec3 all = {pad, pad, pad};
 
@@ -81,14 +81,14 @@ static bool is_inside(const rb_aabb *box, rb_vec3 p)
 }
 
 /*
- * After an impact the way has a kink: the body first went along its old velocity. `shift` bounds
- * how far the two straight ways are apart at the kink.
+ * After an impact the path has a kink: the body first moved with its old velocity. `shift` bounds
+ * the distance between the two straight paths at the kink.
  */
-static void turn_round(rb_aabb *bounds, rb_vec3 from, const struct rb_kick *kick, rb_vec3 way,
-                       double pad)
+static void add_kink(rb_aabb *bounds, rb_vec3 from, const struct rb_kick *kick, rb_vec3 way,
+                     double pad)
 {
 	const double pads = pad + rb_vec3_length(kick->shift);
-	const rb_aabb more = box_of_way(from, rb_vec3_add(from, way), pads);
+	const rb_aabb more = box_of_path(from, rb_vec3_add(from, way), pads);
 
 	*bounds = (rb_aabb){lower(bounds->low, more.low), upper(bounds->high, more.high)};
 }
@@ -107,12 +107,12 @@ void rb_swept_bounds_set(struct rb_swept_bounds *swept, const struct rb_world *w
 		swept->candidates.built_at[i] = from;
 		/* what forces add within the step is in the reach */
 		swept->bounds[i] =
-			s->bad[i] ? box_of_way(from, rb_vec3_add(from, way),
-		                               slack + fmax(0, reach - rb_vec3_length(way)))
-				  : box_of_way(from, rb_world_origin_at(world, &world->state, i),
-		                               slack);
+			s->bad[i] ? box_of_path(from, rb_vec3_add(from, way),
+		                                slack + fmax(0, reach - rb_vec3_length(way)))
+				  : box_of_path(from, rb_world_origin_at(world, &world->state, i),
+		                                slack);
 		if (rb_kicks_have(&s->kicks, i))
-			turn_round(&swept->bounds[i], from, rb_kick_of(&s->kicks, i), way, slack);
+			add_kink(&swept->bounds[i], from, rb_kick_of(&s->kicks, i), way, slack);
 	}
 }
 
@@ -203,7 +203,7 @@ static enum rb_status sort_pairs(struct rb_swept_bounds *swept, const struct rb_
 	return rb_candidates_forget(candidates, model, err);
 }
 
-void rb_swept_bounds_show(struct rb_swept_bounds *swept, size_t first, size_t count)
+void rb_swept_bounds_restrict(struct rb_swept_bounds *swept, size_t first, size_t count)
 {
 	struct rb_candidates *candidates = &swept->candidates;
 
@@ -217,10 +217,10 @@ void rb_swept_bounds_show(struct rb_swept_bounds *swept, size_t first, size_t co
 }
 
 /*
- * Bodies that have exchanged an impulse in the try of all go back together, or momentum would be
- * lost: where what turns meets along straight ways, their territories may be apart.
+ * Joins bodies that exchanged an impulse in the attempt of all: they go back together, or momentum
+ * would be lost. By linearization of rotation such bodies may have boxes that do not overlap.
  */
-static void join_met(struct rb_swept_bounds *swept, const struct rb_world *world)
+static void join_impulses(struct rb_swept_bounds *swept, const struct rb_world *world)
 {
 	const struct rb_cohort *const all = &world->stepped->all;
 
@@ -228,11 +228,11 @@ static void join_met(struct rb_swept_bounds *swept, const struct rb_world *world
 		if (all->points.row[k].normal_impulse > 0 ||
 		    rb_vec3_max_abs(rb_cohort_rebound(all, k)) > 0)
 			join(world, swept->parent, all->points.row[k].a, all->points.row[k].b);
-	for (size_t k = 0; k < all->hit_count; k++)
-		if (!all->hit[k].crowded)
-			join(world, swept->parent, all->hit[k].a, all->hit[k].b);
-	for (size_t k = 0; k < all->passed.count; k++)
-		join(world, swept->parent, all->passed.row[k].a, all->passed.row[k].b);
+	for (size_t k = 0; k < all->impact_count; k++)
+		if (!all->impact[k].crowded)
+			join(world, swept->parent, all->impact[k].a, all->impact[k].b);
+	for (size_t k = 0; k < all->transmitted.count; k++)
+		join(world, swept->parent, all->transmitted.row[k].a, all->transmitted.row[k].b);
 }
 
 enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept, struct rb_world *world,
@@ -251,7 +251,7 @@ enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept, struct rb_wor
 	for (size_t k = 0; k < swept->candidates.pair_count; k++)
 		join(world, swept->parent, swept->candidates.pair[k].a,
 		     swept->candidates.pair[k].b);
-	join_met(swept, world);
+	join_impulses(swept, world);
 	for (int k = 0; k < model->element_list_count; k++)
 		for (int m = 0; model->elements[k].end && m < model->elements[k].count; m++)
 			join(world, swept->parent, model->elements[k].end[m][0],
@@ -279,11 +279,11 @@ bool rb_swept_bounds_left(struct rb_swept_bounds *swept, const struct rb_world *
 		const rb_vec3 way = rb_vec3_scale(fmax(0, rest_s),
 		                                  rb_world_row3(world->state.velocity, i));
 		const rb_vec3 from = swept->candidates.built_at[i];
-		const rb_aabb more = box_of_way(at, rb_vec3_add(at, way),
-		                                clearance_share *
-		                                        (rb_candidates_size(world->model, i) +
-		                                         rb_vec3_length(rb_vec3_sub(at, from)) +
-		                                         rb_vec3_length(way)));
+		const rb_aabb more = box_of_path(at, rb_vec3_add(at, way),
+		                                 clearance_share *
+		                                         (rb_candidates_size(world->model, i) +
+		                                          rb_vec3_length(rb_vec3_sub(at, from)) +
+		                                          rb_vec3_length(way)));
 		*bounds = (rb_aabb){lower(bounds->low, more.low), upper(bounds->high, more.high)};
 		left = true;
 	}

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Per-body record of a try for the ledger (see tally.h): velocities before and after the solution,
- * impulses of forces that vary, and the momentum that closing of overlaps has added. It is filled
- * while the numbers exist and read by enter.c if the step is kept; a try that is taken back is
- * simply overwritten. Nothing of the simulation reads it, so trajectories are the same with and
- * without a ledger.
+ * Per-body record of an attempt for the ledger (see tally.h): velocities before and after the
+ * solution, impulses of varying forces, and the momentum that position projection has added. It is
+ * filled while the numbers exist and read by step_ledger.c if the step is kept; a rejected attempt
+ * is overwritten. Nothing of the simulation reads it, so trajectories are the same with and without
+ * a ledger.
  */
 #include "stepped/tally.h"
 
@@ -63,7 +63,7 @@ static rb_vec3 spin_of(const struct rb_state *state, int i)
 	return state->spin ? rb_world_row3(state->spin, i) : (rb_vec3){0, 0, 0};
 }
 
-/* Velocities of one body at the beginning (with impacts in it) and as solved, and their mean. */
+/* Records velocities of one body at the beginning (after impacts) and as solved, and their mean. */
 static void note_solved(const struct rb_world *world, int i, bool sleeps,
                         struct rb_tally_body *body)
 {
@@ -168,7 +168,7 @@ static void add_momentum(const struct rb_world *world, int i, const rb_vec3 moti
 	sum[1] = rb_vec3_add_scaled(sum[1], sign, l);
 }
 
-void rb_tally_close(struct rb_world *world, int i, const rb_vec3 motion[2])
+void rb_tally_projection_begin(struct rb_world *world, int i, const rb_vec3 motion[2])
 {
 	struct rb_tally_body *body = &world->stepped->tally->body[i];
 
@@ -181,7 +181,8 @@ void rb_tally_close(struct rb_world *world, int i, const rb_vec3 motion[2])
 	add_momentum(world, i, motion, -1, body->closed);
 }
 
-void rb_tally_closed(struct rb_world *world, int i, enum rb_ledger_momentum by, double lifted)
+void rb_tally_projection_end(struct rb_world *world, int i, enum rb_ledger_momentum by,
+                             double lifted)
 {
 	struct rb_tally_body *body = &world->stepped->tally->body[i];
 	const rb_vec3 motion[2] = {rb_world_row3(world->state.velocity, i),
