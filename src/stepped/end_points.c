@@ -9,9 +9,9 @@
 #include "stepped/stillness.h"
 
 /*
- * Which bodies are of large groups. Small ones cost little, and are looked at closely; those that
- * stand are treated as others that nobody looks at. What impacts have moved within the step has
- * points of other moments.
+ * Marks bodies of large groups. Small groups cost little and get the narrow phase; bodies at rest
+ * are treated as sleeping ones, which have no points. Points of bodies that impacts have moved
+ * within the step refer to other moments.
  */
 static bool find_heaps(struct rb_end_points *carried, const struct rb_cohort *cohort)
 {
@@ -30,8 +30,8 @@ static bool find_heaps(struct rb_end_points *carried, const struct rb_cohort *co
 }
 
 /*
- * Which points each pair has, by its bodies: the candidates may have been found anew since, which
- * must not show.
+ * Finds the points of each pair, by its bodies: candidates may have been searched again since,
+ * which must not matter.
  */
 static void index_points(struct rb_end_points *carried)
 {
@@ -74,7 +74,7 @@ enum rb_status rb_end_points_begin(struct rb_end_points *carried, struct rb_worl
 		carried->heap[i] = !rb_stepped_is_dynamic(world, (int)i);
 	memset(carried->exact, 0, pairs + 1);
 	memset(carried->first, 0, (pairs + 1) * sizeof *carried->first);
-	/* points that joints hold, and those with joined arms, are not where bodies touch */
+	/* with joints, or with joined arms, points are not where bodies touch */
 	carried->any = !world->model->joints && !world->stepped->solver.joins_arms &&
 	               find_heaps(carried, cohort);
 	if (carried->any)
@@ -82,9 +82,9 @@ enum rb_status rb_end_points_begin(struct rb_end_points *carried, struct rb_worl
 	return RB_OK;
 }
 
-/* m: how far a body has got in the step, and rad: its turn, to the first order. */
+/* Displacement of a body in the step, m, and rotation to the first order, rad. */
 struct motion {
-	rb_vec3 way, turn;
+	rb_vec3 displacement, turn;
 };
 
 static struct motion motion_of(const struct rb_world *world, int i)
@@ -93,8 +93,8 @@ static struct motion motion_of(const struct rb_world *world, int i)
 
 	if (i >= world->model->body_count)
 		return motion;
-	motion.way = rb_vec3_sub(rb_world_row3(world->state.position, i),
-	                         rb_world_row3(world->mark.position, i));
+	motion.displacement = rb_vec3_sub(rb_world_row3(world->state.position, i),
+	                                  rb_world_row3(world->mark.position, i));
 	if (!world->state.spin)
 		return motion;
 	const rb_quat was = rb_quat_from(world->mark.orientation + 4 * (size_t)i);
@@ -105,22 +105,22 @@ static struct motion motion_of(const struct rb_world *world, int i)
 	return motion;
 }
 
-/* As it stands now, its gap as far as it is seen from the point alone. */
+/* A point moved with its bodies, with the gap by these motions. */
 static struct rb_step_point moved(const struct rb_step_point *was, const struct motion *a,
                                   const struct motion *b)
 {
 	struct rb_step_point point = *was;
-	rb_vec3 way = rb_vec3_sub(b->way, a->way);
+	rb_vec3 displacement = rb_vec3_sub(b->displacement, a->displacement);
 
 	if (!point.central) {
 		const rb_vec3 of_a = rb_vec3_cross(a->turn, point.arm_a);
 		const rb_vec3 of_b = rb_vec3_cross(b->turn, point.arm_b);
 
-		way = rb_vec3_add(way, rb_vec3_sub(of_b, of_a));
+		displacement = rb_vec3_add(displacement, rb_vec3_sub(of_b, of_a));
 		point.arm_a = rb_vec3_add(point.arm_a, of_a);
 		point.arm_b = rb_vec3_add(point.arm_b, of_b);
 	}
-	point.gap += point.bend + rb_vec3_dot(point.normal, way);
+	point.gap += point.bend + rb_vec3_dot(point.normal, displacement);
 	point.bend = point.normal_impulse = 0;
 	point.friction_impulse = (rb_vec3){0, 0, 0};
 	point.from = 0;
@@ -148,7 +148,7 @@ bool rb_end_points_add(const struct rb_end_points *carried, size_t pair, double 
 		row[k] = moved(&from[k], &a, &b);
 		least = fmin(least, row[k].gap);
 	}
-	/* it does not overlap by more than may be */
+	/* its overlap is known to be within the tolerance: raise the deepest gap to zero */
 	const double more = fmax(0, -least);
 	for (size_t k = 0; k < count; k++) {
 		row[k].gap += more;

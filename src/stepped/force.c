@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * External impulses of a step. Constant forces are those of classic. Springs are semi-implicit
- * where the step resolves them and fully implicit where it does not (see impulse_of), so that stiff
- * springs stay stable with the frame's step; drag is implicit, a scalar quadratic equation per
- * body. Elements are evaluated for the state at the beginning (Jacobi, not Gauss-Seidel), so their
- * order does not matter.
+ * External impulses of a step. Constant forces are those of the classic method. Springs are
+ * semi-implicit where the step resolves them and fully implicit where it does not (see impulse_of),
+ * so that stiff springs stay stable with the frame's step; drag is implicit, a scalar quadratic
+ * equation per body. Elements are evaluated for the state at the beginning (Jacobi, not
+ * Gauss-Seidel), so their order does not matter.
  *
  * Here each spring is solved alone, for bodies lighter by the number of their springs
- * (add_inverse_mass). That bounds no energy where it is not resolved: bodies that such springs
- * connect are solved together (stepped/nets), unless joints or contacts hold these: springs then
- * are rows of their groups (stepped/spring_steps).
+ * (add_inverse_mass). Where a spring is not resolved that does not bound the energy: bodies that
+ * such springs connect are solved together (stepped/nets), unless joints or contacts hold them:
+ * then springs are rows of their groups (stepped/spring_steps).
  */
 #include "stepped/force.h"
 
@@ -22,19 +22,19 @@
 #include "stepped/nets.h"
 #include "stepped/tally.h"
 
-/* ---- forces that classic steps have too ---- */
+/* ---- forces shared with the classic method ---- */
 
 struct flow {
 	struct rb_world *world;
 	const struct rb_cohort *cohort;
 	double start_s, h_s;
-	/* [springs] that the whole step does not resolve, of which this is a part; any of them */
+	/* [springs] not resolved by the whole step, of which this may be a part */
 	unsigned char *stiff;
 	bool any_stiff;
-	bool all_listed; /* springs that the step resolves, too */
+	bool all_listed; /* list resolved springs too */
 };
 
-/* Forces shared with the classic methods, for one block of bodies. */
+/* Runs the classic method's stages of forces for one block of bodies. */
 static void run_stages(void *user, int block, int worker)
 {
 	static const struct rb_stage *const stages[] = {&rb_stage_gravity, &rb_stage_gravity_force,
@@ -64,7 +64,7 @@ struct end {
 	rb_vec3 arm, at, velocity;
 };
 
-/* In world axes: arm from the centre of mass, point, and velocity of the point. */
+/* In world axes: lever arm from the centre of mass, point, and its velocity. */
 static struct end end_of(const struct rb_world *world, int i, rb_vec3 point)
 {
 	const struct rb_pose pose = rb_world_pose(world, &world->state, i);
@@ -119,7 +119,7 @@ static double size_of(const rb_mat3 *a)
 	return sqrt(square);
 }
 
-/* As the step begins; false: it has no direction to pull in. */
+/* Sets a spring's state at the beginning of the step; false: its direction is undefined. */
 static bool measure(const struct rb_spring_def *spring, const struct end end[2],
                     struct rb_step_spring *of)
 {
@@ -134,20 +134,20 @@ static bool measure(const struct rb_spring_def *spring, const struct end end[2],
 	                              .stretch = length - spring->rest_length_m,
 	                              .missed = {(double)INFINITY, 0, 0},
 	                              .first_row = -1};
-	/* ends that are to be at one point, and are, part in any direction */
+	/* coincident ends of a spring without rest length separate in any direction */
 	of->along = rb_vec3_unit(d, (rb_vec3){0, 0, 1});
 	of->across = spring->stiffness * (length > 0 ? fmax(0, of->stretch / length) : 1);
 	return length > 0 || spring->rest_length_m == 0;
 }
 
 /*
- * Impulse of a spring on its end b, N s, if bodies are free. With f the force now, Y the inverse
- * effective mass and A = h (h K + C), where K = -df/dx (without the negative stiffness across a
- * compressed spring) and C = -df/dv: implicit Euler gives (1 + A Y) p = h f - h^2 K v. A spring
- * with (h^2 k + h c) |Y| <= 1 is resolved and acts explicitly: semi-implicit Euler, stable up to
- * h^2 k |Y| = 4, keeps its oscillation. Where joints or contacts hold bodies they yield less: such
- * a spring stays resolved. One that is not is listed for its net or group; where there are joints
- * all are, for mechanisms.
+ * Impulse of a spring on its end b, N s, if bodies are free. With f the present force, Y the
+ * inverse effective mass and A = h (h K + C), where K = -df/dx (without the negative stiffness
+ * across a compressed spring) and C = -df/dv: implicit Euler gives (1 + A Y) p = h f - h^2 K v. A
+ * spring with (h^2 k + h c) |Y| <= 1 is resolved and acts explicitly: semi-implicit Euler, stable
+ * up to h^2 k |Y| = 4, keeps its oscillation. Joints or contacts reduce Y, so that it stays
+ * resolved. One that is not resolved is listed for its net or group; in scenes with joints all are,
+ * for mechanisms.
  */
 static rb_vec3 impulse_of(struct flow *flow, const struct rb_elements *springs, int number,
                           const struct end end[2], int element)
@@ -193,7 +193,10 @@ static rb_vec3 impulse_of(struct flow *flow, const struct rb_elements *springs, 
 	if (!rb_mat3_inverse(&system, &inverse))
 		return rb_vec3_scale(-external, n);
 	of.impulse = rb_vec3_neg(rb_mat3_apply(&inverse, right));
-	/* one without a length that joints let the step resolve pulls in all directions */
+	/*
+	 * a spring without rest length that the step resolves thanks to joints acts in all
+	 * directions
+	 */
 	if (across * size <= stable_max && !(flow->all_listed && spring->rest_length_m == 0))
 		of.across = 0;
 	solver->spring[solver->spring_count++] = of;
@@ -229,9 +232,9 @@ static struct rb_pose begin_pose(const struct rb_element_query *query, int index
 }
 
 /* Wrench at the beginning of the step times h. */
-static struct rb_wrench even_impulse(const struct rb_world *world,
-                                     const struct rb_elements *elements, int k, int index,
-                                     const struct flow *flow)
+static struct rb_wrench explicit_impulse(const struct rb_world *world,
+                                         const struct rb_elements *elements, int k, int index,
+                                         const struct flow *flow)
 {
 	const struct rb_element_query query = {
 		.model = world->model, .time_s = flow->start_s, .pose = begin_pose, .user = world};
@@ -256,11 +259,11 @@ static struct external impulses_of(struct flow *flow, const struct rb_elements *
 		spring_impulses(flow, elements, k, number, external.on);
 	else
 		for (int e = 0; e < 2; e++)
-			external.on[e] = even_impulse(world, elements, k, end[e], flow);
+			external.on[e] = explicit_impulse(world, elements, k, end[e], flow);
 	return external;
 }
 
-/* Changes velocity and spin of a dynamic body by an impulse. */
+/* Applies an impulse to a dynamic body. */
 static void apply(struct rb_world *world, int i, const struct rb_wrench *impulse)
 {
 	if (!rb_stepped_is_dynamic(world, i))
@@ -282,8 +285,8 @@ static bool is_here(const struct rb_world *world, const unsigned char *here, int
 }
 
 /*
- * Elements with two ends. First all impulses, then all changes of velocities: the result depends on
- * the order only by the rounding of sums.
+ * Adds elements with two ends: all impulses first, then all changes of velocities, so that the
+ * order affects only the rounding of sums.
  */
 static enum rb_status add_between(struct flow *flow, const unsigned char *here,
                                   struct rb_error *err)
@@ -341,8 +344,8 @@ static enum rb_status add_between(struct flow *flow, const unsigned char *here,
 
 /* ---- force elements on every body, fields and drag ---- */
 
-/* Elements with one body, evaluated at the beginning of the step. */
-static void add_even(const struct flow *flow, const struct rb_elements *elements)
+/* Adds elements with one end, evaluated at the beginning of the step. */
+static void add_explicit(const struct flow *flow, const struct rb_elements *elements)
 {
 	struct rb_world *world = flow->world;
 
@@ -350,7 +353,7 @@ static void add_even(const struct flow *flow, const struct rb_elements *elements
 		const int i = flow->cohort->body[m];
 
 		for (int k = 0; k < elements->count; k++) {
-			const struct rb_wrench on = even_impulse(world, elements, k, i, flow);
+			const struct rb_wrench on = explicit_impulse(world, elements, k, i, flow);
 
 			apply(world, i, &on);
 			if (!world->stepped->tally)
@@ -368,7 +371,7 @@ static void add_even(const struct flow *flow, const struct rb_elements *elements
 	}
 }
 
-/* What potentials change by in the step where the body is at its beginning. */
+/* Records the change of a time-dependent potential over the step at the body's initial position. */
 static enum rb_status note_potential(struct rb_world *world, int i, double start, double h,
                                      struct rb_error *err)
 {
@@ -384,7 +387,7 @@ static enum rb_status note_potential(struct rb_world *world, int i, double start
 	return status;
 }
 
-/* Force fields are callbacks: one after the other, in the simulator's thread. */
+/* Adds force fields, which are callbacks: one after the other, in the simulator's thread. */
 static enum rb_status add_fields(struct rb_world *world, const struct rb_cohort *cohort,
                                  double start, double h, struct rb_error *err)
 {
@@ -421,7 +424,7 @@ static const rb_vec3 none = {0, 0, 0};
  * Implicit drag: m (v - u) = -h (l + q |v|) v. v is parallel to u, and |v| is the root of a
  * quadratic, written without cancellation; s = |v| / |u|. The body moves by s times the parabola
  * plus 1 - s times the end velocity: with the displacement h (v - s (v - v0) / 2) gravity and drag
- * together never add energy, however stiff drag is.
+ * together never add energy, however large drag is.
  */
 static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, double h)
 {
@@ -441,7 +444,7 @@ static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, dou
 
 		const bool of_net = rb_nets_of(world->stepped, i) >= 0;
 
-		/* springs of a net come after drag */
+		/* springs of a net act after drag */
 		world->stepped->undragged[i] = of_net ? 1 : left;
 		if (world->stepped->tally) {
 			struct rb_tally_body *body = &world->stepped->tally->body[i];
@@ -451,7 +454,7 @@ static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, dou
 			body->carry = rb_vec3_scale(0.5 * h * left * left, others);
 		}
 		rb_vec3_to(v, rb_vec3_scale(left, rb_vec3_from(v)));
-		/* a net has what drag leaves to begin with, of constant forces, too */
+		/* a net starts from the velocity that drag leaves, of constant forces too */
 		const rb_vec3 to = of_net ? none : rb_vec3_from(v);
 
 		rb_vec3_to(varied, rb_vec3_add_scaled(rb_vec3_from(varied), 1 - left,
@@ -459,7 +462,7 @@ static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, dou
 	}
 }
 
-/* Attraction, as of the beginning of the step. */
+/* Gravitation at the beginning of the step. */
 static void add_gravitation(struct rb_world *world, const struct rb_cohort *cohort)
 {
 	for (int k = 0; k < cohort->member_count; k++) {
@@ -471,7 +474,7 @@ static void add_gravitation(struct rb_world *world, const struct rb_cohort *coho
 	}
 }
 
-/* ---- all ---- */
+/* ---- top level ---- */
 
 /* Marks dynamic bodies of the cohort; NULL: no memory. */
 static unsigned char *marks_of(struct rb_world *world, const struct rb_cohort *cohort)
@@ -488,8 +491,8 @@ static unsigned char *marks_of(struct rb_world *world, const struct rb_cohort *c
 }
 
 /*
- * Called before (sign -1) and after (+1) the varying forces: `varied` is the change of velocity
- * between.
+ * Called before (sign -1) and after (+1) the varying forces: `varied` becomes the change of
+ * velocity between.
  */
 static void note_varied(struct rb_world *world, const struct rb_cohort *cohort, double sign)
 {
@@ -505,8 +508,8 @@ static void note_varied(struct rb_world *world, const struct rb_cohort *cohort, 
 }
 
 /*
- * For the ledger: the displacement of a free body at which constant forces do their work, half of
- * that which the varying ones alone would give.
+ * For the ledger: displacement of a free body at which constant forces do their work, half of that
+ * by the varying ones alone.
  */
 static void note_carry(struct rb_world *world, const struct rb_cohort *cohort, double h)
 {
@@ -547,7 +550,7 @@ enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *coho
 		const struct rb_elements *elements = &world->model->elements[list];
 
 		if (!elements->end && elements->kind != &rb_force_drag)
-			add_even(&flow, elements);
+			add_explicit(&flow, elements);
 	}
 	if (features & RB_FEATURE_GRAVITATION)
 		add_gravitation(world, cohort);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Forces of a step apart from contact, as changes of velocities.
+ * Forces of a step except contact forces, as changes of velocities.
  *
- * Those of step/force_stages, then force elements and fields, whose values are those of the step's
- * beginning, then drag, solved for at the step's end. A spring that the step does not resolve is
- * solved for at its end too, with all that it connects (stepped/nets): it stays stable, and loses
- * its oscillation. An element of any other kind acts as it is when the step begins.
+ * Those of step/force_stages, then force elements and fields with their values at the beginning of
+ * the step, then drag, solved at its end. A spring that the step does not resolve is solved at its
+ * end too, with all that it connects (stepped/nets): it is stable, but its oscillation is damped.
+ * An element of any other kind acts with its value at the beginning of the step.
  */
 #ifndef RB_STEPPED_FORCE_H
 #define RB_STEPPED_FORCE_H

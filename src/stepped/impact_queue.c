@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Binary min-heap in an array. Elements are moved into the hole, not swapped, on the way up and
- * down. A point may be in it several times: to decrease a key in place would need the index of each
- * point's entry, and stale entries cost the caller one comparison, and a sweep when they outnumber
- * the others.
+ * down. A point may have several entries: to decrease a key in place would need the index of each
+ * point's entry, while stale entries cost the caller one comparison, and a sweep when they
+ * outnumber the others.
  */
 #include "stepped/impact_queue.h"
 
@@ -36,7 +36,7 @@ enum rb_status rb_impact_queue_add(struct rb_impact_queue *queue, struct rb_due_
 	return RB_OK;
 }
 
-/* Puts an element where it belongs, from a hole at `at` on downwards. */
+/* Moves a hole at `at` down to where the element belongs. */
 static void sink(struct rb_impact_queue *queue, size_t at, struct rb_due_impact due)
 {
 	struct rb_due_impact *const row = queue->row;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Points of a step by the time at which each is an impact next: a binary heap, ties by point.
+ * Queue of a step's points by the time of their next impact: a binary heap, ties by point.
  *
- * Owned by the method's state; a point that is foreseen anew is added once more, and what it was
- * due at before is for the caller to skip.
+ * Owned by the method's state. A point that is predicted again is added once more; the caller skips
+ * its stale entries.
  */
 #ifndef RB_STEPPED_IMPACT_QUEUE_H
 #define RB_STEPPED_IMPACT_QUEUE_H
@@ -25,10 +25,10 @@ struct rb_impact_queue {
 RB_CHECKED enum rb_status rb_impact_queue_add(struct rb_impact_queue *queue,
                                               struct rb_due_impact due, struct rb_error *err);
 
-/* Removes and returns the first; there is one. */
+/* Removes and returns the first entry; the queue must not be empty. */
 struct rb_due_impact rb_impact_queue_next(struct rb_impact_queue *queue);
 
-/* Leaves out what is not due at its point's time any more, [points]. */
+/* Removes stale entries: those whose time is not that of the point in `due_s`, [points]. */
 void rb_impact_queue_keep(struct rb_impact_queue *queue, const double *due_s);
 
 #endif

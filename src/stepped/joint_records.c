@@ -8,7 +8,7 @@
 #include "stepped/joint_steps.h"
 #include "world/joint_events.h"
 
-/* Of the most that a drive exerts: what is as near to it is it, but for rounding. */
+/* Share of a drive's maximum from which on it counts as at its bound, but for rounding. */
 static const double at_bound = 1 - 1e-12;
 
 struct recording {
@@ -31,7 +31,7 @@ static enum rb_status add(const struct recording *r, enum rb_event_kind kind, do
 	return RB_OK;
 }
 
-/* A limit or a rope that did nothing in the step before, and was approached. */
+/* Adds an impact of a limit or rope without force in the last step that was approached. */
 static enum rb_status add_impact(const struct recording *r, const struct rb_joint *joint,
                                  const struct rb_step_joint *of, int part)
 {
@@ -70,7 +70,7 @@ static enum rb_status add_joint(const struct recording *r)
 	const struct rb_step_joint *of = &r->world->stepped->solver.joint[r->moment.joint];
 	enum rb_status status = RB_OK;
 
-	/* what rests goes on as it did */
+	/* at rest nothing changes */
 	if (of->first_row < 0)
 		return RB_OK;
 	if (joint->link.type->one_sided) {

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* What is asked about a body's motion in a step, and what points of one pair have in common. */
+/* Motion of a body in a step, and data common to the points of a pair. */
 #ifndef RB_STEPPED_PAIR_MOTION_H
 #define RB_STEPPED_PAIR_MOTION_H
 
 #include "constraint/contact_row.h"
 #include "stepped/pivot.h"
 
-/* m: a body's centre of mass. */
+/* Centre of mass of a body, m. */
 static inline rb_vec3 rb_pair_motion_center(const struct rb_world *world, int i)
 {
 	return i < world->model->body_count ? rb_world_row3(world->state.position, i)
 	                                    : world->model->position[i];
 }
 
-/* m: where that gets in a step at the velocities of a state. */
+/* Centre of mass after a step at the velocities of a state, m. */
 static inline rb_vec3 rb_pair_motion_center_after(const struct rb_world *world,
                                                   const struct rb_state *state, int i, double h_s)
 {
@@ -24,7 +24,7 @@ static inline rb_vec3 rb_pair_motion_center_after(const struct rb_world *world,
 	               : center;
 }
 
-/* How it turns in a step at these velocities. */
+/* Rotation in a step at these velocities. */
 static inline rb_quat rb_pair_motion_turn(const struct rb_world *world,
                                           const struct rb_state *state, int i, double h_s)
 {
@@ -33,7 +33,7 @@ static inline rb_quat rb_pair_motion_turn(const struct rb_world *world,
 	return rb_quat_from_turn(rb_vec3_scale(h_s, rb_world_row3(state->spin, i)));
 }
 
-/* m/s: of a body's point. */
+/* Velocity of a body's point, m/s. */
 static inline rb_vec3 rb_pair_motion_velocity(const struct rb_world *world,
                                               const struct rb_state *state, int i, rb_vec3 arm)
 {
@@ -43,14 +43,14 @@ static inline rb_vec3 rb_pair_motion_velocity(const struct rb_world *world,
 	return state->spin ? rb_vec3_add(v, rb_vec3_cross(rb_world_row3(state->spin, i), arm)) : v;
 }
 
-/* What points of one pair and normal have in common. */
+/* Data common to the points of a pair and normal. */
 struct rb_pair_motion {
 	const struct rb_pair_material *material;
-	double approach;        /* m/s: of the centres of mass, at the beginning of the step */
+	double approach; /* m/s: approach of the centres of mass at the beginning of the step */
 	rb_vec3 spin_a, spin_b; /* rad/s */
-	double angle;           /* rad: by which friction goes round with what turns together */
-	bool pivots;            /* `pivot` is known: rb_pair_motion_turned */
-	rb_pivot pivot;         /* of the angle */
+	double angle;   /* rad: by which friction rotates with bodies that rotate together */
+	bool pivots;    /* `pivot` is set: rb_pair_motion_turned */
+	rb_pivot pivot; /* of the angle */
 };
 
 static inline rb_vec3 rb_pair_motion_spin(const struct rb_world *world, int i)
@@ -74,7 +74,7 @@ static inline struct rb_pair_motion rb_pair_motion_of(const struct rb_world *wor
 	                                                : rb_pivot_angle(world, a, b, normal, h_s)};
 }
 
-/* An impulse of the step before on what has turned since. */
+/* Rotates an impulse of the last step with bodies that have rotated since. */
 static inline rb_vec3 rb_pair_motion_turned(struct rb_pair_motion *common, rb_vec3 impulse,
                                             rb_vec3 normal)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Two bodies that turn together about the normal of their contact, as what sticks to a turntable
- * does: within a step their points go along chords, not along tangents. An arm on the way, the mean
- * over the step, makes its velocity that of the chord, so that what sticks at its velocity stays in
- * its place.
+ * Two bodies that rotate together about the normal of their contact, as a body that sticks to a
+ * turntable: within a step their points move along chords, not along tangents. The mean of an arm
+ * over the step makes its velocity that of the chord, so that a body that sticks stays in its
+ * place.
  */
 #ifndef RB_STEPPED_PIVOT_H
 #define RB_STEPPED_PIVOT_H
@@ -12,7 +12,7 @@
 
 #include "world/world.h"
 
-/* rad: what both turn by about `normal` within h_s, as far as they do so together. */
+/* Common rotation of both about `normal` within h_s, rad. */
 static inline double rb_pivot_angle(const struct rb_world *world, int a, int b, rb_vec3 normal,
                                     double h_s)
 {
@@ -28,7 +28,7 @@ static inline double rb_pivot_angle(const struct rb_world *world, int a, int b, 
 	return fabs(turn_a) < fabs(turn_b) ? turn_a : turn_b;
 }
 
-/* A turn about a normal: what is across it also scaled. */
+/* Rotation about a normal, with a scale of the component across it. */
 typedef struct {
 	double cosine, sine;
 } rb_pivot;
@@ -39,7 +39,7 @@ static inline rb_pivot rb_pivot_of(double angle)
 }
 
 /*
- * Means of arms that turn by `angle`, != 0: (R(angle) - 1) arm is angle normal x what this makes of
+ * Mean of an arm that rotates by `angle`, != 0: (R(angle) - 1) arm is angle normal x this mean of
  * the arm.
  */
 static inline rb_pivot rb_pivot_mean(double angle)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Points of bodies, in compressed rows: counts are stored two places on, so that filling moves each
- * start to its place. And the points that bear something, and all in order.
+ * Contact points by body, as compressed rows: counts are stored two entries further on, so that
+ * filling moves each start to its place. Also the choice of points with impulses, and sorting by
+ * pair.
  */
 #include "stepped/points_of.h"
 
@@ -11,7 +12,7 @@
 #include "base/memory.h"
 #include "base/sort.h"
 
-/* Bodies of a point; b -1: it does not yield. */
+/* Bodies of a point; b -1: not dynamic. */
 struct ends {
 	int a, b;
 };
@@ -76,12 +77,13 @@ bool rb_points_of_bodies(const struct rb_world *world, const struct rb_step_poin
 	return true;
 }
 
-/* ---- some of them, and their order ---- */
+/* ---- choice and order ---- */
 
 struct choice {
 	const struct rb_step_points *points;
 	double approach;
-	int *count; /* by blocks: chosen by each, from where its points begin in `chosen` */
+	/* by block: number of chosen points, which begin at its first point in `chosen` */
+	int *count;
 };
 
 static void choose(void *user, size_t first, size_t end)
@@ -124,7 +126,10 @@ enum rb_status rb_step_points_choose(struct rb_step_points *points, struct rb_wo
 	return RB_OK;
 }
 
-/* In place, round by round: a second list of all would be the largest thing there is. */
+/*
+ * In place, cycle by cycle of the permutation: a second list of all points would be the largest
+ * array there is.
+ */
 enum rb_status rb_step_points_sort(struct rb_step_points *points, struct rb_arena *arena,
                                    struct rb_error *err)
 {

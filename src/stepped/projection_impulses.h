@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What closing overlaps has changed of linear momenta (stepped/projection_energy), as impulses of
- * contacts, so that the forces of a step add up with what it has done to each body. Told only:
- * nothing that is solved reads it.
+ * Changes of linear momenta by position projection (stepped/projection_energy), as contact
+ * impulses, so that the reported forces of a step match the change of each body's momentum. For
+ * reports only: no solver reads it.
  *
  * Simulator thread.
  */
@@ -12,10 +12,10 @@
 #include "stepped/stepped_state.h"
 
 /*
- * `owed`: [bodies] kg m/s, used up. Each body gets it by the contact with the largest impulse of
- * those that join it to the others, these get the opposite, and so on, up to what does not yield.
- * What a contact would have to pull for, or in a whole step could not hold by friction, is told of
- * nobody.
+ * `owed`: [bodies] kg m/s, changes of momenta, overwritten. Each body gets its change by the
+ * contact of largest impulse that connects it with others, these get the opposite, and so on, up to
+ * a body that is not dynamic. A part for which a contact would have to pull, or in a whole step
+ * exceed its friction cone, is not reported.
  */
 RB_CHECKED enum rb_status rb_projection_impulses(struct rb_world *world, struct rb_cohort *cohort,
                                                  rb_vec3 *owed, struct rb_error *err);

@@ -3,18 +3,18 @@
 
 #include "math/top.h"
 
-/* Of the tolerance, by which a point may be above the lowest of its rim. */
+/* Height of a point above the lowest of its rim that is allowed, as a share of the tolerance. */
 static const double fine_share = 0.125;
 
-/* A part of a body i, and what touches at it: outward is towards the other body. */
+/* A part of body i and its contact: outward is towards the other body. */
 struct rim {
 	const rb_placed *part;
-	int i, end;           /* of a cylinder */
+	int i, end;           /* body; end of a cylinder */
 	rb_vec3 outward, arm; /* unit; m, from the centre of mass */
 	double h_s;
 };
 
-/* rad: the turn of a step, with what the body's own inertia makes of its spin on the way. */
+/* Rotation of a step, rad, with the gyroscopic change of spin. */
 static rb_vec3 turn_of(const struct rb_world *world, int i, double h, rb_vec3 spin)
 {
 	const struct rb_model *const model = world->model;
@@ -28,14 +28,14 @@ static rb_vec3 turn_of(const struct rb_world *world, int i, double h, rb_vec3 sp
 	return rb_vec3_scale(h, rb_vec3_add_scaled(spin, 0.5 * h, more));
 }
 
-/* m: how far the rim about `middle` reaches along `outward`. */
+/* Support height of the rim about `middle` along `outward`, m. */
 static double rim_height(const rb_core *core, rb_vec3 middle, rb_vec3 axis, rb_vec3 outward)
 {
 	return rb_vec3_dot(outward, middle) +
 	       core->round * rb_vec3_length(rb_vec3_cross(axis, outward));
 }
 
-/* rad: what a ball may turn by in a step, for its middle to go where the spin as it begins says. */
+/* Largest rotation of a step, rad, for which the initial spin predicts the centre's path. */
 static const double turn_max = 1;
 
 double rb_rolling_bend_of_ball(const struct rb_world *world, int i, rb_vec3 middle, rb_vec3 outward,
@@ -73,7 +73,10 @@ static double bend_of_rim(const struct rb_world *world, const struct rim *rim)
 	const double fine = fine_share * world->model->stepped_tolerance_m;
 	const double tilt = rb_vec3_length(rb_vec3_cross(axis, outward));
 
-	/* one that lies has no lowest point, and one that a step tilts as much none that stays */
+	/*
+	 * a rim that lies flat has no lowest point; one whose tilt a step changes as much has no
+	 * lasting one
+	 */
 	if (!(before - rb_vec3_dot(outward, rim->arm) <= fine) ||
 	    !(2 * rb_vec3_length(rb_vec3_cross(turn, axis)) < tilt))
 		return 0;
@@ -98,7 +101,7 @@ int rb_rolling_end(rb_part feature)
 	}
 }
 
-/* Whether the normal is that of a feature, and stays. */
+/* Whether the feature determines the normal, which is then constant. */
 static bool is_flat(rb_part feature)
 {
 	const rb_part_kind kind = (rb_part_kind)(feature >> 24 & 15);

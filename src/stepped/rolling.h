@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rims and balls that roll. The lowest point of a rim goes round it, and the gap there follows the
- * outline of the turned rim: by the end of a step it differs in the second order from where the
- * step's first lowest point has gone along its tangent. So it does at a ball whose middle is not
- * the centre of mass: a lopsided one, the end of a capsule. Without that each step leaves an
- * approach that the next one stops, and the loss is of the first order: with it, velocities stand
- * for the middle of a step and impulses between two of them, and it is of the second.
+ * Rolling rims and eccentric balls. The lowest point of a rim moves round it, and the gap there
+ * follows the outline of the rotated rim: at the end of a step it differs in second order from the
+ * displacement of the initial lowest point along its tangent. The same holds for a ball whose
+ * centre is not the centre of mass: an eccentric sphere, the end of a capsule. Without that term
+ * each step leaves an approach that the next one stops, a loss of first order; with it, velocities
+ * refer to the middle of a step and impulses to the time between two, and the loss is of second
+ * order.
  */
 #ifndef RB_STEPPED_ROLLING_H
 #define RB_STEPPED_ROLLING_H
@@ -13,7 +14,7 @@
 #include "geom/patch.h"
 #include "world/world.h"
 
-/* 0, 1: the end of a cylinder whose rim that is; -1: none. */
+/* End of a cylinder whose rim that is, 0 or 1; -1: none. */
 int rb_rolling_end(rb_part feature);
 
 /* A point of two parts, a's first, at which they may touch. */
@@ -27,8 +28,8 @@ struct rb_rolling {
 };
 
 /*
- * m: more of a gap by the end of a step of h than straight ways make it, of a ball on something
- * flat: `middle` is its own, from the centre of mass of body i, `outward` the way to the flat.
+ * Nonlinear part of the gap at the end of a step of h, m, of a ball on a flat: `middle` is its
+ * centre, from the centre of mass of body i, `outward` the direction to the flat.
  */
 double rb_rolling_bend_of_ball(const struct rb_world *world, int i, rb_vec3 middle, rb_vec3 outward,
                                double h);
@@ -36,15 +37,15 @@ double rb_rolling_bend_of_ball(const struct rb_world *world, int i, rb_vec3 midd
 /* The same, where one of the parts may roll. */
 double rb_rolling_bend_of_round(const struct rb_world *world, const struct rb_rolling *rolling);
 
-/* Whether it has rims, or corners with balls round them. */
+/* Whether it has rims or rounded corners. */
 static inline bool rb_rolling_may(const rb_core *core)
 {
 	return core->kind == RB_CORE_CYLINDER || core->radius > 0;
 }
 
 /*
- * m: more of a gap by the end of a step than straight ways make it; 0 unless it is the lowest point
- * of a rim or a ball on something flat.
+ * Nonlinear part of the gap at the end of a step, m; 0 unless the point is the lowest one of a rim
+ * or a ball on a flat.
  */
 static inline double rb_rolling_bend(const struct rb_world *world, const struct rb_rolling *rolling)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The row of the stepped method in the table of methods, and the names of its stages, for its
- * description. The stages are not functions to be called in a loop, as those of classic are:
+ * description. The stages are not functions called in a loop, as those of the classic method are:
  * stepped.c runs them, and a step that fails runs some of them again.
  */
 #include "stepped/stages.h"

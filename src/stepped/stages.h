@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The stepped method, and what a step of it does, in order: one row each. */
+/*
+ * The stepped method's row in the table of methods, and the stages of its step, in order, one row
+ * each.
+ */
 #ifndef RB_STEPPED_STAGES_H
 #define RB_STEPPED_STAGES_H
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What holds of the stepped method's state between steps: groups that stand are whole and counted,
- * candidates are pairs of bodies that there are.
+ * Invariants of the stepped method's state between steps: sleeping groups are complete and counted,
+ * candidates are pairs of existing bodies.
  *
- * Pure functions; simulator thread. RB_ERR_BUG says what does not hold.
+ * Pure functions; simulator thread. RB_ERR_BUG states what is violated.
  */
 #ifndef RB_STEPPED_STEPPED_INVARIANTS_H
 #define RB_STEPPED_STEPPED_INVARIANTS_H
