@@ -186,7 +186,7 @@ static enum rb_status find_planes(struct rb_broadphase *broadphase, const rb_aab
 	return RB_OK;
 }
 
-/* Takes out pairs that joints hold together. */
+/* Removes pairs connected by joints. */
 static void drop_joined(struct rb_grid *grid, const struct rb_model *model)
 {
 	size_t kept = 0;
@@ -215,7 +215,7 @@ enum rb_status rb_broadphase_find(struct rb_broadphase *broadphase, const rb_aab
 	*pairs = NULL;
 	*pair_count = 0;
 	enum rb_status status = rb_grid_find(grid, &boxes, err);
-	/* from indices of the grid, which lack the planes, to those of the model */
+	/* from indices of the grid, which omit the planes, to those of the model */
 	if (broadphase->plane_count > 0)
 		for (size_t i = 0; i < grid->pair_count; i++)
 			if (grid->pairs[i].b >= model->body_count)

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Boxes -> sorted candidate pairs.
+ * Broad phase: boxes -> sorted candidate pairs.
  *
- * Owned by the world; simulator thread only. A hierarchical grid: each box is kept in one cell of
- * the level whose cells are just as large as it, so that a pair is looked for in a few cells of
+ * Owned by the world; simulator thread only. A hierarchical grid: each box is stored in one cell of
+ * the level whose cells are just as large as it, so that the pairs of a box are in a few cells of
  * each level in use, whatever the mix of sizes. Infinite planes are tested against every body,
- * rectangles live in the grid like bodies.
+ * rectangles are in the grid like bodies.
  */
 #ifndef RB_STEP_BROADPHASE_H
 #define RB_STEP_BROADPHASE_H
@@ -22,15 +22,15 @@ struct rb_broadphase;
 
 RB_CHECKED enum rb_status rb_broadphase_create(struct rb_broadphase **broadphase,
                                                const struct rb_model *model, struct rb_error *err);
-/* Looks for pairs with this team from now on, which is to stay as long; NULL: in one thread. */
+/* Searches with this team from now on, which must live as long; NULL: in one thread. */
 void rb_broadphase_share(struct rb_broadphase *broadphase, struct rb_team *team);
 void rb_broadphase_destroy(struct rb_broadphase *broadphase); /* NULL is fine */
 
-/* Scratch of each call is taken there from now on; without one it keeps its own. */
+/* Takes scratch memory of each call from this arena from now on; without one it keeps its own. */
 void rb_broadphase_borrow(struct rb_broadphase *broadphase, struct rb_arena *arena);
 
 /*
- * All pairs of which the boxes overlap (closed intervals), that the filters allow and of which at
+ * Finds all pairs whose boxes overlap (closed intervals), that the filters allow and of which at
  * least one moves, sorted by (a, b). `box` is [body_count], of the moving bodies, m; boxes must be
  * finite with low <= high. `*pairs` belongs to the broadphase until the next call. After the first
  * calls nothing is allocated.

@@ -50,7 +50,9 @@ static void rotate(struct rb_pass *pass)
 	}
 }
 
-/* Keeps the angular momentum through the turn; the spin follows from it at the new orientation. */
+/*
+ * Keeps the angular momentum through the rotation; the spin follows from it at the new orientation.
+ */
 static void rotate_gyroscopic(struct rb_pass *pass)
 {
 	struct rb_world *world = pass->world;

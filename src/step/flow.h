@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Motion of bodies between contacts, second half of semi-implicit Euler: positions move with the
- * velocities that the forces have left.
+ * velocities after forces.
  */
 #ifndef RB_STEP_FLOW_H
 #define RB_STEP_FLOW_H
@@ -9,11 +9,11 @@
 #include "step/stage.h"
 
 extern const struct rb_stage rb_stage_translate;
-/* Bodies of which the spin is constant without torque. */
+/* For bodies whose spin is constant without torque. */
 extern const struct rb_stage rb_stage_rotate;
 /*
  * The same for scenes with unequal moments of inertia: angular momentum L is kept, so that w' =
- * I(q)^-1 L before the turn and w'' = I(q')^-1 L after it. First order, and |L| is exact.
+ * I(q)^-1 L before the rotation and w'' = I(q')^-1 L after it. First order, and |L| is exact.
  */
 extern const struct rb_stage rb_stage_rotate_gyroscopic;
 

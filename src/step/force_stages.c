@@ -55,13 +55,13 @@ static void push(struct rb_world *world, int i, rb_vec3 impulse, rb_vec3 angular
 	           rb_vec3_add(w, rb_world_turn(world, state, i, angular_impulse)));
 }
 
-/* Seconds within [from, from + h] in which the force acts. */
+/* Time within [from, from + h] in which the force acts, s. */
 static double acting_s(const struct rb_force_def *force, double from, double h)
 {
 	const double begin = fmax(from, force->start_s);
 	const double end = fmin(from + h, force->start_s + force->duration_s);
 
-	/* h itself where it acts throughout: end - begin would be rounded */
+	/* h itself if it acts throughout: end - begin would be rounded */
 	return begin <= from && end >= from + h ? h : fmax(0, end - begin);
 }
 

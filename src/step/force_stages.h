@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What changes velocities other than contact: one stage each. Reactions come after all of them
- * (classic/contact).
+ * Forces except contact forces, which change velocities: one stage each. Contact reactions come
+ * after all of them (classic/contact).
  */
 #ifndef RB_STEP_FORCE_STAGES_H
 #define RB_STEP_FORCE_STAGES_H
@@ -14,15 +14,16 @@ extern const struct rb_stage rb_stage_applied;
 extern const struct rb_stage rb_stage_pushes;
 
 /*
- * What a force does within the substep: an impulse at the centre of mass, N s, and a turn, N m s.
+ * Effect of a force within a substep: an impulse at the centre of mass, N s, and an angular
+ * impulse, N m s.
  */
 struct rb_force_impulse {
 	rb_vec3 impulse, turn;
 	enum rb_ledger_momentum cause;
 };
 /*
- * Of a body's `f`-th stated force, at its pose of `state`; zeros while it does not act. Of what
- * callbacks push with.
+ * Effect of a body's `f`-th force of the scene, at its pose in `state`; zeros while it does not
+ * act. And of forces applied by callbacks.
  */
 struct rb_force_impulse rb_forces_stated(const struct rb_pass *pass, const struct rb_state *state,
                                          int index, int f);

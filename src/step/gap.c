@@ -239,7 +239,7 @@ static void measure(struct rb_pass *pass)
 			gap = fmin(gap, swept_of[world->model->shape[touch->b].kind](
 						world->model, touch->a, from, to, touch->b, b_to));
 			if (turns_too_far(pass, touch, gap))
-				gap = 2 * floor; /* try again with less of a turn */
+				gap = 2 * floor; /* try again with a smaller rotation */
 		}
 		/* NaN counts as the worst */
 		if (!(floor - gap <= worst_excess)) {

@@ -23,17 +23,15 @@ struct rb_gap rb_gap_at(const struct rb_world *world, const struct rb_state *sta
 double rb_gap_band(const struct rb_world *world, const struct rb_state *state, int a, int b);
 enum { RB_TOUCHING_ULP = 8 };
 
-/*
- * Sizes along the normal for curvature: sum of the radii in contact, INFINITY where one is flat, m.
- */
+/* Radius of curvature at the contact, m: sum of the radii, INFINITY if a body is flat. */
 double rb_gap_radius(const struct rb_model *model, int a, int b);
 
 /*
- * Fills pass->next and finds the pair that breaks the tolerance most, at the end of the substep or,
- * where bodies would have passed through each other, within it: pass->worst and worst_gap.
+ * Fills pass->next and finds the pair that violates the tolerance most, at the end of the substep
+ * or, where bodies would have passed through each other, within it: pass->worst and worst_gap.
  *
- * Lasting contacts may use the tolerance whole; new ones half of it, so that a contact starts with
- * room for what iteration leaves. A pair that is deeper for that reason and moves apart is let go.
+ * Lasting contacts may use the whole tolerance; new ones half of it, which leaves room for
+ * residuals. A pair that is deeper for that reason and separates is accepted.
  */
 extern const struct rb_stage rb_stage_gap;
 

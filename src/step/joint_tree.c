@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "math/quat.h"
 
-/* Vectors of three, the last one twice or what follows from it; of matrices the columns. */
+/* Vectors of three, the last lane a copy of the third or derived from it; matrices by columns. */
 typedef rb_lanes matrix[3];
 
 /* ---- vectors ---- */
@@ -86,7 +86,7 @@ RB_LANES_INLINE void answer(const struct rb_joint_tree_inertia *on, const struct
 
 /* ---- from leaves to roots ---- */
 
-/* Takes away what a freedom leaves without force. */
+/* Eliminates a degree of freedom from the articulated inertia and bias. */
 RB_LANES_INLINE void set_free(struct rb_joint_tree_link *link, struct rb_freedom *f)
 {
 	struct rb_joint_tree_inertia *const on = &link->whole;
@@ -132,7 +132,7 @@ RB_LANES_INLINE void add_moved(const struct rb_joint_tree_inertia *on, const rb_
 	}
 }
 
-/* What is free is taken away, and the rest is the parent's. */
+/* Eliminates degrees of freedom and adds the rest to the parents. */
 RB_LANES_INLINE void gather(struct rb_joint_tree *tree)
 {
 	for (int k = tree->count; k-- > 0;) {
@@ -160,7 +160,7 @@ RB_LANES_INLINE void gather(struct rb_joint_tree *tree)
 
 /* ---- from roots to leaves ---- */
 
-/* The acceleration of a root that hangs on nothing, which no force acts on. */
+/* Acceleration of a free root, on which no external force acts. */
 static void float_freely(const struct rb_joint_tree_link *link, struct rb_screw *to)
 {
 	const struct rb_joint_tree_inertia *const on = &link->whole;
@@ -233,7 +233,7 @@ RB_LANES_INLINE void add_freedom(struct rb_joint_tree_link *link, const rb_lanes
 	to->angular = *axis;
 }
 
-/* What the joint leaves free at the poses; `arm`, axes: in the world. */
+/* Degrees of freedom of the joint at the poses; `arm`, axes: in the world. */
 RB_LANES_INLINE void find_freedoms(struct rb_joint_tree_link *link, const rb_lanes *arm,
                                    const rb_lanes *axis, const rb_lanes *parent_axis)
 {
@@ -253,9 +253,9 @@ RB_LANES_INLINE void find_freedoms(struct rb_joint_tree_link *link, const rb_lan
 }
 
 /*
- * What of the acceleration against the parent the velocities make, at the link's centre of mass:
- * the joint's point is one of both bodies, but for the way along the axis; axes that it turns about
- * turn with the body that they belong to.
+ * Velocity-dependent part of the acceleration relative to the parent, at the link's centre of mass:
+ * the joint's point is common to both bodies, except for the displacement along the axis; rotation
+ * axes rotate with the body that they belong to.
  */
 RB_LANES_INLINE void find_given(struct rb_joint_tree_link *link, const struct rb_pose *own,
                                 const struct rb_pose *parent, const rb_lanes *arm,
@@ -323,7 +323,7 @@ RB_LANES_INLINE void place_joint(const struct rb_joint_tree *tree, struct rb_joi
 	load(rb_pose_between(parent, own), &link->from_parent);
 	find_freedoms(link, &arm, &axis, &parent_axis);
 	find_given(link, own, parent, &arm, &axis, &parent_axis);
-	/* against what bodies do without joints */
+	/* relative to accelerations without joints */
 	load(linear[link->place], &free_linear);
 	load(angular[link->place], &free_angular);
 	if (link->parent >= 0) {
@@ -340,7 +340,7 @@ RB_LANES_INLINE void place_joint(const struct rb_joint_tree *tree, struct rb_joi
 	link->given.angular -= free_angular;
 }
 
-/* The inertia of a body alone. */
+/* Inertia of a single body. */
 RB_LANES_INLINE void place_inertia(struct rb_joint_tree_link *link, const rb_lanes *turn)
 {
 	const rb_lanes none = {0, 0, 0, 0};
@@ -412,7 +412,7 @@ void rb_joint_tree_enter(const struct rb_joint_tree *tree, struct rb_entries *ra
 		const struct rb_joint_tree_link *const link = &tree->link[k];
 		const rb_vec3 force = stored(&link->bias.linear);
 
-		/* what holds a root: its bias is with the acceleration that it has */
+		/* force that holds a root: its bias includes the actual acceleration */
 		if (link->joint >= 0 && link->parent < 0)
 			rb_entries_momentum(
 				rate, RB_MOMENTUM_STATIC, force,
@@ -422,7 +422,7 @@ void rb_joint_tree_enter(const struct rb_joint_tree *tree, struct rb_entries *ra
 	}
 }
 
-/* ---- which bodies hang on which ---- */
+/* ---- building trees ---- */
 
 static void describe(const struct rb_joint_tree *tree, struct rb_joint_tree_link *link)
 {
@@ -465,7 +465,10 @@ static void add_link(struct rb_joint_tree *tree, int place, int parent, int join
 		.place = place, .parent = parent, .joint = joint};
 }
 
-/* The joints of a body that hold: the bodies that hang on it, or itself on what stands still. */
+/*
+ * Adds the children of a body, or the body itself as a root on a static or driven one, by the
+ * joints in effect.
+ */
 static void hang(struct rb_joint_tree *tree, int place, bool as_root, int *link_of)
 {
 	const struct rb_joints *const joints = tree->model->joints;
@@ -486,7 +489,7 @@ static void hang(struct rb_joint_tree *tree, int place, bool as_root, int *link_
 	}
 }
 
-/* Trees from what stands still, then those that hang on nothing. */
+/* Builds trees from static and driven bodies, then free ones. */
 void rb_joint_tree_grow(struct rb_joint_tree *tree, int *link_of)
 {
 	tree->count = 0;

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Accelerations of bodies whose joints form trees, without an unknown of any joint.
+ * Accelerations of bodies whose joints form trees, in reduced coordinates (articulated bodies),
+ * without an unknown per joint.
  *
- * From the leaves on, what a body and all that hangs on it answers to accelerations is an inertia
- * of six by six, the articulated one, of which what the joint to the next body leaves free is taken
- * away; from the roots on accelerations follow (Featherstone, Int. J. Robotics Research 2 (1983)
- * 13). Each joint costs the same, a hinge an eighth of its five rows in located/coupled. Unknowns
- * are what constraints add to the accelerations that bodies have without: those of free fall are
+ * From the leaves to the roots, the response of a body and its subtree to accelerations is an
+ * articulated inertia of six by six, from which the degrees of freedom of the joint to the parent
+ * are eliminated; from the roots to the leaves accelerations follow (Featherstone, Int. J. Robotics
+ * Research 2 (1983) 13). Each joint costs the same, a hinge an eighth of its five rows in
+ * located/coupled. Unknowns are the changes of accelerations by constraints: those of free fall are
  * exact.
  *
  * Arrays are the caller's; trees may be used by one thread each.
@@ -29,7 +30,7 @@ struct rb_joint_tree_inertia {
 	rb_lanes mass[3], cross[3], back[3], turning[3];
 };
 
-/* A motion that a joint leaves free, and what the inertia is to it. */
+/* A degree of freedom of a joint: its motion, and the inertia times it. */
 struct rb_freedom {
 	struct rb_screw motion, answer;
 	double inverse; /* of motion . answer */
@@ -37,11 +38,11 @@ struct rb_freedom {
 	double rate;    /* acceleration of the coordinate, m/s^2 or rad/s^2 */
 };
 
-/* A body, and the joint to the one that it hangs on. */
+/* A body and the joint to its parent. */
 struct rb_joint_tree_link {
-	int place, parent; /* parent: a link before it, -1: none, or what stands still */
-	int joint;         /* of the model; -1: it hangs on nothing */
-	bool is_b;         /* of the joint */
+	int place, parent; /* parent: an earlier link; -1: none, or a static or driven body */
+	int joint;         /* of the model; -1: a free root */
+	bool is_b;         /* the body is the joint's b */
 	bool is_isotropic;
 	unsigned free;       /* enum rb_linkage_freedom */
 	rb_vec3 arm;         /* to the joint's point, m, object axes */
@@ -52,11 +53,11 @@ struct rb_joint_tree_link {
 	/* at the poses, world axes */
 	struct rb_freedom *freedom;
 	int freedom_count;
-	struct rb_screw given; /* acceleration against the parent, but for what is free */
+	struct rb_screw given; /* acceleration relative to the parent, without free coordinates */
 	rb_lanes from_parent;  /* m: from its centre of mass to the link's */
 	struct rb_joint_tree_inertia whole; /* articulated */
-	struct rb_screw bias;               /* the force that it takes without any acceleration */
-	struct rb_screw added;              /* accelerations by joints */
+	struct rb_screw bias;               /* force at zero acceleration */
+	struct rb_screw added;              /* change of acceleration by joints */
 };
 
 struct rb_joint_tree {
@@ -65,28 +66,30 @@ struct rb_joint_tree {
 	const int *body;                    /* [body_count] by place */
 	const struct rb_pose *pose;         /* [body_count] by place: now and later */
 	int body_count;
-	const int *place; /* by body, of those below `placed`; of others than these: anything */
+	const int *place; /* by body below `placed`; arbitrary for bodies that are not members */
 	int placed;
-	/* the pose of an end that does not yield, at a time; of -1 it is the world's */
+	/* pose of a static or driven end at a time; for -1 the world's */
 	struct rb_pose (*fixed_pose)(const void *user, int body, double t);
 	const void *user;
-	struct rb_joint_tree_link *link; /* [body_count]: after those that they hang on */
+	struct rb_joint_tree_link *link; /* [body_count]: parents first */
 	struct rb_freedom *freedom;      /* [3 body_count] */
 	int count;                       /* of links */
 };
 
-/* Trees of all bodies; `link_of`: [body_count]. The rest of the struct is filled. */
+/*
+ * Builds the trees of all bodies; `link_of`: [body_count]. The rest of the struct must be filled.
+ */
 void rb_joint_tree_grow(struct rb_joint_tree *tree, int *link_of);
 
-/* The pose of what a link with a joint hangs on. */
+/* Pose of the parent of a link with a joint. */
 struct rb_pose rb_joint_tree_parent(const struct rb_joint_tree *tree,
                                     const struct rb_joint_tree_link *link, double t);
 
-/* Adds to accelerations, by place, which are those without joints, what joints make of them. */
+/* Adds the changes by joints to accelerations without joints, by place. */
 void rb_joint_tree_accelerate(struct rb_joint_tree *tree, double t, rb_vec3 *linear,
                               rb_vec3 *angular);
 
-/* After rb_joint_tree_accelerate: what joints exert from outside, added to rates by cause. */
+/* After rb_joint_tree_accelerate: adds the external forces of joints to rates by cause. */
 void rb_joint_tree_enter(const struct rb_joint_tree *tree, struct rb_entries *rate);
 
 #endif

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A part of a method, and whether a scene needs it: what `rbsim check` says of a method, one row
- * each.
- */
+/* Parts of a method, as listed by `rbsim check`, and whether a scene needs them; one row each. */
 #ifndef RB_STEP_METHOD_PART_H
 #define RB_STEP_METHOD_PART_H
 

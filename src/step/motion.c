@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Verifies a driven body's function of time by adaptive bisection. An interval is smooth if the
- * change of place matches Simpson's rule over the returned velocities, or, without velocities, if
- * the middle lies near the mean of the ends. Rough halves are bisected further: at a kink roughness
+ * displacement matches Simpson's rule over the returned velocities, or, without velocities, if the
+ * middle is near the mean of the ends. Rough intervals are bisected further: at a kink roughness
  * shrinks with the interval, at a jump it does not and the interval reaches the resolution of time,
- * and velocities that contradict the places are rough everywhere.
+ * and velocities that contradict the positions are rough everywhere.
  */
 #include "step/motion.h"
 
@@ -96,7 +96,7 @@ const char *rb_motion_label(const struct rb_world *world, int i, bool motor,
 	return out;
 }
 
-/* The function at a moment, as that of a motion. */
+/* Evaluates the function of a motion at a time. */
 static enum rb_status ask(const struct rb_motion *motion, double t, rb_quat near,
                           struct rb_driven_pose *pose, struct rb_error *err)
 {
@@ -105,7 +105,7 @@ static enum rb_status ask(const struct rb_motion *motion, double t, rb_quat near
 	return rb_motion_ask(motion->world, motion->i, t, near, pose, err);
 }
 
-/* ---- looking within ---- */
+/* ---- bisection ---- */
 
 struct moment {
 	double t;
@@ -117,8 +117,8 @@ struct watch {
 	struct rb_error *err;
 	enum rb_status status;
 	bool places, turns; /* velocities, angular velocities are returned */
-	double size, round; /* m: of the smallest body; of coordinates */
-	double instant;     /* s: too short to look within */
+	double size, round; /* m: of the smallest body; rounding of coordinates */
+	double instant;     /* s: shortest interval that is bisected */
 	int inspections;
 };
 

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a pass over the bodies of a group is, and what it works on.
+ * Stages of a substep and the pass that they work on.
  *
- * A substep is a list of stages, put together once from the scene's features (classic/stage_list).
- * Each stage runs over a `struct rb_pass`: the bodies and touches of one group, on one worker.
- * Bodies that can meet nobody within the step run through the same stages in blocks, without
- * touches.
+ * A substep is a list of stages, built once from the scene's features (classic/stage_list). Each
+ * stage runs over a `struct rb_pass`: the bodies and touches of one group, on one worker. Bodies
+ * that cannot meet others within the step run through the same stages in blocks, without touches.
  */
 #ifndef RB_STEP_STAGE_H
 #define RB_STEP_STAGE_H
@@ -13,7 +12,7 @@
 #include "step/broadphase.h"
 #include "world/world.h"
 
-/* Where two bodies are with regard to each other at one moment. */
+/* Signed distance of two bodies at one time. */
 struct rb_gap {
 	double gap;     /* m, negative: overlap */
 	rb_vec3 normal; /* unit, from a to b */
@@ -24,9 +23,9 @@ struct rb_gap {
 struct rb_touch {
 	int a, b;
 	bool lasting;
-	double band;           /* m: gaps up to here count as touching */
-	rb_vec3 force_normal;  /* that of the forces, which the bodies have left since */
-	double normal_force;   /* N, of the last substep; 0 unless lasting */
+	double band;          /* m: gaps up to here count as touching */
+	rb_vec3 force_normal; /* normal of the forces, from which the bodies may have moved since */
+	double normal_force;  /* N, of the last substep; 0 unless lasting */
 	rb_vec3 tangent_force; /* N, on b */
 };
 
@@ -44,16 +43,16 @@ struct rb_pass {
 	double done_s;        /* of it, accepted */
 	double h_s;           /* the substep under way */
 
-	/* for step/verdict: the touch that breaks the tolerance most, -1: none */
+	/* for step/verdict: the touch that violates the tolerance most, -1: none */
 	int worst;
 	double worst_gap;
 
 	struct rb_counts counts;
-	struct rb_entries entries; /* for the ledger, of what has been accepted */
+	struct rb_entries entries; /* ledger entries of accepted substeps */
 	struct rb_event
 		*event; /* in the arena; `a`, `b` are body indices until they are committed */
 	int event_count, event_capacity;
-	bool out_of_memory; /* set by whoever could not take from the arena */
+	bool out_of_memory; /* set after a failed allocation from the arena */
 };
 
 typedef void rb_stage_run(struct rb_pass *pass);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Is the substep good? Every number finite, no overlap beyond what step/gap allows. */
+/* Verdict on a substep: every number finite, no overlap beyond what step/gap allows. */
 #ifndef RB_STEP_VERDICT_H
 #define RB_STEP_VERDICT_H
 
@@ -7,7 +7,7 @@
 
 enum rb_verdict { RB_VERDICT_GOOD, RB_VERDICT_OVERLAP, RB_VERDICT_NOT_FINITE };
 
-/* Every number of a body's row that moves it. */
+/* Whether all numbers of a body's motion are finite. */
 bool rb_verdict_finite(const struct rb_state *state, int index);
 
 /* `*body` receives a body index when a state is not finite. */
