@@ -41,7 +41,7 @@ struct rb_pass {
 
 	double start_s, dt_s; /* the whole step */
 	double done_s;        /* of it, accepted */
-	double h_s;           /* the substep under way */
+	double h_s;           /* the current substep */
 
 	/* for step/verdict: the touch that violates the tolerance most, -1: none */
 	int worst;

@@ -332,7 +332,7 @@ static enum rb_status move_and_inspect(struct rb_world *world, struct rb_cohort 
 	bool again = true;
 	enum rb_status status = RB_OK;
 
-	cohort->is_measured = false;
+	cohort->has_depths = false;
 	for (int inspections = 0; again && status == RB_OK; inspections++) {
 		count_work(world);
 		find_clear(world, cohort, h);

@@ -26,7 +26,7 @@ struct rb_clue {
 	unsigned placing_a : 31; /* of that pose */
 	unsigned is_known : 1;
 	unsigned placing_b : 31;
-	unsigned is_close : 1; /* it was not told apart */
+	unsigned is_close : 1; /* they were not separated */
 };
 
 _Static_assert(sizeof(struct rb_clue) == 48, "there may be thirteen for each body");
@@ -140,7 +140,7 @@ static inline int rb_candidates_part_count(const struct rb_candidates *candidate
 	return candidates->first_part[i + 1] - candidates->first_part[i];
 }
 
-/* Whether the parts of a body are searched anew each time: what is known of them is not kept. */
+/* Whether the near parts of a body are searched each time, without a cache. */
 static inline bool rb_candidates_is_terrain(const struct rb_model *model, int i)
 {
 	return model->shape[i].kind == RB_SHAPE_TERRAIN;

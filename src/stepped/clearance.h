@@ -41,7 +41,7 @@ static inline bool rb_pair_is_plain(const struct rb_model *model, int a, int b)
 	return model->shape[a].kind == RB_SHAPE_SPHERE && !rb_shape_has_parts(model->shape[b].kind);
 }
 
-/* Iterations over separating directions for pairs that were apart, and for others. */
+/* Iterations over separating directions: for pairs that were apart, and for close ones. */
 enum { RB_ROUNDS_SEPARATE = 12, RB_ROUNDS_CLOSE = 1 };
 
 /* Two parts, relative to the origin of the first. */

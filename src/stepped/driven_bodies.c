@@ -15,8 +15,8 @@
 static const double full_turn = 6.28318530717958647692;
 /*
  * Relative difference up to which stated velocities and finite differences of poses agree:
- * constants in scenes are often written with seven digits, and a difference of 1e-6 of the way is
- * far below the tolerance of a step.
+ * constants in scenes are often written with seven digits, and a difference of 1e-6 of the
+ * displacement is far below the tolerance of a step.
  */
 static const double agreement = 1e-6;
 

@@ -148,7 +148,9 @@ bool rb_end_points_add(const struct rb_end_points *carried, size_t pair, double 
 		row[k] = moved(&from[k], &a, &b);
 		least = fmin(least, row[k].gap);
 	}
-	/* its overlap is known to be within the tolerance: raise the deepest gap to zero */
+	/*
+	 * its overlap is known to be within the tolerance: raise all gaps so that none is negative
+	 */
 	const double more = fmax(0, -least);
 	for (size_t k = 0; k < count; k++) {
 		row[k].gap += more;

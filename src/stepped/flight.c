@@ -568,7 +568,7 @@ static rb_vec3 turned(const struct rb_flight *flight, int i, double t, rb_vec3 a
 }
 
 void rb_flight_move_point(const struct rb_flight *flight, struct rb_step_point *point, double t,
-                          const rb_vec3 began[2], rb_vec3 arm[2])
+                          const rb_vec3 initial_arm[2], rb_vec3 arm[2])
 {
 	const struct rb_world *world = flight->world;
 	const int of[2] = {point->a, point->b};
@@ -587,12 +587,12 @@ void rb_flight_move_point(const struct rb_flight *flight, struct rb_step_point *
 	} else if (joins) {
 		rb_vec3 normal;
 
-		arm[0] = turned(
-			flight, point->a, t, began[0],
-			round_of(world, point->a, point->parts >> 16, point->normal, began[0]));
-		arm[1] = turned(flight, point->b, t, began[1],
+		arm[0] = turned(flight, point->a, t, initial_arm[0],
+		                round_of(world, point->a, point->parts >> 16, point->normal,
+		                         initial_arm[0]));
+		arm[1] = turned(flight, point->b, t, initial_arm[1],
 		                round_of(world, point->b, point->parts & 0xffff,
-		                         rb_vec3_neg(point->normal), began[1]));
+		                         rb_vec3_neg(point->normal), initial_arm[1]));
 		rb_levers_join(world, of, d, point->normal, arm);
 		point->arm_a = arm[0];
 		point->arm_b = arm[1];

@@ -110,10 +110,10 @@ double rb_flight_touches(const struct rb_flight *flight, const struct rb_step_po
 /*
  * Moves the point to where an impact acts at `t`: its normal is that at `t`, and between two
  * dynamic bodies, where angular momentum is conserved, it is the common point of their arms. `arm`:
- * the arms there, m; `began`: the point's arms at the beginning of the step.
+ * the arms there, m; `initial_arm`: the point's arms at the beginning of the step.
  */
 void rb_flight_move_point(const struct rb_flight *flight, struct rb_step_point *point, double t,
-                          const rb_vec3 began[2], rb_vec3 arm[2]);
+                          const rb_vec3 initial_arm[2], rb_vec3 arm[2]);
 
 /* Position of the impact, m; for a point that was not moved, a's arm is rotated. */
 rb_vec3 rb_flight_place(const struct rb_flight *flight, const struct rb_step_point *point,

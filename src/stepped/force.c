@@ -383,7 +383,7 @@ static enum rb_status note_potential(struct rb_world *world, int i, double start
 
 	if (status == RB_OK)
 		status = hooks->potential(hooks->user, id, start + h, at, &after, err);
-	world->stepped->tally->body[i].fed = after - before;
+	world->stepped->tally->body[i].potential_change = after - before;
 	return status;
 }
 
@@ -469,7 +469,7 @@ static void add_gravitation(struct rb_world *world, const struct rb_cohort *coho
 		double *const v = world->state.velocity + 3 * (size_t)cohort->body[k];
 
 		rb_vec3_to(v, rb_vec3_add_scaled(
-				      rb_vec3_from(v), cohort->attracted_s,
+				      rb_vec3_from(v), cohort->gravitation_s,
 				      rb_gravitation_found(world->gravitation, cohort->body[k])));
 	}
 }

@@ -59,7 +59,7 @@ struct impacts {
 		*seen; /* [points] may take part in an impact: its gap is updated at the end */
 	int *place;    /* [bodies] index in `body`, or -1 */
 	struct rb_flight_turning *turning; /* [bodies_max] orientation and spin of `body` at t_s */
-	rb_vec3 (*began)[2];               /* [points] m: lever arms at the beginning of the step */
+	rb_vec3 (*initial_arm)[2];         /* [points] m: lever arms at the beginning of the step */
 	unsigned char *crowded; /* [bodies] enum crowd: why its group rebounds at the end */
 
 	/* contacts that touch at one moment */
@@ -140,14 +140,14 @@ static enum rb_status begin(struct impacts *pass, struct rb_error *err)
 	pass->of = rb_arena_take(arena, 2 * count, sizeof *pass->of);
 	pass->due_s = rb_arena_take(arena, count, sizeof *pass->due_s);
 	pass->touched = rb_arena_take(arena, count, 1);
-	pass->began = rb_arena_take(arena, count, sizeof *pass->began);
+	pass->initial_arm = rb_arena_take(arena, count, sizeof *pass->initial_arm);
 	pass->place = rb_arena_take(arena, n, sizeof *pass->place);
 	pass->crowded = rb_arena_take(arena, n + (size_t)model->static_count, 1);
 	pass->body = rb_arena_take(arena, (size_t)pass->bodies_max + 1, sizeof *pass->body);
 	pass->turning = rb_arena_take(arena, (size_t)pass->bodies_max + 1, sizeof *pass->turning);
 	pass->contact = rb_arena_take(arena, RB_IMPACT_CONTACTS + 1, sizeof *pass->contact);
 	if (!pass->held || !pass->first || !pass->of || !pass->due_s || !pass->touched ||
-	    !pass->began || !pass->place || !pass->crowded || !pass->body || !pass->turning ||
+	    !pass->initial_arm || !pass->place || !pass->crowded || !pass->body || !pass->turning ||
 	    !pass->contact)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 	pass->flight.held = pass->held;
@@ -161,8 +161,8 @@ static enum rb_status begin(struct impacts *pass, struct rb_error *err)
 	enum rb_status status = RB_OK;
 	for (size_t k = 0; k < count && status == RB_OK; k++) {
 		pass->due_s[k] = (double)INFINITY;
-		pass->began[k][0] = pass->points->row[k].arm_a;
-		pass->began[k][1] = pass->points->row[k].arm_b;
+		pass->initial_arm[k][0] = pass->points->row[k].arm_a;
+		pass->initial_arm[k][1] = pass->points->row[k].arm_b;
 		if (pass->seen[k])
 			status = predict(pass, k, 0, err);
 	}
@@ -310,7 +310,8 @@ static void fill_contact(const struct impacts *pass, struct rb_simultaneous *pro
 	struct rb_solver_contact *c = &problem->contact[k];
 	rb_vec3 arm[2];
 
-	rb_flight_move_point(&pass->flight, point, pass->t_s, pass->began[pass->contact[k]], arm);
+	rb_flight_move_point(&pass->flight, point, pass->t_s, pass->initial_arm[pass->contact[k]],
+	                     arm);
 	const double least = rb_flight_approach_min(&pass->flight, point, point->normal);
 	*c = (struct rb_solver_contact){
 		.a = problem_index(pass, problem, point->a),
@@ -684,7 +685,7 @@ static enum rb_status run_event(struct impacts *pass, struct rb_due_impact due,
 
 /*
  * Change of a velocity by impacts at the end of the step. Drag reduces it for the rest of the step:
- * what it has taken of the velocity before would otherwise push a body that has turned round.
+ * its impulse on the velocity before would otherwise push a body whose velocity is reversed.
  */
 static rb_vec3 kick_at_end(const struct impacts *pass, int i, const struct rb_kick *of)
 {

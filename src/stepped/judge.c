@@ -208,7 +208,7 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 	if (s->bad_count > 0)
 		restore_bad(world, cohort);
 	/* depths measured by rb_relinearize imply that the candidates held for these poses */
-	if (cohort->candidates == &s->candidates && !(cohort->is_measured && s->bad_count == 0) &&
+	if (cohort->candidates == &s->candidates && !(cohort->has_depths && s->bad_count == 0) &&
 	    !rb_candidates_holds(&s->candidates, world, cohort->body, cohort->body_count)) {
 		s->candidates.valid = false;
 		status = rb_candidates_find(&s->candidates, world, cohort->body, cohort->body_count,

@@ -44,7 +44,7 @@ struct rb_local_rollback {
 	struct rb_entries entries;          /* ledger entries of the current group */
 	struct rb_entries_of *ledger_entry; /* owned: of finished groups */
 	size_t ledger_entry_count, ledger_entry_capacity;
-	bool fresh; /* the current group has not taken a step yet */
+	bool has_no_step; /* the current group has not taken a step yet */
 };
 
 /* An impact and a dynamic body of it. */
@@ -206,7 +206,7 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 	struct rb_counts *counts = &world->frame_counts;
 	const struct rb_contacts swapped = local->before;
 	/* before the group's first step, the contacts of the world */
-	const struct rb_contacts *before = local->fresh ? &world->contacts : &local->last;
+	const struct rb_contacts *before = local->has_no_step ? &world->contacts : &local->last;
 
 	RB_ASSERT(h > 0 && outcome->residual >= 0);
 	counts->smallest_step_s = fmin(counts->smallest_step_s, h);
@@ -236,7 +236,7 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 		rb_entries_add(&local->entries, 1, &e);
 	}
 	rb_joints_keep(world, part, h, NULL);
-	local->fresh = false;
+	local->has_no_step = false;
 	local->before = local->last;
 	local->last = swapped;
 	local->last.count = 0;
@@ -269,7 +269,7 @@ static enum rb_status begin_group(struct rb_world *world, struct rb_error *err)
 	                         s->part.member_count);
 	rb_joints_go_back(world, &s->part);
 	rb_solver_forget_rest(&s->solver, s->part.body, s->part.member_count);
-	local->fresh = true;
+	local->has_no_step = true;
 	local->entries = (struct rb_entries){0};
 	local->last.count = local->means.count = 0;
 	return RB_OK;
@@ -353,8 +353,8 @@ static void reset_arenas(struct rb_world *world)
 }
 
 /*
- * Forms groups again after a box has grown: whether this group has met no other. If so its
- * candidate pairs are replaced, and it goes on from where it is.
+ * Forms groups again after a box has grown; returns whether this group overlaps no other. If so its
+ * candidate pairs are replaced, and it continues from its present state.
  */
 static bool is_separate(struct rb_world *world, struct rb_swept_group *group,
                         enum rb_status *status, struct rb_error *err)
@@ -409,7 +409,7 @@ static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *g
 			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 		reset_arenas(world);
 		rb_state_copy_rows(&world->mark, &world->state, part->body, part->body_count);
-		part->attracted_s = done > 0 ? 0 : dt;
+		part->gravitation_s = done > 0 ? 0 : dt;
 		status = rb_attempt(world, part, start + done, h, err);
 		if (status == RB_OK)
 			status = rb_judge(world, part, h, &outcome, err);

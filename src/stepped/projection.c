@@ -81,23 +81,23 @@ struct search {
 	uint32_t *first,
 		*of; /* by body: its candidate pairs are of[first[i]] to of[first[i + 1] - 1] */
 	int *place;  /* by body: index in `body` */
-	struct ends *ends;    /* by pair, while pairs are indexed */
-	unsigned char *seen;  /* by body: reached by the search */
-	double *depth;        /* m, by reached body: largest overlap from which it was reached */
-	unsigned char *moved; /* by body: moved in the last round */
-	int *parent;          /* by body: union-find forest of groups */
-	unsigned char *lost;  /* by group: contains a bad body */
-	unsigned char *inspected;    /* by pair: visited */
-	unsigned char *anchored;     /* by body: its group of the solution contains a static body */
-	unsigned char *frozen;       /* by body: treated as static in this round */
-	unsigned char *astray;       /* by island: moved too far, so it is not moved */
-	struct rb_solver_body *kept; /* by body: the solver's copy of a frozen body */
+	struct ends *ends;       /* by pair, while pairs are indexed */
+	unsigned char *reached;  /* by body: reached by the search */
+	double *depth;           /* m, by reached body: largest overlap from which it was reached */
+	unsigned char *moved;    /* by body: moved in the last round */
+	int *parent;             /* by body: union-find forest of groups */
+	unsigned char *lost;     /* by group: contains a bad body */
+	unsigned char *visited;  /* by pair: by the search */
+	unsigned char *anchored; /* by body: its group of the solution contains a static body */
+	unsigned char *frozen;   /* by body: treated as static in this round */
+	unsigned char *too_far;  /* by island: moved too far, so it is not moved */
+	struct rb_solver_body *saved; /* by body: the solver's copy of a frozen body */
 	int waves, waves_max;
 	int *wave;              /* bodies from which the search continues */
 	int *active;            /* bodies reached and not frozen */
 	int *at_rest;           /* bodies whose velocity is saved and cleared */
 	unsigned char *stopped; /* by body: is in at_rest */
-	uint32_t *pair;         /* to be inspected */
+	uint32_t *pair;         /* pairs to be inspected */
 	int wave_count, active_count, resting_count;
 	struct rb_projection_energy lift;
 	/* the step's points, carried to its end, of pairs that need no inspection */
@@ -124,26 +124,26 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->place = rb_arena_take(arena, n, sizeof *search->place);
 	search->first = rb_arena_take(arena, count + 2, sizeof *search->first);
 	search->of = rb_arena_take(arena, 2 * pairs + 1, sizeof *search->of);
-	search->seen = rb_arena_take(arena, n, 1);
+	search->reached = rb_arena_take(arena, n, 1);
 	search->depth = rb_arena_take(arena, n, sizeof *search->depth);
 	search->moved = rb_arena_take(arena, n, 1);
 	search->stopped = rb_arena_take(arena, n, 1);
 	search->parent = rb_arena_take(arena, n, sizeof *search->parent);
 	search->lost = rb_arena_take(arena, n, 1);
-	search->inspected = rb_arena_take(arena, pairs + 1, 1);
+	search->visited = rb_arena_take(arena, pairs + 1, 1);
 	search->anchored = rb_arena_take(arena, n, 1);
 	search->frozen = rb_arena_take(arena, n, 1);
-	search->astray = rb_arena_take(arena, n + 1, 1);
-	search->kept = rb_arena_take(arena, n, sizeof *search->kept);
+	search->too_far = rb_arena_take(arena, n + 1, 1);
+	search->saved = rb_arena_take(arena, n, sizeof *search->saved);
 	search->wave = rb_arena_take(arena, n, sizeof *search->wave);
 	search->active = rb_arena_take(arena, n, sizeof *search->active);
 	search->at_rest = rb_arena_take(arena, n, sizeof *search->at_rest);
 	search->pair = rb_arena_take(arena, pairs + 1, sizeof *search->pair);
 	search->carried_pair = rb_arena_take(arena, pairs + 1, sizeof *search->carried_pair);
-	if (search->place && search->first && search->of && search->seen && search->depth &&
-	    search->moved && search->stopped && search->parent && search->lost &&
-	    search->inspected && search->anchored && search->frozen && search->astray &&
-	    search->kept && search->wave && search->active && search->at_rest && search->pair &&
+	if (search->place && search->first && search->of && search->reached && search->depth &&
+	    search->moved && search->stopped && search->parent && search->lost && search->visited &&
+	    search->anchored && search->frozen && search->too_far && search->saved &&
+	    search->wave && search->active && search->at_rest && search->pair &&
 	    search->carried_pair) {
 		memset(search->moved, 0, n);
 		memset(search->stopped, 0, n);
@@ -243,10 +243,10 @@ static void inspect_from(struct search *search, int i, double depth)
 {
 	if (!rb_stepped_is_dynamic(search->world, i))
 		return;
-	search->depth[i] = search->seen[i] ? fmax(search->depth[i], depth) : depth;
-	if (search->seen[i])
+	search->depth[i] = search->reached[i] ? fmax(search->depth[i], depth) : depth;
+	if (search->reached[i])
 		return;
-	search->seen[i] = 1;
+	search->reached[i] = 1;
 	search->wave[search->wave_count++] = i;
 }
 
@@ -263,9 +263,9 @@ static void join_groups(struct search *search, int a, int b)
 /* The larger overlap from which two bodies were reached, m. */
 static double depth_from(const struct search *search, int a, int b)
 {
-	const bool has_b = rb_stepped_is_dynamic(search->world, b) && search->seen[b];
+	const bool has_b = rb_stepped_is_dynamic(search->world, b) && search->reached[b];
 
-	return fmax(search->seen[a] ? search->depth[a] : 0, has_b ? search->depth[b] : 0);
+	return fmax(search->reached[a] ? search->depth[a] : 0, has_b ? search->depth[b] : 0);
 }
 
 static void join(struct search *search, const struct rb_step_point *point)
@@ -279,8 +279,8 @@ static void join(struct search *search, const struct rb_step_point *point)
 }
 
 /*
- * Finds bodies whose group, as in the solution, touches a static or driven body. A free group keeps
- * its centre of mass, so all of it must be movable; nor are joints separated.
+ * Finds bodies whose group, as in the solution, touches a static body. Any other group keeps its
+ * centre of mass, so all of it must be movable; nor are joints separated.
  */
 static void find_anchored(struct search *search)
 {
@@ -309,11 +309,11 @@ static void begin_round(struct search *search, const struct rb_depths *found)
 	for (int k = 0; k < search->count; k++) {
 		const int i = search->body[k];
 
-		search->seen[i] = search->frozen[i] = 0;
+		search->reached[i] = search->frozen[i] = 0;
 		search->parent[i] = i;
 		search->lost[i] = bad[i];
 	}
-	memset(search->inspected, 0, search->cohort->candidates->pair_count);
+	memset(search->visited, 0, search->cohort->candidates->pair_count);
 	search->wave_count = search->waves = 0;
 	for (size_t k = 0; k < found->deep_count; k++) {
 		const int a = found->deep[k].a, b = found->deep[k].b;
@@ -375,9 +375,9 @@ static size_t next_pairs(struct search *search)
 		for (uint32_t at = search->first[place]; at < search->first[place + 1]; at++) {
 			const uint32_t pair = search->of[at];
 
-			if (search->inspected[pair])
+			if (search->visited[pair])
 				continue;
-			search->inspected[pair] = 1;
+			search->visited[pair] = 1;
 			if (rb_end_points_has(&search->carried, pair)) {
 				search->carried_pair[search->carried_count] = pair;
 				search->carried_count += rb_end_points_is_near(&search->carried,
@@ -446,7 +446,7 @@ static enum rb_status find_points(struct search *search, const struct rb_depths 
 	candidates->live_count = live_count;
 	search->active_count = 0;
 	for (int k = 0; k < search->count; k++)
-		if (search->seen[search->body[k]] && !search->frozen[search->body[k]])
+		if (search->reached[search->body[k]] && !search->frozen[search->body[k]])
 			search->active[search->active_count++] = search->body[k];
 	return status == RB_OK ? rb_step_points_sort(points, &world->arena[0], err) : status;
 }
@@ -499,7 +499,7 @@ static void freeze(struct search *search)
 
 		if (!search->frozen[i])
 			continue;
-		search->kept[i] = body[i];
+		search->saved[i] = body[i];
 		body[i] = (struct rb_solver_body){.inverse_mass = 0};
 		solver->island_of[i] = solver->local[i] = -1;
 	}
@@ -510,21 +510,21 @@ static void thaw(struct search *search)
 	for (int k = 0; k < search->count; k++)
 		if (search->frozen[search->body[k]])
 			search->world->stepped->solver.dense.bodies.body[search->body[k]] =
-				search->kept[search->body[k]];
+				search->saved[search->body[k]];
 }
 
 /*
  * Finds groups that would move farther than the distance within which points were searched, m:
  * contacts there are unknown. Where friction or rounding wedges a group, sweeps may end as far off.
  */
-static void find_astray(struct search *search, double max)
+static void find_too_far(struct search *search, double max)
 {
 	const struct rb_world *world = search->world;
 	const struct rb_solver *solver = &world->stepped->solver;
 	struct rb_step_points *points = &world->stepped->closing;
 	bool any = false;
 
-	memset(search->astray, 0, solver->island_count);
+	memset(search->too_far, 0, solver->island_count);
 	for (int k = 0; k < search->active_count; k++) {
 		const int i = search->active[k];
 
@@ -538,11 +538,11 @@ static void find_astray(struct search *search, double max)
 		/* written so that NaN counts as far */
 		if (way <= max)
 			continue;
-		search->astray[solver->island_of[i]] = 1;
+		search->too_far[solver->island_of[i]] = 1;
 		any = true;
 	}
 	for (size_t k = 0; any && k < points->count; k++)
-		if (search->astray[solver->island_of[points->row[k].a]])
+		if (search->too_far[solver->island_of[points->row[k].a]])
 			points->row[k].normal_impulse = 0;
 }
 
@@ -556,7 +556,7 @@ static void shift(void *user, size_t first, size_t end)
 	for (size_t k = first; k < end; k++) {
 		const int i = search->active[k];
 
-		if (solver->island_of[i] < 0 || search->astray[solver->island_of[i]])
+		if (solver->island_of[i] < 0 || search->too_far[solver->island_of[i]])
 			continue;
 		search->moved[i] = 1;
 		const struct rb_solver_body *body = &solver->dense.bodies.body[i];
@@ -608,8 +608,8 @@ static void join_lift(struct search *search, int a, int b)
 static const struct rb_pair_material smooth = {0};
 
 /* One round: finds points, solves the groups concerned, moves their bodies. */
-static enum rb_status close_once(struct search *search, const struct rb_depths *found,
-                                 struct rb_error *err)
+static enum rb_status close_round(struct search *search, const struct rb_depths *found,
+                                  struct rb_error *err)
 {
 	struct rb_world *world = search->world;
 	struct rb_stepped *s = world->stepped;
@@ -636,7 +636,7 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 	if (status == RB_OK)
 		status = rb_solver_step(&s->solver, world, NULL, &s->closing, 1, err);
 	if (status == RB_OK) {
-		find_astray(search, max);
+		find_too_far(search, max);
 		rb_projection_energy_turn(&search->lift, world, &s->closing);
 		rb_team_share(world->team, (size_t)search->active_count, BODIES_PER_BLOCK, shift,
 		              search);
@@ -713,7 +713,7 @@ enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *coh
 	                        .count = all ? s->member_count : cohort->member_count};
 	enum rb_status status = RB_OK;
 
-	if (cohort->is_measured && s->bad_count == 0)
+	if (cohort->has_depths && s->bad_count == 0)
 		*found = cohort->depths;
 	else
 		status = find_depths(world, cohort, found, err);
@@ -738,7 +738,7 @@ enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *coh
 	search.waves_max = FIRST_WAVES;
 	for (int round = 0; round < CLOSINGS_MAX && status == RB_OK && last.deep_count > 0;
 	     round++) {
-		status = close_once(&search, &last, err);
+		status = close_round(&search, &last, err);
 		search.again = true;
 		search.waves_max *= 2;
 		/* nothing to move: each overlapping group has a bad body */

@@ -303,8 +303,8 @@ enum { PAIRS_PER_BLOCK = 512 };
 /* Points of one pair in both lists. */
 struct both {
 	const struct rb_step_point *old, *fresh;
-	size_t was, is;
-	bool seen; /* the fresh ones are used */
+	size_t old_count, fresh_count;
+	bool uses_fresh;
 };
 
 /* Index of the first point of this pair or a later one. */
@@ -335,14 +335,14 @@ static size_t length_of(const struct rb_step_point *row, size_t count, size_t pa
 static struct both take_both(const struct merging *merging, const struct rb_step_point *row,
                              size_t at, size_t new_at, size_t pair)
 {
-	struct both both = {
-		.old = row + at,
-		.fresh = merging->fresh + new_at,
-		.was = length_of(row + at, merging->count - at, pair),
-		.is = length_of(merging->fresh + new_at, merging->fresh_count - new_at, pair)};
+	struct both both = {.old = row + at,
+	                    .fresh = merging->fresh + new_at,
+	                    .old_count = length_of(row + at, merging->count - at, pair),
+	                    .fresh_count = length_of(merging->fresh + new_at,
+	                                             merging->fresh_count - new_at, pair)};
 
-	both.seen = is_seen(merging->world, merging->view, merging->pair[pair]) &&
-	            !is_through(both.old, both.was, both.fresh, both.is);
+	both.uses_fresh = is_seen(merging->world, merging->view, merging->pair[pair]) &&
+	                  !is_through(both.old, both.old_count, both.fresh, both.fresh_count);
 	return both;
 }
 
@@ -357,9 +357,9 @@ static void count_points(void *user, size_t first, size_t end)
 	for (size_t k = first; k < end; k++) {
 		const struct both both = take_both(merging, merging->row, at, new_at, k);
 
-		length += both.seen ? both.is : both.was;
-		at += both.was;
-		new_at += both.is;
+		length += both.uses_fresh ? both.fresh_count : both.old_count;
+		at += both.old_count;
+		new_at += both.fresh_count;
 	}
 	if (at > begin)
 		memcpy(merging->old + begin, merging->row + begin,
@@ -376,20 +376,20 @@ static void merge_points(void *user, size_t first, size_t end)
 
 	for (size_t k = first; k < end; k++) {
 		const struct both both = take_both(merging, merging->old, at, new_at, k);
-		const size_t count = both.seen ? both.is : both.was;
+		const size_t count = both.uses_fresh ? both.fresh_count : both.old_count;
 
 		if (count > 0)
-			memcpy(to, both.seen ? both.fresh : both.old, count * sizeof *to);
-		for (size_t p = 0; both.seen && p < count; p++) {
-			keep_arms(&to[p], both.old, both.was);
+			memcpy(to, both.uses_fresh ? both.fresh : both.old, count * sizeof *to);
+		for (size_t p = 0; both.uses_fresh && p < count; p++) {
+			keep_arms(&to[p], both.old, both.old_count);
 			bend(merging->world, &to[p]);
 			rb_impacts_update_approach(merging->world->stepped, &to[p]);
 		}
-		if (both.seen)
-			inherit(to, count, both.old, both.was);
+		if (both.uses_fresh)
+			inherit(to, count, both.old, both.old_count);
 		to += count;
-		at += both.was;
-		new_at += both.is;
+		at += both.old_count;
+		new_at += both.fresh_count;
 	}
 }
 
@@ -470,7 +470,7 @@ static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort
 		return status;
 	*deep = mark_groups(world, &found, inspections, marks);
 	cohort->depths = found;
-	cohort->is_measured = !*deep;
+	cohort->has_depths = !*deep;
 	return RB_OK;
 }
 
@@ -497,7 +497,7 @@ enum rb_status rb_relinearize(struct rb_world *world, struct rb_cohort *cohort, 
 	const bool springs = rb_springs_mark(world, marks.of_group);
 	if (!joints && !springs && !deep)
 		return RB_OK;
-	cohort->is_measured = false;
+	cohort->has_depths = false;
 	if (!take_view(world, cohort, deep ? &cohort->depths : NULL, &marks, &view))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the points of a step");
 	if (deep) {

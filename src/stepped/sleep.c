@@ -189,7 +189,7 @@ void rb_sleep_wake(struct rb_world *world, const unsigned char *mark)
 }
 
 /* Wakes groups whose inputs have changed since the last step. */
-static void check(struct rb_world *world, double start, double h)
+static void wake_changed(struct rb_world *world, double start, double h)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_sleep *sleep = &s->sleep;
@@ -220,8 +220,8 @@ void rb_sleep_gather(struct rb_stepped *s)
 	s->all.body_count = s->member_count + s->driven_count;
 }
 
-/* List of awake dynamic bodies, then all driven ones. */
-static void shrink(struct rb_stepped *s)
+/* Lists awake dynamic bodies, then all driven ones. */
+static void list_awake(struct rb_stepped *s)
 {
 	struct rb_sleep *sleep = &s->sleep;
 	int count = 0;
@@ -236,8 +236,8 @@ static void shrink(struct rb_stepped *s)
 	sleep->live_bodies = count;
 }
 
-/* The cohort of all becomes the awake bodies. */
-static void show(struct rb_stepped *s)
+/* Restricts the cohort of all to awake bodies. */
+static void use_awake(struct rb_stepped *s)
 {
 	s->all.body = s->sleep.body;
 	s->all.member_count = s->sleep.live_bodies;
@@ -352,7 +352,7 @@ static enum rb_status inspect_woken(struct rb_world *world, double h, struct rb_
 }
 
 /* Sets velocities of sleeping bodies to zero again, since forces were added to all bodies. */
-static void stop(struct rb_world *world)
+static void stop_sleeping(struct rb_world *world)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_state *state = &world->state;
@@ -379,10 +379,10 @@ enum rb_status rb_sleep_points(struct rb_world *world, double start, double h, s
 	size_t first = 0;
 
 	RB_ASSERT(h > 0);
-	check(world, start, h);
+	wake_changed(world, start, h);
 	if (sleep->changed)
-		shrink(s);
-	show(s);
+		list_awake(s);
+	use_awake(s);
 	rb_candidates_reach(candidates, world, h, s->all.body, s->all.body_count);
 	candidates->share = (double)s->all.body_count / world->model->body_count;
 	enum rb_status status = rb_candidates_find(candidates, world, s->all.body,
@@ -397,8 +397,8 @@ enum rb_status rb_sleep_points(struct rb_world *world, double start, double h, s
 		status = rb_step_points_add(points, world, candidates, h, HUGE_VAL, err);
 	while (status == RB_OK && sleep->count > 0 && wake_touched(world, first)) {
 		first = points->count;
-		shrink(s);
-		show(s);
+		list_awake(s);
+		use_awake(s);
 		status = list_pairs(world, err);
 		if (status == RB_OK)
 			status = inspect_woken(world, h, err);
@@ -406,7 +406,7 @@ enum rb_status rb_sleep_points(struct rb_world *world, double start, double h, s
 	}
 	if (status == RB_OK && first > 0)
 		status = rb_step_points_sort(points, &world->arena[0], err);
-	stop(world);
+	stop_sleeping(world);
 	return status;
 }
 

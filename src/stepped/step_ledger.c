@@ -199,7 +199,7 @@ static void enter_varied(struct entering *n, int i, enum rb_ledger_momentum caus
 }
 
 /* The holder's impulse on a body at rest: the change of momentum minus all forces. */
-static void enter_held(struct entering *n, int i, const struct held *held)
+static void enter_holder(struct entering *n, int i, const struct held *held)
 {
 	const struct rb_model *model = n->world->model;
 	const struct rb_tally_body *body = &n->tally->body[i];
@@ -245,7 +245,7 @@ static void enter_gravitation(struct entering *n, int i, struct held *held)
 	const struct rb_gravitation *const gravitation = world->gravitation;
 	const struct rb_attract *const all = &gravitation->all;
 	const rb_vec3 at = rb_world_row3(n->before->position, i);
-	const double h = n->cohort->attracted_s;
+	const double h = n->cohort->gravitation_s;
 
 	hold(held, rb_vec3_scale(h * world->model->mass[i], rb_gravitation_found(gravitation, i)),
 	     at);
@@ -296,7 +296,7 @@ static void enter_body(struct entering *n, int i)
 	if ((features & RB_FEATURE_ELEMENTS) || n->world->hooks.potential)
 		enter_impulse(n, i, RB_MOMENTUM_APPLIED, &body->stored, &held);
 	if (n->world->hooks.potential)
-		rb_entries_energy(&n->e, RB_ENERGY_APPLIED, body->fed);
+		rb_entries_energy(&n->e, RB_ENERGY_APPLIED, body->potential_change);
 	if (body->swings && body->kind == RB_TALLY_JOINED && (features & RB_FEATURE_DRAG)) {
 		rb_entries_momentum(&n->e, RB_MOMENTUM_DRAG, body->drag, body->drag_turn);
 		rb_entries_energy(&n->e, RB_ENERGY_DRAG, body->drag_lost);
@@ -307,7 +307,7 @@ static void enter_body(struct entering *n, int i)
 	if (features & RB_FEATURE_GRAVITATION)
 		enter_gravitation(n, i, &held);
 	if (rests && ((features & others) || !is_resting(body)))
-		enter_held(n, i, &held);
+		enter_holder(n, i, &held);
 	if (body->is_closed)
 		enter_closing(n, i);
 }

@@ -381,7 +381,7 @@ static enum rb_status attempt_all(struct rb_world *world, double start, double h
 	reset_arenas(world);
 	rb_sleep_gather(s);
 	rb_state_copy(&world->mark, &world->state);
-	s->solver.whole_s = s->all.attracted_s = h;
+	s->solver.whole_s = s->all.gravitation_s = h;
 	enum rb_status status = rb_attempt(world, &s->all, start, h, err);
 	if (status == RB_OK)
 		status = rb_judge(world, &s->all, h, outcome, err);

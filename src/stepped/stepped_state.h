@@ -47,7 +47,7 @@ struct rb_cohort {
 	struct rb_candidates *candidates; /* borrowed: their candidate pairs, and reaches */
 	bool divides; /* failed groups are rolled back alone; else one failure rejects the step */
 	/* duration of the gravitation impulse that is given at the beginning of the attempt */
-	double attracted_s;
+	double gravitation_s;
 	struct rb_step_points points; /* of the attempt; `last`: of the step before */
 	rb_vec3 *rebound; /* owned, by point: rebound impulse on b, N s; valid if `rebounds` */
 	size_t rebound_capacity;
@@ -65,9 +65,9 @@ struct rb_cohort {
 	/* owned: contacts in impacts of the attempt, if the ledger is kept */
 	struct rb_ledger_impact *ledger_impact;
 	size_t ledger_impact_count, ledger_impact_capacity;
-	/* overlaps at the end of the attempt, if `is_measured`; borrowed from the arena */
+	/* overlaps at the end of the attempt, if `has_depths`; borrowed from the arena */
 	struct rb_depths depths;
-	bool is_measured;
+	bool has_depths;
 };
 
 /* Rebound impulse of a point at the end of the attempt, N s on b. */

@@ -48,7 +48,7 @@ void rb_tally_begin(struct rb_world *world, const struct rb_cohort *cohort)
 
 		body->drag = (rb_vec3){0, 0, 0};
 		body->varied = body->stored = (struct rb_wrench){0};
-		body->fed = 0;
+		body->potential_change = 0;
 	}
 }
 

@@ -32,7 +32,7 @@ struct rb_tally_body {
 	rb_vec3 carry; /* m: free, with varying forces: displacement at which constant ones act */
 	/* N s, N m s: varying forces without a potential, and with one; drag */
 	struct rb_wrench varied, stored;
-	double fed; /* J: by potentials that change with time */
+	double potential_change; /* J: by potentials that change with time */
 	rb_vec3 drag;
 	/* for a body in reduced coordinates: N m s about the origin; J, dissipated by drag */
 	rb_vec3 drag_turn;
