@@ -49,8 +49,8 @@ struct rb_pass {
 
 	struct rb_counts counts;
 	struct rb_entries entries; /* ledger entries of accepted substeps */
-	struct rb_event
-		*event; /* in the arena; `a`, `b` are body indices until they are committed */
+	/* in the arena; `a`, `b` are body indices until they are committed */
+	struct rb_event *event;
 	int event_count, event_capacity;
 	bool out_of_memory; /* set after a failed allocation from the arena */
 };

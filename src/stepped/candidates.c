@@ -36,7 +36,7 @@ static const double turn_margin_min = 1.0 / 64;
  */
 static void add_path(struct rb_candidates *candidates, int i, rb_vec3 to, rb_quat turn)
 {
-	const rb_vec3 from = candidates->at[i], way = rb_vec3_sub(to, from);
+	const rb_vec3 from = candidates->at[i], displacement = rb_vec3_sub(to, from);
 	const rb_quat q = candidates->turn[i];
 	const double w = turn.w - q.w, x = turn.x - q.x, y = turn.y - q.y, z = turn.z - q.z;
 	const double square = w * w + x * x + y * y + z * z;
@@ -47,8 +47,8 @@ static void add_path(struct rb_candidates *candidates, int i, rb_vec3 to, rb_qua
 	candidates->placing[i] = (candidates->placing[i] + 1) & RB_PLACING_MAX;
 	if (square > 0)
 		candidates->path[i] += 2 * candidates->size[i] * sqrt(square) * (1 + 1e-9);
-	if (way.x != 0 || way.y != 0 || way.z != 0)
-		candidates->path[i] += rb_vec3_length(way) * (1 + 1e-9) +
+	if (displacement.x != 0 || displacement.y != 0 || displacement.z != 0)
+		candidates->path[i] += rb_vec3_length(displacement) * (1 + 1e-9) +
 		                       4 * DBL_EPSILON * (fabs(to.x) + fabs(to.y) + fabs(to.z));
 }
 

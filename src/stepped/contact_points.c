@@ -56,10 +56,10 @@ struct piece {
 struct inspection {
 	struct rb_world *world;
 	const struct rb_step_points *points;
-	struct rb_candidates
-		*candidates; /* cached axes of the pairs of a block are written by its worker */
-	double h, max;       /* s; m: largest gap of a point */
-	size_t pair;         /* the inspected one */
+	/* cached axes of the pairs of a block are written by its worker */
+	struct rb_candidates *candidates;
+	double h, max; /* s; m: largest gap of a point */
+	size_t pair;   /* the inspected one */
 	/* the block's */
 	struct rb_step_point *out;
 	size_t count, capacity;
@@ -458,10 +458,10 @@ static double band_of(const struct inspection *inspection, struct rb_pair pair, 
 	const rb_vec3 turn = rb_vec3_sub(rb_world_row3(state->spin, pair.a), w);
 	/* rotation of both in the rotating frame, and terms beyond the first order */
 	const double angle = h * (rb_vec3_length(w) + rb_vec3_length(turn));
-	const double way = h * (rb_vec3_length(slide) + rb_vec3_length(turn) * reach) +
-	                   0.5 * angle * angle * (rb_vec3_length(d) + reach);
+	const double travel = h * (rb_vec3_length(slide) + rb_vec3_length(turn) * reach) +
+	                      0.5 * angle * angle * (rb_vec3_length(d) + reach);
 
-	return fmin(slack, way + model->stepped_tolerance_m);
+	return fmin(slack, travel + model->stepped_tolerance_m);
 }
 
 /*

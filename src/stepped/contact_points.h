@@ -24,9 +24,9 @@ struct rb_step_point {
 	uint32_t pair;     /* index of the candidate pair */
 	uint32_t from;     /* 1 + index in `last` of its warm-start impulse; 0: none */
 	rb_vec3 normal;    /* unit, from a to b */
-	rb_vec3 arm_a,
-		arm_b; /* m, from the centres of mass; central: x is the length along the normal */
-	double gap;    /* m, at the beginning of the step */
+	/* m, from the centres of mass; central: x is the length along the normal */
+	rb_vec3 arm_a, arm_b;
+	double gap; /* m, at the beginning of the step */
 	/* m: nonlinear part of the gap at the end of the step; 0 unless it was computed */
 	double bend;
 	const struct rb_pair_material *material; /* friction and restitution */

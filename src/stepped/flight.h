@@ -12,8 +12,8 @@
 #include "stepped/stepped_state.h"
 
 struct rb_flight {
-	const struct rb_world
-		*world; /* at the beginning of the step, with velocities after its forces */
+	/* at the beginning of the step, with velocities after its forces */
+	const struct rb_world *world;
 	const unsigned char *held; /* [bodies] a contact had a force on it in the last step */
 	double h_s;
 	double tolerance; /* m/s: residual that a solution may have */

@@ -55,9 +55,9 @@ struct impacts {
 	size_t *first, *of;     /* points of each dynamic body */
 	double *due_s;          /* [points] time of its next impact; INFINITY: none */
 	unsigned char *touched; /* [points] took part in an impact */
-	unsigned char
-		*seen; /* [points] may take part in an impact: its gap is updated at the end */
-	int *place;    /* [bodies] index in `body`, or -1 */
+	/* [points] may take part in an impact: its gap is updated at the end */
+	unsigned char *seen;
+	int *place;                        /* [bodies] index in `body`, or -1 */
 	struct rb_flight_turning *turning; /* [bodies_max] orientation and spin of `body` at t_s */
 	rb_vec3 (*initial_arm)[2];         /* [points] m: lever arms at the beginning of the step */
 	unsigned char *crowded; /* [bodies] enum crowd: why its group rebounds at the end */

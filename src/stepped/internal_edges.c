@@ -40,20 +40,21 @@ static double gap_along(const struct parts *parts, rb_vec3 n)
 }
 
 /* The same after the motion of a, m. */
-static double gap_behind(const struct parts *parts, rb_vec3 n,
-                         const struct rb_internal_edge_motion *motion)
+static double gap_after(const struct parts *parts, rb_vec3 n,
+                        const struct rb_internal_edge_motion *motion)
 {
 	return -height(&parts->a, rb_quat_rotate_back(motion->turn, n)) -
-	       rb_vec3_dot(n, motion->way) - height(&parts->b, rb_vec3_neg(n)) - parts->radii;
+	       rb_vec3_dot(n, motion->displacement) - height(&parts->b, rb_vec3_neg(n)) -
+	       parts->radii;
 }
 
 /* The same, with n fixed to a, m. */
-static double gap_before(const struct parts *parts, rb_vec3 n,
-                         const struct rb_internal_edge_motion *motion)
+static double gap_after_fixed_to_a(const struct parts *parts, rb_vec3 n,
+                                   const struct rb_internal_edge_motion *motion)
 {
 	const rb_vec3 turned = rb_quat_rotate(motion->turn, n);
 
-	return -height(&parts->a, n) - rb_vec3_dot(turned, motion->way) -
+	return -height(&parts->a, n) - rb_vec3_dot(turned, motion->displacement) -
 	       height(&parts->b, rb_vec3_neg(turned)) - parts->radii;
 }
 
@@ -100,10 +101,10 @@ static bool misses(const struct parts *parts, rb_vec3 n, double depth)
 }
 
 /* Gap along a direction fixed to the owner of a face, after the motion of a, m. */
-static double gap_then(const struct parts *parts, rb_vec3 n,
-                       const struct rb_internal_edge_motion *motion, bool of_a)
+static double gap_after_for_owner(const struct parts *parts, rb_vec3 n,
+                                  const struct rb_internal_edge_motion *motion, bool of_a)
 {
-	return of_a ? gap_before(parts, n, motion) : gap_behind(parts, n, motion);
+	return of_a ? gap_after_fixed_to_a(parts, n, motion) : gap_after(parts, n, motion);
 }
 
 /* Closing along a face that parts pass, as a share of that along the normal, that is allowed. */
@@ -114,14 +115,15 @@ static const double past_share = 0.5;
  * approach. As the displacement of a step may be less than the tolerance, parts that approach the
  * face as much count as meeting it.
  */
-static bool parts_them(const struct rb_internal_edge *beside, const struct parts *parts,
-                       rb_vec3 normal, rb_vec3 n, bool of_a)
+static bool separates(const struct rb_internal_edge *beside, const struct parts *parts,
+                      rb_vec3 normal, rb_vec3 n, bool of_a)
 {
 	const double gap = gap_along(parts, n);
 	const struct rb_internal_edge_motion *const motion =
 		beside->held || gap <= beside->tolerance ? &beside->before : &beside->forced;
-	const double then = gap_then(parts, n, motion, of_a);
-	const double closing = gap_along(parts, normal) - gap_then(parts, normal, motion, of_a);
+	const double then = gap_after_for_owner(parts, n, motion, of_a);
+	const double closing = gap_along(parts, normal) -
+	                       gap_after_for_owner(parts, normal, motion, of_a);
 
 	return then >= -beside->tolerance && gap - then <= past_share * fmax(closing, 0);
 }
@@ -130,8 +132,8 @@ static bool parts_them(const struct rb_internal_edge *beside, const struct parts
  * Whether the parts do not overlap in projection along m, both from a to b. `closes`: they approach
  * along n by their own motion.
  */
-static bool is_aside(const struct rb_internal_edge *beside, const struct parts *parts, rb_vec3 n,
-                     rb_vec3 m, bool closes)
+static bool is_beside(const struct rb_internal_edge *beside, const struct parts *parts, rb_vec3 n,
+                      rb_vec3 m, bool closes)
 {
 	const rb_vec3 none = {0, 0, 0};
 	const rb_vec3 across = rb_vec3_unit(rb_vec3_add_scaled(n, -rb_vec3_dot(n, m), m), none);
@@ -177,10 +179,10 @@ static void open_faces(struct faces *faces)
 		if (pair.face[k] < least)
 			continue;
 		const int of = k < 3 ? 0 : 1, axis = k < 3 ? k : k - 3;
-		const double way = of == 0 ? pair.from_a[axis] : -pair.from_b[axis];
-		const bool both = !(pair.face[k] - 2 * fabs(way) < least);
+		const double offset = of == 0 ? pair.from_a[axis] : -pair.from_b[axis];
+		const bool both = !(pair.face[k] - 2 * fabs(offset) < least);
 
-		faces->open[of] |= (both ? 3U : way < 0 ? 2U : 1U) << 2 * axis;
+		faces->open[of] |= (both ? 3U : offset < 0 ? 2U : 1U) << 2 * axis;
 	}
 }
 
@@ -251,14 +253,14 @@ bool rb_internal_edge(const struct rb_internal_edge *beside, const rb_placed *a,
 	bool of_a;
 
 	if (a->core->kind == RB_CORE_HALF_SPACE || b->core->kind == RB_CORE_HALF_SPACE ||
-	    !(gap_behind(&parts, n, &beside->forced) < 0))
+	    !(gap_after(&parts, n, &beside->forced) < 0))
 		return false;
-	const bool closes = gap_behind(&parts, n, &beside->before) < 0;
+	const bool closes = gap_after(&parts, n, &beside->before) < 0;
 	struct faces faces = faces_of(&parts, n, beside->tolerance);
 
 	while (next_face(&faces, &m, &of_a))
-		if (parts_them(beside, &parts, n, m, of_a) &&
-		    is_aside(beside, &parts, n, m, closes))
+		if (separates(beside, &parts, n, m, of_a) &&
+		    is_beside(beside, &parts, n, m, closes))
 			return true;
 	return false;
 }

@@ -13,13 +13,13 @@
 
 /* Motion of a in b's frame within a step. */
 struct rb_internal_edge_motion {
-	rb_vec3 way;  /* m: displacement of the origin of a's part */
-	rb_quat turn; /* rotation about that */
+	rb_vec3 displacement; /* m: displacement of the origin of a's part */
+	rb_quat turn;         /* rotation about that */
 };
 
 struct rb_internal_edge {
-	struct rb_internal_edge_motion before,
-		forced;   /* motion without the forces of the step, and with them */
+	/* motion without the forces of the step, and with them */
+	struct rb_internal_edge_motion before, forced;
 	bool held;        /* contacts balanced the forces in the last step */
 	double tolerance; /* m: parts with less overlap count as touching */
 };

@@ -59,7 +59,8 @@ struct rb_pose rb_joints_pose(const struct rb_world *world, int i)
 }
 
 /* Free coordinate at the present poses; whole turns are those nearest to `guess`. */
-static double way_of(const struct rb_world *world, const struct rb_joint *joint, double guess)
+static double coordinate_of(const struct rb_world *world, const struct rb_joint *joint,
+                            double guess)
 {
 	const struct rb_pose a = rb_joints_pose(world, joint->a);
 	const struct rb_pose b = rb_joints_pose(world, joint->b);
@@ -79,7 +80,7 @@ void rb_joints_start(struct rb_world *world)
 		struct rb_step_joint *of = &world->stepped->solver.joint[k];
 
 		of->last = (struct rb_joint_memory){
-			.way = way_of(world, &joints->joint[k], of->last.way)};
+			.way = coordinate_of(world, &joints->joint[k], of->last.way)};
 	}
 }
 
@@ -419,7 +420,7 @@ double rb_joints_coordinate(const struct rb_world *world, int k, double h)
 {
 	const struct rb_step_joint *of = &world->stepped->solver.joint[k];
 
-	return way_of(world, &world->model->joints->joint[k], of->last.way + h * of->rate);
+	return coordinate_of(world, &world->model->joints->joint[k], of->last.way + h * of->rate);
 }
 
 void rb_joints_keep(struct rb_world *world, const struct rb_cohort *cohort, double h,

@@ -33,8 +33,8 @@ struct rb_local_rollback {
 	struct rb_state begin;
 	int *steps; /* owned, by body: number of steps that were kept */
 	int *body;  /* owned: bodies of the current group, then driven ones */
-	struct rb_contacts last, before,
-		kept;             /* of the group's last two steps; of finished groups */
+	/* of the group's last two steps; of finished groups */
+	struct rb_contacts last, before, kept;
 	struct rb_contacts shown; /* for frames: of finished groups, averaged over the whole step */
 	struct rb_mean_forces means;      /* of the current group */
 	struct rb_named_impulse *impulse; /* owned: of finished groups */

@@ -14,11 +14,11 @@
 
 struct rb_mean_force {
 	struct rb_contact contact; /* as in the last part that contained it */
-	rb_vec3 normal_impulse,
-		friction_impulse; /* N s, on b: along the normals of parts, and across */
-	rb_vec3 moment;           /* N s m: points weighted by normal impulses */
-	double weight;            /* N s: sum of normal impulses */
-	bool lasts;               /* the last part contained it */
+	/* N s, on b: along the normals of parts, and across */
+	rb_vec3 normal_impulse, friction_impulse;
+	rb_vec3 moment; /* N s m: points weighted by normal impulses */
+	double weight;  /* N s: sum of normal impulses */
+	bool lasts;     /* the last part contained it */
 };
 
 struct rb_mean_forces {

@@ -78,9 +78,9 @@ struct search {
 	struct rb_cohort *cohort;
 	const int *body; /* bodies that could be moved: those of the cohort, and sleeping ones */
 	int count;
-	uint32_t *first,
-		*of; /* by body: its candidate pairs are of[first[i]] to of[first[i + 1] - 1] */
-	int *place;  /* by body: index in `body` */
+	/* by body: its candidate pairs are of[first[i]] to of[first[i + 1] - 1] */
+	uint32_t *first, *of;
+	int *place;              /* by body: index in `body` */
 	struct ends *ends;       /* by pair, while pairs are indexed */
 	unsigned char *reached;  /* by body: reached by the search */
 	double *depth;           /* m, by reached body: largest overlap from which it was reached */
@@ -531,12 +531,12 @@ static void find_too_far(struct search *search, double max)
 		if (solver->island_of[i] < 0)
 			continue;
 		const struct rb_solver_body *body = &solver->dense.bodies.body[i];
-		const double way = rb_vec3_length(body->linear) +
-		                   rb_vec3_length(body->angular) *
-		                           rb_candidates_size(world->model, i);
+		const double displacement = rb_vec3_length(body->linear) +
+		                            rb_vec3_length(body->angular) *
+		                                    rb_candidates_size(world->model, i);
 
 		/* written so that NaN counts as far */
-		if (way <= max)
+		if (displacement <= max)
 			continue;
 		search->too_far[solver->island_of[i]] = 1;
 		any = true;

@@ -489,7 +489,7 @@ static double share_of(double need, double mixed, double square)
 struct means {
 	bool held; /* a static body holds it */
 	bool free; /* no static or driven body: motion along the displacements conserves momenta */
-	bool anyhow; /* linear momentum may change */
+	bool may_change_momentum; /* linear momentum may change */
 };
 
 /* The first means that suffices to pay `need` J. */
@@ -498,13 +498,14 @@ static struct payment payment_of(const double *sum, double need, struct means me
 	if (!(need > 0))
 		return nothing;
 	const double twist = share_of(need, sum[TURN_MIXED], sum[TURN_SQUARE]);
-	const double pace = means.anyhow || means.free ? share_of(need, sum[MIXED], sum[SQUARE])
-	                                               : (double)NAN;
+	const double pace = means.may_change_momentum || means.free
+	                            ? share_of(need, sum[MIXED], sum[SQUARE])
+	                            : (double)NAN;
 	if (isfinite(twist) && !(means.free && isfinite(pace)))
 		return (struct payment){.twist = twist};
 	if (isfinite(pace))
 		return (struct payment){.pace = pace};
-	if (means.anyhow && means.held && sum[KINETIC] >= need)
+	if (means.may_change_momentum && means.held && sum[KINETIC] >= need)
 		return (struct payment){.slowed = need / sum[KINETIC] /
 		                                  (1 + sqrt(1 - need / sum[KINETIC]))};
 	return impossible;
@@ -561,7 +562,7 @@ static void record_closed(const struct rb_projection_energy *lift, struct rb_wor
 }
 
 enum rb_status rb_projection_energy_pay(struct rb_projection_energy *lift, struct rb_world *world,
-                                        bool anyhow, struct rb_error *err)
+                                        bool may_change_momentum, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	const size_t n = (size_t)world->model->body_count;
@@ -586,7 +587,7 @@ enum rb_status rb_projection_energy_pay(struct rb_projection_energy *lift, struc
 		                            : sum[RISE] - 0.5 * lift->energy_budget[root];
 		const struct means means = {.held = lift->has_static[root],
 		                            .free = is_free(lift, world, root),
-		                            .anyhow = anyhow};
+		                            .may_change_momentum = may_change_momentum};
 		struct payment payment = payment_of(sum, need, means);
 
 		if (isnan(payment.twist) && need <= lift->sunk[root])

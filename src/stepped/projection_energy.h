@@ -57,14 +57,14 @@ void rb_projection_energy_add(struct rb_projection_energy *lift, struct rb_world
 /*
  * Pays for the lift. Free groups get their angular momentum back by rotation as a whole, which
  * closes no gap and causes no slip. Then restored velocities pay; groups that cannot are blamed: in
- * shorter steps the lift is less, with the square of the rotation. `anyhow`: where spin does not
- * suffice, motion along the displacements of the projection pays, else, if a static body holds the
- * group, all motion; stepped/projection_impulses reports the change as contact impulses. A body at
- * rest has nothing to pay with: it may rise by as much as it had sunk into the overlap at the
- * beginning of the step, which gave that energy when it was made.
+ * shorter steps the lift is less, with the square of the rotation. `may_change_momentum`: where
+ * spin does not suffice, motion along the displacements of the projection pays, else, if a static
+ * body holds the group, all motion; stepped/projection_impulses reports the change as contact
+ * impulses. A body at rest has nothing to pay with: it may rise by as much as it had sunk into the
+ * overlap at the beginning of the step, which gave that energy when it was made.
  */
 RB_CHECKED enum rb_status rb_projection_energy_pay(struct rb_projection_energy *lift,
-                                                   struct rb_world *world, bool anyhow,
+                                                   struct rb_world *world, bool may_change_momentum,
                                                    struct rb_error *err);
 
 #endif

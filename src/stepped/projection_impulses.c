@@ -86,7 +86,7 @@ static void list_edges(const struct rb_world *world, const struct rb_cohort *coh
 }
 
 /* Kruskal's algorithm: keeps edges that connect two trees, the largest first. */
-static void grow(struct tree *tree, int nodes)
+static void span(struct tree *tree, int nodes)
 {
 	int kept = 0;
 
@@ -139,16 +139,16 @@ static void pass_on(const struct rb_world *world, const struct tree *tree, struc
 		/* an impact has the normal of its moment */
 		const bool strict = whole || point->approach > world->stepped->solver.tolerance;
 		const double friction = strict ? point->material->friction : (double)INFINITY;
-		const rb_vec3 due = rb_vec3_sub(
+		const rb_vec3 share = rb_vec3_sub(
 			within_cone(friction, point->normal, rb_vec3_add(now, on_b)),
 			within_cone(friction, point->normal, now));
 
 		edge->done = true;
 		tree->degree[i] = 0;
 		tree->degree[other]--;
-		cohort->closing_impulse[edge->point] = due;
+		cohort->closing_impulse[edge->point] = share;
 		if (other != ground)
-			owed[other] = rb_vec3_add_scaled(owed[other], is_a ? -1 : 1, due);
+			owed[other] = rb_vec3_add_scaled(owed[other], is_a ? -1 : 1, share);
 		i = other;
 	}
 }
@@ -165,19 +165,19 @@ enum rb_status rb_projection_impulses(struct rb_world *world, struct rb_cohort *
 	                    .parent = rb_arena_take(arena, nodes, sizeof *tree.parent),
 	                    .first = rb_arena_take(arena, nodes, sizeof *tree.first),
 	                    .degree = rb_arena_take(arena, nodes, sizeof *tree.degree)};
-	const bool fine = tree.edge && tree.parent && tree.first && tree.degree &&
+	const bool good = tree.edge && tree.parent && tree.first && tree.degree &&
 	                  rb_memory_reserve(&cohort->closing_impulse,
 	                                    &cohort->closing_impulse_capacity, count + 1,
 	                                    sizeof *cohort->closing_impulse);
 
-	if (!fine) {
+	if (!good) {
 		rb_arena_back(arena, here);
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
 	}
 	memset(cohort->closing_impulse, 0, (count + 1) * sizeof *cohort->closing_impulse);
 	cohort->has_closing_impulses = true;
 	list_edges(world, cohort, &tree);
-	grow(&tree, (int)nodes);
+	span(&tree, (int)nodes);
 	for (int i = 0; i < ground; i++)
 		pass_on(world, &tree, cohort, i, owed);
 	rb_arena_back(arena, here);

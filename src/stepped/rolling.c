@@ -49,10 +49,10 @@ double rb_rolling_bend_of_ball(const struct rb_world *world, int i, rb_vec3 midd
 	if (!(rb_vec3_dot(turn, turn) < turn_max * turn_max))
 		return 0;
 	const rb_vec3 moved = rb_quat_rotate(rb_quat_from_turn(turn), middle);
-	const rb_vec3 way = rb_vec3_sub(rb_vec3_sub(moved, middle),
-	                                rb_vec3_scale(h, rb_vec3_cross(spin, middle)));
+	const rb_vec3 deviation = rb_vec3_sub(rb_vec3_sub(moved, middle),
+	                                      rb_vec3_scale(h, rb_vec3_cross(spin, middle)));
 
-	return -rb_vec3_dot(outward, way);
+	return -rb_vec3_dot(outward, deviation);
 }
 
 /* The same at the end of a cylinder. */

@@ -352,7 +352,7 @@ static int group_of(const struct rb_solver *solver, const struct rb_step_spring 
 }
 
 /* Linearization error of a spring with rows at the present poses, m. */
-static double miss(const struct rb_world *world, struct rb_step_spring *spring)
+static double measure_error(const struct rb_world *world, struct rb_step_spring *spring)
 {
 	const struct rb_pose pose[2] = {rb_world_pose(world, &world->state, spring->end[0]),
 	                                rb_world_pose(world, &world->state, spring->end[1])};
@@ -383,7 +383,7 @@ bool rb_springs_mark(struct rb_world *world, unsigned char *of_group)
 		if (!has_rows(spring))
 			continue;
 		const double before = rb_vec3_length(spring->missed);
-		const double missed = miss(world, spring);
+		const double missed = measure_error(world, spring);
 
 		if (missed <= inspect_share * tolerance ||
 		    (missed <= tolerance && !(missed <= gain_share * before)))
@@ -412,7 +412,7 @@ void rb_springs_measure(struct rb_world *world)
 
 	for (int k = 0; k < solver->spring_count; k++)
 		if (has_rows(&solver->spring[k]))
-			(void)miss(world, &solver->spring[k]);
+			(void)measure_error(world, &solver->spring[k]);
 }
 
 void rb_springs_blame(struct rb_world *world)

@@ -74,8 +74,9 @@ static inline double rb_step_closing_of(const struct rb_world *world,
 		turning += candidates->ahead[pair.b] - b;
 	}
 	const double between = rb_vec3_length(rb_step_closing_displacement(world, pair, h_s));
-	const double least = a > b ? a : b, way = between > least ? between : least;
-	const double closing = (way < a + b ? way : a + b) + turning + model->stepped_tolerance_m;
+	const double least = a > b ? a : b, relative = between > least ? between : least;
+	const double closing = (relative < a + b ? relative : a + b) + turning +
+	                       model->stepped_tolerance_m;
 	return model->driven ? closing + rb_step_closing_by_plane(world, candidates, pair)
 	                     : closing;
 }

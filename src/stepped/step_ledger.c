@@ -644,11 +644,11 @@ static double lost_by(const struct entering *n, int i)
 	const double mass = world->model->mass[i];
 	const rb_vec3 from = rb_world_row3(before->velocity, i),
 		      to = rb_world_row3(now->velocity, i);
-	const rb_vec3 way = rb_vec3_sub(rb_world_row3(now->position, i),
-	                                rb_world_row3(before->position, i));
+	const rb_vec3 displacement = rb_vec3_sub(rb_world_row3(now->position, i),
+	                                         rb_world_row3(before->position, i));
 	const rb_vec3 weight = rb_vec3_add_scaled(def->gravity_force, mass, def->gravity);
 	const double lost = 0.5 * mass * rb_vec3_dot(rb_vec3_sub(from, to), rb_vec3_add(from, to)) +
-	                    rb_vec3_dot(weight, way);
+	                    rb_vec3_dot(weight, displacement);
 
 	if (!now->spin)
 		return lost;

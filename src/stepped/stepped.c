@@ -220,7 +220,7 @@ static double falling_speed(const struct rb_model *model)
 static double heap_pairs(const struct rb_model *model)
 {
 	const double sphere = 4 * acos(-1) / 3;
-	const double way = FALLING_STEPS * model->time_step_s * falling_speed(model);
+	const double travel = FALLING_STEPS * model->time_step_s * falling_speed(model);
 	const double bodies = model->body_count, statics = model->static_count;
 	const double all = bodies * (0.5 * (bodies - 1) + statics);
 	double sum = 0;
@@ -230,8 +230,9 @@ static double heap_pairs(const struct rb_model *model)
 			continue;
 		const double reach = rb_model_reach(model, i);
 		const double volume = rb_shape_volume(model->scene->solids, &model->shape[i]);
-		const double wide = 0.5 * (1 + fmin(1, way / reach));
-		const double share = sphere * reach * reach * reach / volume * wide * wide * wide;
+		const double widening = 0.5 * (1 + fmin(1, travel / reach));
+		const double share = sphere * reach * reach * reach / volume * widening * widening *
+		                     widening;
 
 		sum += HEAP_PAIRS * fmax(1, share);
 	}

@@ -140,8 +140,8 @@ struct rb_nets;
 struct rb_stepped {
 	struct rb_candidates candidates;
 	struct rb_cohort all, part;
-	struct rb_step_points
-		closing; /* points of the last position projection; its `last` stays empty */
+	/* points of the last position projection; its `last` stays empty */
+	struct rb_step_points closing;
 	struct rb_solver solver;
 	struct rb_top_body *top; /* owned; NULL: no body needs one */
 	int *body;               /* owned: dynamic bodies, then driven ones */

@@ -84,11 +84,11 @@ static bool is_inside(const rb_aabb *box, rb_vec3 p)
  * After an impact the path has a kink: the body first moved with its old velocity. `shift` bounds
  * the distance between the two straight paths at the kink.
  */
-static void add_kink(rb_aabb *bounds, rb_vec3 from, const struct rb_kick *kick, rb_vec3 way,
-                     double pad)
+static void add_kink(rb_aabb *bounds, rb_vec3 from, const struct rb_kick *kick,
+                     rb_vec3 displacement, double pad)
 {
 	const double pads = pad + rb_vec3_length(kick->shift);
-	const rb_aabb more = box_of_path(from, rb_vec3_add(from, way), pads);
+	const rb_aabb more = box_of_path(from, rb_vec3_add(from, displacement), pads);
 
 	*bounds = (rb_aabb){lower(bounds->low, more.low), upper(bounds->high, more.high)};
 }
@@ -100,19 +100,21 @@ void rb_swept_bounds_set(struct rb_swept_bounds *swept, const struct rb_world *w
 
 	for (int i = 0; i < world->model->body_count; i++) {
 		const rb_vec3 from = rb_world_origin_at(world, begin, i);
-		const rb_vec3 way = rb_vec3_scale(dt, rb_world_row3(begin->velocity, i));
+		const rb_vec3 displacement = rb_vec3_scale(dt, rb_world_row3(begin->velocity, i));
 		const double reach = world->broadphase ? s->candidates.reach[i] : 0;
 		const double slack = clearance_share * rb_candidates_size(world->model, i);
 
 		swept->candidates.built_at[i] = from;
 		/* what forces add within the step is in the reach */
 		swept->bounds[i] =
-			s->bad[i] ? box_of_path(from, rb_vec3_add(from, way),
-		                                slack + fmax(0, reach - rb_vec3_length(way)))
-				  : box_of_path(from, rb_world_origin_at(world, &world->state, i),
-		                                slack);
+			s->bad[i]
+				? box_of_path(from, rb_vec3_add(from, displacement),
+		                              slack + fmax(0, reach - rb_vec3_length(displacement)))
+				: box_of_path(from, rb_world_origin_at(world, &world->state, i),
+		                              slack);
 		if (rb_kicks_have(&s->kicks, i))
-			add_kink(&swept->bounds[i], from, rb_kick_of(&s->kicks, i), way, slack);
+			add_kink(&swept->bounds[i], from, rb_kick_of(&s->kicks, i), displacement,
+			         slack);
 	}
 }
 
@@ -276,14 +278,14 @@ bool rb_swept_bounds_left(struct rb_swept_bounds *swept, const struct rb_world *
 
 		if (is_inside(bounds, at))
 			continue;
-		const rb_vec3 way = rb_vec3_scale(fmax(0, rest_s),
-		                                  rb_world_row3(world->state.velocity, i));
+		const rb_vec3 displacement = rb_vec3_scale(fmax(0, rest_s),
+		                                           rb_world_row3(world->state.velocity, i));
 		const rb_vec3 from = swept->candidates.built_at[i];
-		const rb_aabb more = box_of_path(at, rb_vec3_add(at, way),
+		const rb_aabb more = box_of_path(at, rb_vec3_add(at, displacement),
 		                                 clearance_share *
 		                                         (rb_candidates_size(world->model, i) +
 		                                          rb_vec3_length(rb_vec3_sub(at, from)) +
-		                                          rb_vec3_length(way)));
+		                                          rb_vec3_length(displacement)));
 		*bounds = (rb_aabb){lower(bounds->low, more.low), upper(bounds->high, more.high)};
 		left = true;
 	}
