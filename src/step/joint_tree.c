@@ -71,8 +71,8 @@ RB_LANES_INLINE void cross_of(const rb_lanes *m, const rb_lanes *way, rb_lanes *
 	to[2] = x * m[1] - y * m[0];
 }
 
-RB_LANES_INLINE void answer(const struct rb_joint_tree_inertia *on, const struct rb_screw *a,
-                            struct rb_screw *to)
+RB_LANES_INLINE void multiply(const struct rb_joint_tree_inertia *on, const struct rb_screw *a,
+                              struct rb_screw *to)
 {
 	rb_lanes by_turning;
 
@@ -87,11 +87,11 @@ RB_LANES_INLINE void answer(const struct rb_joint_tree_inertia *on, const struct
 /* ---- from leaves to roots ---- */
 
 /* Eliminates a degree of freedom from the articulated inertia and bias. */
-RB_LANES_INLINE void set_free(struct rb_joint_tree_link *link, struct rb_freedom *f)
+RB_LANES_INLINE void eliminate_freedom(struct rb_joint_tree_link *link, struct rb_freedom *f)
 {
 	struct rb_joint_tree_inertia *const on = &link->whole;
 
-	answer(on, &f->motion, &f->answer);
+	multiply(on, &f->motion, &f->answer);
 	f->inverse = 1 / product(&f->motion, &f->answer);
 	f->force = product(&f->motion, &link->bias);
 	const rb_lanes a = f->answer.linear, b = f->answer.angular;
@@ -133,7 +133,7 @@ RB_LANES_INLINE void add_moved(const struct rb_joint_tree_inertia *on, const rb_
 }
 
 /* Eliminates degrees of freedom and adds the rest to the parents. */
-RB_LANES_INLINE void gather(struct rb_joint_tree *tree)
+RB_LANES_INLINE void eliminate_freedoms(struct rb_joint_tree *tree)
 {
 	for (int k = tree->count; k-- > 0;) {
 		struct rb_joint_tree_link *const link = &tree->link[k];
@@ -143,8 +143,8 @@ RB_LANES_INLINE void gather(struct rb_joint_tree *tree)
 		if (link->joint < 0)
 			continue;
 		for (int f = 0; f < link->freedom_count; f++)
-			set_free(link, &link->freedom[f]);
-		answer(&link->whole, &link->given, &given);
+			eliminate_freedom(link, &link->freedom[f]);
+		multiply(&link->whole, &link->given, &given);
 		link->bias.linear += given.linear;
 		link->bias.angular += given.angular;
 		if (link->parent < 0)
@@ -161,7 +161,7 @@ RB_LANES_INLINE void gather(struct rb_joint_tree *tree)
 /* ---- from roots to leaves ---- */
 
 /* Acceleration of a free root, on which no external force acts. */
-static void float_freely(const struct rb_joint_tree_link *link, struct rb_screw *to)
+static void accelerate_root(const struct rb_joint_tree_link *link, struct rb_screw *to)
 {
 	const struct rb_joint_tree_inertia *const on = &link->whole;
 	double a[6][6], x[6];
@@ -193,14 +193,14 @@ static void float_freely(const struct rb_joint_tree_link *link, struct rb_screw 
 	load(rb_vec3_from(x + 3), &to->angular);
 }
 
-RB_LANES_INLINE void spread(struct rb_joint_tree *tree, rb_vec3 *linear, rb_vec3 *angular)
+RB_LANES_INLINE void propagate(struct rb_joint_tree *tree, rb_vec3 *linear, rb_vec3 *angular)
 {
 	for (int k = 0; k < tree->count; k++) {
 		struct rb_joint_tree_link *const link = &tree->link[k];
 		struct rb_screw a = link->given;
 
 		if (link->joint < 0) {
-			float_freely(link, &a);
+			accelerate_root(link, &a);
 		} else if (link->parent >= 0) {
 			const struct rb_screw *const by = &tree->link[link->parent].added;
 			rb_lanes turned;
@@ -257,9 +257,9 @@ RB_LANES_INLINE void find_freedoms(struct rb_joint_tree_link *link, const rb_lan
  * the joint's point is common to both bodies, except for the displacement along the axis; rotation
  * axes rotate with the body that they belong to.
  */
-RB_LANES_INLINE void find_given(struct rb_joint_tree_link *link, const struct rb_pose *own,
-                                const struct rb_pose *parent, const rb_lanes *arm,
-                                const rb_lanes *axis, const rb_lanes *parent_axis)
+RB_LANES_INLINE void find_velocity_terms(struct rb_joint_tree_link *link, const struct rb_pose *own,
+                                         const struct rb_pose *parent, const rb_lanes *arm,
+                                         const rb_lanes *axis, const rb_lanes *parent_axis)
 {
 	const rb_lanes reach = link->from_parent + *arm;
 	rb_lanes w, v, at_own, at_parent, turning = {0, 0, 0, 0};
@@ -322,7 +322,7 @@ RB_LANES_INLINE void place_joint(const struct rb_joint_tree *tree, struct rb_joi
 		load(rb_quat_rotate(parent->orientation, link->parent_axis), &parent_axis);
 	load(rb_pose_between(parent, own), &link->from_parent);
 	find_freedoms(link, &arm, &axis, &parent_axis);
-	find_given(link, own, parent, &arm, &axis, &parent_axis);
+	find_velocity_terms(link, own, parent, &arm, &axis, &parent_axis);
 	/* relative to accelerations without joints */
 	load(linear[link->place], &free_linear);
 	load(angular[link->place], &free_angular);
@@ -387,8 +387,8 @@ RB_LANES_INLINE void accelerate(struct rb_joint_tree *tree, double t, rb_vec3 *l
 			parent = &tree->pose[tree->link[link->parent].place];
 		place_joint(tree, link, turn, parent, linear, angular);
 	}
-	gather(tree);
-	spread(tree, linear, angular);
+	eliminate_freedoms(tree);
+	propagate(tree, linear, angular);
 }
 
 RB_LANES_AVX2 static void accelerate_avx2(struct rb_joint_tree *tree, double t, rb_vec3 *linear,
@@ -469,7 +469,7 @@ static void add_link(struct rb_joint_tree *tree, int place, int parent, int join
  * Adds the children of a body, or the body itself as a root on a static or driven one, by the
  * joints in effect.
  */
-static void hang(struct rb_joint_tree *tree, int place, bool as_root, int *link_of)
+static void add_children(struct rb_joint_tree *tree, int place, bool as_root, int *link_of)
 {
 	const struct rb_joints *const joints = tree->model->joints;
 	const int body = tree->body[place], parent = link_of[place];
@@ -496,13 +496,13 @@ void rb_joint_tree_grow(struct rb_joint_tree *tree, int *link_of)
 	for (int k = 0; k < tree->body_count; k++)
 		link_of[k] = -1;
 	for (int k = 0; k < tree->body_count; k++)
-		hang(tree, k, true, link_of);
+		add_children(tree, k, true, link_of);
 	for (int done = 0, place = 0; done < tree->body_count; done++) {
 		while (done == tree->count && link_of[place] >= 0)
 			place++;
 		if (done == tree->count)
 			add_link(tree, place, -1, -1, link_of);
-		hang(tree, tree->link[done].place, false, link_of);
+		add_children(tree, tree->link[done].place, false, link_of);
 	}
 	RB_ASSERT(tree->count == tree->body_count);
 	for (int k = 0; k < tree->count; k++)

@@ -235,7 +235,7 @@ static bool swings(const struct rb_world *world, int i)
 }
 
 /* Moves a body of a group in reduced coordinates to where its joints have led it. */
-static void move_swung(struct rb_world *world, int i)
+static void move_reduced(struct rb_world *world, int i)
 {
 	const struct rb_reduced_motion *const swung = &world->stepped->solver.reduced_motion[i];
 
@@ -260,7 +260,7 @@ static void move_block(void *user, int block, int worker)
 		const rb_vec3 v = moving_velocity(world, i);
 
 		if (swings(world, i)) {
-			move_swung(world, i);
+			move_reduced(world, i);
 			continue;
 		}
 		rb_vec3_to(
@@ -371,7 +371,7 @@ static enum rb_status find_points(struct rb_world *world, struct rb_cohort *coho
 }
 
 /* Separation speed of a point along the normal after forces, m/s. */
-static double leaving(const struct rb_solver *solver, const struct rb_step_point *point)
+static double separation_speed(const struct rb_solver *solver, const struct rb_step_point *point)
 {
 	const struct rb_solver_bodies bodies = {.body = solver->free, .tensor = solver->tensor};
 	const struct rb_constraint row = rb_islands_row_of(solver, point);
@@ -408,7 +408,7 @@ static void find_impacts(const struct rb_world *world, const struct rb_cohort *c
 			const struct rb_step_point *const point =
 				&points->row[solver->point[island->first_row + k]];
 			const double approach = point->approach;
-			const double more = -leaving(solver, point) - approach;
+			const double more = -separation_speed(solver, point) - approach;
 
 			if (!(point->normal_impulse > 0) || !(point->material->friction > 0) ||
 			    (point->from > 0 && points->last[point->from - 1].force > 0) ||

@@ -106,8 +106,8 @@ static struct motion motion_of(const struct rb_world *world, int i)
 }
 
 /* A point moved with its bodies, with the gap by these motions. */
-static struct rb_step_point moved(const struct rb_step_point *was, const struct motion *a,
-                                  const struct motion *b)
+static struct rb_step_point moved_point(const struct rb_step_point *was, const struct motion *a,
+                                        const struct motion *b)
 {
 	struct rb_step_point point = *was;
 	rb_vec3 displacement = rb_vec3_sub(b->displacement, a->displacement);
@@ -145,7 +145,7 @@ bool rb_end_points_add(const struct rb_end_points *carried, size_t pair, double 
 			    b = motion_of(carried->world, of.b);
 	struct rb_step_point *const row = to->row + to->count;
 	for (size_t k = 0; k < count; k++) {
-		row[k] = moved(&from[k], &a, &b);
+		row[k] = moved_point(&from[k], &a, &b);
 		least = fmin(least, row[k].gap);
 	}
 	/*

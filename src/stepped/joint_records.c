@@ -18,8 +18,8 @@ struct recording {
 	struct rb_error *err;
 };
 
-static enum rb_status add(const struct recording *r, enum rb_event_kind kind, double impulse,
-                          double approach)
+static enum rb_status add_event(const struct recording *r, enum rb_event_kind kind, double impulse,
+                                double approach)
 {
 	struct rb_events *reported = &r->world->stepped->reported;
 
@@ -42,7 +42,7 @@ static enum rb_status add_impact(const struct recording *r, const struct rb_join
 	if (of->impulse[part] == 0 || of->last.force[part] != 0 ||
 	    !(lever * approach > rb_islands_joint_tolerance(&r->world->stepped->solver)))
 		return RB_OK;
-	return add(r, rope ? RB_EVENT_TAUT : RB_EVENT_LIMIT, of->impulse[part], approach);
+	return add_event(r, rope ? RB_EVENT_TAUT : RB_EVENT_LIMIT, of->impulse[part], approach);
 }
 
 static enum rb_status add_change(const struct recording *r, int what, bool holds)
@@ -50,7 +50,7 @@ static enum rb_status add_change(const struct recording *r, int what, bool holds
 	struct rb_joint_state *state = &r->world->joint[r->moment.joint];
 	enum rb_event_kind kind;
 
-	return rb_joint_event_notes(state, what, holds, &kind) ? add(r, kind, 0, 0) : RB_OK;
+	return rb_joint_event_notes(state, what, holds, &kind) ? add_event(r, kind, 0, 0) : RB_OK;
 }
 
 static enum rb_status add_drive(const struct recording *r, const struct rb_joint *joint,

@@ -244,7 +244,7 @@ static void add_inertia(const struct rb_world *world, int i, struct turning *gro
 	}
 }
 
-static void find_turn(struct turning *group)
+static void find_group_rotation(struct turning *group)
 {
 	rb_mat3 inverse, *const inertia = &group->inertia;
 	const double regularization = least_inertia *
@@ -273,8 +273,8 @@ static void add_momentum_change(struct rb_projection_energy *lift, int i, rb_vec
 }
 
 /* Rotates a body with its group. */
-static void turn_body(struct rb_projection_energy *lift, struct rb_world *world, int i,
-                      struct turning *group)
+static void rotate_body(struct rb_projection_energy *lift, struct rb_world *world, int i,
+                        struct turning *group)
 {
 	double *const v = world->state.velocity + 3 * (size_t)i;
 	double *const w = world->state.spin ? world->state.spin + 3 * (size_t)i : NULL;
@@ -335,12 +335,12 @@ static bool restore_angular_momentum(struct rb_projection_energy *lift, struct r
 	add_groups(lift, world, all);
 	for (int k = 0; k < s->member_count; k++)
 		if (rb_vec3_max_abs(all[s->body[k]].swept) > 0)
-			find_turn(&all[s->body[k]]);
+			find_group_rotation(&all[s->body[k]]);
 	for (int k = 0; k < s->member_count; k++) {
 		struct turning *group = &all[rb_forest_root(lift->joined, s->body[k])];
 
 		if (rb_vec3_max_abs(group->turn) > 0)
-			turn_body(lift, world, s->body[k], group);
+			rotate_body(lift, world, s->body[k], group);
 	}
 	for (int k = 0; k < s->member_count; k++) {
 		const int i = s->body[k];
@@ -438,8 +438,8 @@ static void add_to(double *sum, const struct addend *more)
 }
 
 /* Adds up the sums of groups, in order of their bodies; false: no memory. */
-static bool add_up(struct rb_projection_energy *lift, const struct rb_world *world,
-                   struct rb_arena *arena)
+static bool sum_groups(struct rb_projection_energy *lift, const struct rb_world *world,
+                       struct rb_arena *arena)
 {
 	const struct rb_stepped *s = world->stepped;
 	const size_t all = (size_t)s->member_count;
@@ -576,7 +576,7 @@ enum rb_status rb_projection_energy_pay(struct rb_projection_energy *lift, struc
 
 	if (!paid)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
-	if (!add_up(lift, world, &world->arena[0]))
+	if (!sum_groups(lift, world, &world->arena[0]))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
 	for (int k = 0; k < s->member_count; k++) {
 		const int i = s->body[k];

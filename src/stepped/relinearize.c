@@ -178,7 +178,7 @@ static bool take_view(struct rb_world *world, const struct rb_cohort *cohort,
 }
 
 /* Gives rows to groups that were stepped in reduced coordinates and now overlap. */
-static void unswing(const struct rb_world *world, const struct marks *marks)
+static void give_rows(const struct rb_world *world, const struct marks *marks)
 {
 	struct rb_solver *const solver = &world->stepped->solver;
 
@@ -241,7 +241,7 @@ static void keep_arms(struct rb_step_point *fresh, const struct rb_step_point *o
 }
 
 /* Moves arms and normal to where the impulse acts at the beginning of the step. */
-static void turn(const struct rb_world *world, rb_vec3 between, struct rb_step_point *point)
+static void move_point(const struct rb_world *world, rb_vec3 between, struct rb_step_point *point)
 {
 	const int of[2] = {point->a, point->b};
 	rb_vec3 arm[2] = {point->arm_a, point->arm_b};
@@ -259,13 +259,14 @@ static void turn(const struct rb_world *world, rb_vec3 between, struct rb_step_p
  * Sets the gap at the beginning of the step for which the linear model gives the gap found at its
  * end; the difference is `bend`.
  */
-static void bend(const struct rb_world *world, struct rb_step_point *point)
+static void set_bend(const struct rb_world *world, struct rb_step_point *point)
 {
 	const struct rb_solver *const solver = &world->stepped->solver;
 
 	if (rb_stepped_joins_arms(world, point->b))
-		turn(world, rb_islands_between(solver, world->mark.position, point->a, point->b),
-		     point);
+		move_point(world,
+		           rb_islands_between(solver, world->mark.position, point->a, point->b),
+		           point);
 	const struct rb_constraint row = rb_islands_row_of(solver, point);
 	const double here = point->gap;
 
@@ -281,8 +282,8 @@ static void bend(const struct rb_world *world, struct rb_step_point *point)
  * Whether a body has come out on the other side of its partner: the normal found there is wrong,
  * and the old one stays, with a deep overlap.
  */
-static bool is_through(const struct rb_step_point *old, size_t old_count,
-                       const struct rb_step_point *fresh, size_t fresh_count)
+static bool has_passed_through(const struct rb_step_point *old, size_t old_count,
+                               const struct rb_step_point *fresh, size_t fresh_count)
 {
 	return old_count > 0 && fresh_count > 0 && !(rb_vec3_dot(old->normal, fresh->normal) > 0);
 }
@@ -332,8 +333,8 @@ static size_t length_of(const struct rb_step_point *row, size_t count, size_t pa
 	return length;
 }
 
-static struct both take_both(const struct merging *merging, const struct rb_step_point *row,
-                             size_t at, size_t new_at, size_t pair)
+static struct both points_of_pair(const struct merging *merging, const struct rb_step_point *row,
+                                  size_t at, size_t new_at, size_t pair)
 {
 	struct both both = {.old = row + at,
 	                    .fresh = merging->fresh + new_at,
@@ -342,7 +343,8 @@ static struct both take_both(const struct merging *merging, const struct rb_step
 	                                             merging->fresh_count - new_at, pair)};
 
 	both.uses_fresh = is_seen(merging->world, merging->view, merging->pair[pair]) &&
-	                  !is_through(both.old, both.old_count, both.fresh, both.fresh_count);
+	                  !has_passed_through(both.old, both.old_count, both.fresh,
+	                                      both.fresh_count);
 	return both;
 }
 
@@ -355,7 +357,7 @@ static void count_points(void *user, size_t first, size_t end)
 	size_t length = 0;
 
 	for (size_t k = first; k < end; k++) {
-		const struct both both = take_both(merging, merging->row, at, new_at, k);
+		const struct both both = points_of_pair(merging, merging->row, at, new_at, k);
 
 		length += both.uses_fresh ? both.fresh_count : both.old_count;
 		at += both.old_count;
@@ -375,14 +377,14 @@ static void merge_points(void *user, size_t first, size_t end)
 	struct rb_step_point *to = merging->to + merging->length[first / PAIRS_PER_BLOCK];
 
 	for (size_t k = first; k < end; k++) {
-		const struct both both = take_both(merging, merging->old, at, new_at, k);
+		const struct both both = points_of_pair(merging, merging->old, at, new_at, k);
 		const size_t count = both.uses_fresh ? both.fresh_count : both.old_count;
 
 		if (count > 0)
 			memcpy(to, both.uses_fresh ? both.fresh : both.old, count * sizeof *to);
 		for (size_t p = 0; both.uses_fresh && p < count; p++) {
 			keep_arms(&to[p], both.old, both.old_count);
-			bend(merging->world, &to[p]);
+			set_bend(merging->world, &to[p]);
 			rb_impacts_update_approach(merging->world->stepped, &to[p]);
 		}
 		if (both.uses_fresh)
@@ -501,7 +503,7 @@ enum rb_status rb_relinearize(struct rb_world *world, struct rb_cohort *cohort, 
 	if (!take_view(world, cohort, deep ? &cohort->depths : NULL, &marks, &view))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the points of a step");
 	if (deep) {
-		unswing(world, &marks);
+		give_rows(world, &marks);
 		clear_velocities(world, &view);
 		status = find_points(world, cohort->candidates, &view, err);
 		if (status == RB_OK)

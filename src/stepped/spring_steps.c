@@ -48,7 +48,7 @@ static bool may_hold(const struct rb_world *world, const struct rb_cohort *cohor
 	return any;
 }
 
-static void hold(struct web *web, int i, unsigned char by)
+static void mark_held(struct web *web, int i, unsigned char by)
 {
 	web->held[rb_forest_root(web->parent, i)] |= by;
 }
@@ -102,9 +102,9 @@ static enum rb_status build_web(struct rb_world *world, const struct rb_cohort *
 		const int i = cohort->body[k];
 
 		if (is_held_by_joints(world, i))
-			hold(web, i, BY_JOINTS);
+			mark_held(web, i, BY_JOINTS);
 		if (rb_kicks_have(&s->kicks, i))
-			hold(web, i, BY_PUSHES);
+			mark_held(web, i, BY_PUSHES);
 	}
 	for (size_t k = 0; k < cohort->points.count; k++) {
 		const struct rb_step_point *point = &cohort->points.row[k];
@@ -112,9 +112,9 @@ static enum rb_status build_web(struct rb_world *world, const struct rb_cohort *
 		if (!(point->normal_impulse > 0))
 			continue;
 		if (is_solved(world, web, point->a))
-			hold(web, point->a, BY_PUSHES);
+			mark_held(web, point->a, BY_PUSHES);
 		if (is_solved(world, web, point->b))
-			hold(web, point->b, BY_PUSHES);
+			mark_held(web, point->b, BY_PUSHES);
 	}
 	return RB_OK;
 }
@@ -186,7 +186,7 @@ static rb_vec3 predict_bend(const struct rb_world *world, const struct rb_step_s
 }
 
 /* Sets what only a spring's rows need. */
-static void prepare(const struct rb_world *world, struct rb_step_spring *spring, double h)
+static void prepare_rows(const struct rb_world *world, struct rb_step_spring *spring, double h)
 {
 	const struct rb_elements *springs = rb_model_elements(world->model, &rb_force_spring);
 	const struct rb_spring_def *def = rb_elements_row(springs, spring->row);
@@ -226,7 +226,7 @@ static void join_due(struct rb_world *world, struct web *web, double h, unsigned
 		if (!is_due(world, web, spring))
 			continue;
 		spring->joined = true;
-		prepare(world, spring, h);
+		prepare_rows(world, spring, h);
 		solver->sprung_count++;
 		revert_impulse(world, spring->end[0], rb_vec3_neg(spring->impulse), spring->arm[0]);
 		revert_impulse(world, spring->end[1], spring->impulse, spring->arm[1]);
@@ -267,8 +267,8 @@ static bool may_join_pushed(const struct rb_solver *solver)
 }
 
 /* Marks all bodies of groups with a changed one. */
-static void spread(const struct rb_solver *solver, const struct rb_cohort *cohort,
-                   unsigned char *changed, unsigned char *of_group)
+static void mark_groups(const struct rb_solver *solver, const struct rb_cohort *cohort,
+                        unsigned char *changed, unsigned char *of_group)
 {
 	for (int k = 0; k < cohort->member_count; k++) {
 		const int i = cohort->body[k], g = solver->island_of[i];
@@ -306,7 +306,7 @@ static enum rb_status join_pushed_once(struct rb_world *world, struct rb_cohort 
 		return RB_OK;
 	rb_solver_go_back(solver, world);
 	join_due(world, &web, solver->h_s, changed);
-	spread(solver, cohort, changed, of_group);
+	mark_groups(solver, cohort, changed, of_group);
 	return rb_solver_again(solver, world, &cohort->points, changed, err);
 }
 

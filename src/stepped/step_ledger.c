@@ -88,7 +88,7 @@ struct held {
 	rb_vec3 linear, angular; /* N s; N m s about the origin */
 };
 
-static void hold(struct held *held, rb_vec3 impulse, rb_vec3 at)
+static void add_to_held(struct held *held, rb_vec3 impulse, rb_vec3 at)
 {
 	held->linear = rb_vec3_add(held->linear, impulse);
 	held->angular = rb_vec3_add(held->angular, rb_vec3_cross(at, impulse));
@@ -143,7 +143,7 @@ static void enter_constant_force(struct entering *n, int i, const struct rb_forc
 	enter_force(n, body, force->cause, force->impulse, force->turn);
 	rb_entries_impulse(&n->e, force->cause, force->impulse, at);
 	rb_entries_twist(&n->e, force->cause, force->turn);
-	hold(held, force->impulse, at);
+	add_to_held(held, force->impulse, at);
 	held->angular = rb_vec3_add(held->angular, force->turn);
 }
 
@@ -187,7 +187,7 @@ static void enter_impulse(struct entering *n, int i, enum rb_ledger_momentum cau
 
 	rb_entries_impulse(&n->e, cause, impulse->force, at);
 	rb_entries_twist(&n->e, cause, impulse->torque);
-	hold(held, impulse->force, at);
+	add_to_held(held, impulse->force, at);
 	held->angular = rb_vec3_add(held->angular, impulse->torque);
 }
 
@@ -247,8 +247,9 @@ static void enter_gravitation(struct entering *n, int i, struct held *held)
 	const rb_vec3 at = rb_world_row3(n->before->position, i);
 	const double h = n->cohort->gravitation_s;
 
-	hold(held, rb_vec3_scale(h * world->model->mass[i], rb_gravitation_found(gravitation, i)),
-	     at);
+	add_to_held(held,
+	            rb_vec3_scale(h * world->model->mass[i], rb_gravitation_found(gravitation, i)),
+	            at);
 	if (world->model->center_count == 0 && world->model->attracts_by_mass)
 		return;
 	for (int j = 0; j < all->count; j++) {

@@ -121,7 +121,7 @@ void rb_swept_bounds_set(struct rb_swept_bounds *swept, const struct rb_world *w
 /* ---- groups ---- */
 
 /* Union of the groups of two dynamic bodies; a driven or static body joins nobody. */
-static void join(const struct rb_world *world, int *parent, int a, int b)
+static void join_bodies(const struct rb_world *world, int *parent, int a, int b)
 {
 	if (!rb_stepped_is_dynamic(world, a) || !rb_stepped_is_dynamic(world, b))
 		return;
@@ -229,12 +229,14 @@ static void join_impulses(struct rb_swept_bounds *swept, const struct rb_world *
 	for (size_t k = 0; k < all->points.count; k++)
 		if (all->points.row[k].normal_impulse > 0 ||
 		    rb_vec3_max_abs(rb_cohort_rebound(all, k)) > 0)
-			join(world, swept->parent, all->points.row[k].a, all->points.row[k].b);
+			join_bodies(world, swept->parent, all->points.row[k].a,
+			            all->points.row[k].b);
 	for (size_t k = 0; k < all->impact_count; k++)
 		if (!all->impact[k].crowded)
-			join(world, swept->parent, all->impact[k].a, all->impact[k].b);
+			join_bodies(world, swept->parent, all->impact[k].a, all->impact[k].b);
 	for (size_t k = 0; k < all->transmitted.count; k++)
-		join(world, swept->parent, all->transmitted.row[k].a, all->transmitted.row[k].b);
+		join_bodies(world, swept->parent, all->transmitted.row[k].a,
+		            all->transmitted.row[k].b);
 }
 
 enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept, struct rb_world *world,
@@ -251,17 +253,17 @@ enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept, struct rb_wor
 	for (int i = 0; i < model->body_count; i++)
 		swept->parent[i] = i;
 	for (size_t k = 0; k < swept->candidates.pair_count; k++)
-		join(world, swept->parent, swept->candidates.pair[k].a,
-		     swept->candidates.pair[k].b);
+		join_bodies(world, swept->parent, swept->candidates.pair[k].a,
+		            swept->candidates.pair[k].b);
 	join_impulses(swept, world);
 	for (int k = 0; k < model->element_list_count; k++)
 		for (int m = 0; model->elements[k].end && m < model->elements[k].count; m++)
-			join(world, swept->parent, model->elements[k].end[m][0],
-			     model->elements[k].end[m][1]);
+			join_bodies(world, swept->parent, model->elements[k].end[m][0],
+			            model->elements[k].end[m][1]);
 	for (int k = 0; model->joints && k < model->joints->count; k++)
 		if (model->joints->joint[k].b >= 0)
-			join(world, swept->parent, model->joints->joint[k].a,
-			     model->joints->joint[k].b);
+			join_bodies(world, swept->parent, model->joints->joint[k].a,
+			            model->joints->joint[k].b);
 	status = number_groups(swept, world, err);
 	return status == RB_OK ? sort_pairs(swept, model, err) : status;
 }
