@@ -2,11 +2,12 @@
 /*
  * The event loop. Every body has one next event in the queue (touch, cell wall, end of its piece),
  * every cluster one (transition, end of its piece, reported event), and forces that begin or end
- * one. An event moves only the bodies that it concerns; everything else stays on its arc. A sphere
- * pair is resolved directly; whatever may concern more bodies goes through the set: grown to all
- * that touch, impacts resolved, contacts resolved, and its members predicted anew.
+ * one. An event moves only the bodies that it involves; all others stay on their arcs. A pair of
+ * spheres is resolved directly. Whatever may involve more bodies uses the event set: it grows to
+ * all bodies in contact, impacts and then contacts are resolved, and the next events of its members
+ * are predicted anew.
  *
- * Work is bounded by counts (`crowd`, `products`) that time pays for; where they exceed the limit,
+ * Work is bounded by counters (`crowd`, `products`), which simulated time reduces; above the limit,
  * `auto` takes steps instead.
  */
 #include "located/engine.h"
@@ -36,17 +37,21 @@
 #include "model/descriptor.h"
 #include "world/joint_state.h"
 
-/* Events and steps of a series between two polls for an interruption. */
+/* Steps of a rotation's series between two polls for an interruption. */
 enum { TURNS_PER_POLL = 1 << 20 };
-/* As multiplications: an event without what it finds to do; one body at the start. */
+/* Work in multiplications: of an event, without what it leads to; of one body at the start. */
 enum { EVENT_WORK = RB_INTERRUPT_WORK / 64, START_WORK = 1 << 10 };
 /*
- * Events at one moment, plus 64 for each body, after which the run has failed: time stands still.
+ * Number of events at one moment, plus 64 per body, after which the run fails because time does not
+ * advance.
  */
 enum { STUCK_EVENTS = 10000 };
 /* ---- events ---- */
 
-/* The set is on new arcs: invalidates events with its members and predicts theirs. */
+/*
+ * Predicts the next events of the set's members, which are on new arcs; events predicted with them
+ * become invalid.
+ */
 static void predict_set(struct rb_located *l, double t)
 {
 	for (int k = 0; k < l->set_count; k++)
@@ -57,8 +62,8 @@ static void predict_set(struct rb_located *l, double t)
 }
 
 /*
- * Counts bodies that an impact or a change of contacts concerns together. Two spheres are no crowd:
- * under gravity alone they cannot collide densely; two solids may rattle without end.
+ * Counts the bodies involved in one impact or change of contacts. Two spheres do not count: under
+ * gravity alone they cannot collide densely, while two solids may rattle without end.
  */
 static void count_crowd(struct rb_located *l)
 {
@@ -66,7 +71,7 @@ static void count_crowd(struct rb_located *l)
 		l->crowd += (uint64_t)l->set_count;
 }
 
-/* Contacts of the set, and impacts that they lead to; then predictions. */
+/* Resolves the set's contacts and the impacts that follow from them; then predicts. */
 static void resolve_set(struct rb_located *l, double t)
 {
 	int hit[2];
@@ -77,8 +82,8 @@ static void resolve_set(struct rb_located *l, double t)
 		predict_set(l, t);
 }
 
-/* Snapshot of what an impact of a pair changes. */
-struct before {
+/* What an impact of a pair changes. */
+struct pair_snapshot {
 	struct rb_arc arc[2];
 	struct rb_top top[2];
 	struct rb_counts counts;
@@ -87,7 +92,7 @@ struct before {
 	size_t events;
 };
 
-static void remember(const struct rb_located *l, int i, int j, struct before *before)
+static void save_pair(const struct rb_located *l, int i, int j, struct pair_snapshot *before)
 {
 	before->arc[0] = l->arc[i];
 	if (j < l->n)
@@ -106,8 +111,7 @@ static void remember(const struct rb_located *l, int i, int j, struct before *be
 	before->account_s[1] = j < l->n ? l->account_s[j] : 0;
 }
 
-/* Restores the snapshot. */
-static void take_back(struct rb_located *l, int i, int j, const struct before *before)
+static void restore_pair(struct rb_located *l, int i, int j, const struct pair_snapshot *before)
 {
 	l->arc[i] = before->arc[0];
 	if (j < l->n)
@@ -126,7 +130,7 @@ static void take_back(struct rb_located *l, int i, int j, const struct before *b
 		l->account_s[j] = before->account_s[1];
 }
 
-/* New pieces for those of a pair that were on one, begun as rb_resolve_contacts does. */
+/* Begins new pieces for the bodies of a pair that were on one, as rb_resolve_contacts does. */
 static void restart_pieces(struct rb_located *l, const int pair[2], double t)
 {
 	double try_s = (double)INFINITY;
@@ -150,17 +154,20 @@ static void restart_pieces(struct rb_located *l, const int pair[2], double t)
 		}
 }
 
-/* A touch of two bodies: as a pair first, undone if somebody else turns out to touch as well. */
+/*
+ * Resolves a touch of two bodies: first as an isolated pair, undone if a third body turns out to
+ * touch.
+ */
 static void touch(struct rb_located *l, int i, double t)
 {
 	const int j = l->next[i].partner;
-	/* of these it is known before whether they touch somebody else */
+	/* rb_pair_impact has ruled out a third body for these */
 	const bool on_pieces = rb_located_on_piece(l, i) || rb_located_on_piece(l, j);
-	struct before before;
+	struct pair_snapshot before;
 
 	if (l->model->parts && j < l->n)
 		rb_crowd_join(l, i, j);
-	remember(l, i, j, &before);
+	save_pair(l, i, j, &before);
 	if (rb_pair_impact(l, i, j, t)) {
 		l->generation[i]++;
 		if (j < l->n)
@@ -168,7 +175,7 @@ static void touch(struct rb_located *l, int i, double t)
 		const uint64_t products = l->products;
 		if (on_pieces)
 			restart_pieces(l, (int[]){i, j}, t);
-		/* two spheres are no crowd on pieces either */
+		/* nor do two spheres on pieces count */
 		l->products = rb_crowd_counts_spheres(l) ? l->products : products;
 		if (l->status != RB_OK)
 			return;
@@ -177,7 +184,7 @@ static void touch(struct rb_located *l, int i, double t)
 			others += rb_predict(l, j, t, i);
 		if (others == 0 || on_pieces)
 			return;
-		take_back(l, i, j, &before);
+		restore_pair(l, i, j, &before);
 	}
 	rb_resolve_impacts(l, i, j, t);
 	count_crowd(l);
@@ -186,8 +193,8 @@ static void touch(struct rb_located *l, int i, double t)
 }
 
 /*
- * A wall, a search to continue, or a touch; a prediction from before the partner's last event is
- * made anew.
+ * Handles a cell wall, an unfinished search or a touch; predicts anew if the partner has had an
+ * event since the prediction.
  */
 static void body_event(struct rb_located *l, int i, double t)
 {
@@ -197,7 +204,7 @@ static void body_event(struct rb_located *l, int i, double t)
 		rb_predict_wall(l, i, t);
 		return;
 	}
-	/* searches that find nothing count as well */
+	/* unfinished searches count as well */
 	l->crowd += next->again && l->model->parts;
 	if (next->again ||
 	    (next->partner < l->n && next->generation != l->generation[next->partner])) {
@@ -209,7 +216,7 @@ static void body_event(struct rb_located *l, int i, double t)
 	touch(l, i, t);
 }
 
-/* Next piece, transition or impact of a cluster. */
+/* Handles a cluster's next piece, transition or impact. */
 static void cluster_event(struct rb_located *l, int cluster, double t)
 {
 	const struct rb_cluster *c = &l->cluster[cluster];
@@ -225,7 +232,7 @@ static void cluster_event(struct rb_located *l, int cluster, double t)
 		predict_set(l, t);
 		return;
 	}
-	/* a next piece is no crowd, however many there are; its arithmetic is counted */
+	/* a next piece does not count as a crowd event; its arithmetic is counted instead */
 	if ((!c->integrated || c->is_cut || c->hits || c->has_jumped) && c->held_count > 0)
 		count_crowd(l);
 	if (c->hits) { /* bodies in contact touch at another point */
@@ -237,7 +244,7 @@ static void cluster_event(struct rb_located *l, int cluster, double t)
 	resolve_set(l, t);
 }
 
-/* Forces begin or end: bodies with forces get new arcs. */
+/* Handles forces that begin or end: bodies with forces get new arcs. */
 static void switch_event(struct rb_located *l, double t)
 {
 	const struct rb_scene *scene = l->model->scene;
@@ -254,7 +261,7 @@ static void switch_event(struct rb_located *l, double t)
 	resolve_set(l, t);
 }
 
-/* The next piece of a driven body, and all that rests on it. */
+/* Begins the next piece of a driven body and resolves all contacts with it. */
 static void driven_event(struct rb_located *l, int i, double t)
 {
 	rb_driven_piece(l, i, t);
@@ -262,7 +269,7 @@ static void driven_event(struct rb_located *l, int i, double t)
 		return;
 	l->generation[i]++;
 	rb_predict(l, i, t, -1);
-	/* what it attracts follows its new piece, and whatever rests on it */
+	/* bodies attracted by it or in contact with it follow its new piece */
 	for (int k = 0; rb_located_gravitates(l) && l->model->attraction[i] > 0 && k < l->n; k++)
 		if (rb_gravitation_attracts(l->model, k) && l->cluster_of[k] >= 0)
 			rb_event_set_add(l, k);
@@ -280,7 +287,7 @@ static void driven_event(struct rb_located *l, int i, double t)
 		resolve_set(l, t);
 }
 
-/* Fails when time does not advance. */
+/* Returns true and fails when time does not advance. */
 static bool is_stuck(struct rb_located *l, int which, double t)
 {
 	char label[64], source[96];
@@ -311,7 +318,7 @@ static void store_all(const struct rb_located *l, double t)
 	l->world->state.time_s = t;
 }
 
-/* Global rollback: an event takes the whole scene to its moment. */
+/* Global rollback: evaluates the whole scene at the event's time. */
 static void restore_everything(struct rb_located *l, double t)
 {
 	store_all(l, t);
@@ -357,10 +364,10 @@ static bool differs(const double *a, const double *b, int i, int columns)
 }
 
 /*
- * A callback may set bodies in contact moving towards each other: schedules an impact, which is not
- * sought between bodies in contact.
+ * Schedules impacts of bodies in contact that a callback has set moving towards each other: the
+ * search for touches skips pairs in contact.
  */
-static void predict_thrown(struct rb_located *l, double t)
+static void predict_closing(struct rb_located *l, double t)
 {
 	for (int k = 0; k < l->cluster_count; k++) {
 		const struct rb_cluster *c = &l->cluster[k];
@@ -385,7 +392,7 @@ static void predict_thrown(struct rb_located *l, double t)
 	}
 }
 
-/* Whether the body has a joint, released or not. */
+/* True if the body has a joint, released or not. */
 static bool has_joint(const struct rb_located *l, int i)
 {
 	return l->model->joints->first[i] < l->model->joints->first[i + 1];
@@ -399,7 +406,9 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 	RB_ASSERT(l->set_count == 0);
 	l->err = err;
 	l->moment++;
-	/* bodies of a joint that was released, or of a changed motor, go on from where they are */
+	/*
+	 * bodies of a released joint or of a changed motor start new arcs from their present poses
+	 */
 	const bool joints_changed = l->world->joints_changed;
 	l->world->joints_changed = false;
 	for (int i = 0; i < l->n && l->started; i++) {
@@ -422,7 +431,9 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 		if (l->top)
 			pose.spin = rb_world_row3(now->spin, i);
 		if (kicked && l->cluster_of[i] >= 0) {
-			/* all of its cluster goes on from where it is */
+			/*
+			 * the other members of its cluster start new arcs from their present poses
+			 */
 			const struct rb_cluster *c = &l->cluster[l->cluster_of[i]];
 
 			for (int m = 0; m < c->member_count; m++) {
@@ -444,7 +455,7 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 	if (l->set_count > 0) {
 		rb_resolve_contacts(l, t, true, 0, NULL);
 		predict_set(l, t);
-		predict_thrown(l, t);
+		predict_closing(l, t);
 	}
 	if (l->started)
 		rb_joint_states_fit(l->world);
@@ -453,7 +464,7 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 
 /* ---- advancing ---- */
 
-/* What steps have found is where forces start from. */
+/* Takes the contact forces left by the stepped method as initial guesses. */
 static void take_left(struct rb_located *l)
 {
 	l->left.count = 0;
@@ -461,7 +472,10 @@ static void take_left(struct rb_located *l)
 		l->status = RB_ERR_MEMORY;
 }
 
-/* Arcs of the beginning; what touches or has no closed form is resolved. */
+/*
+ * Starts arcs from the world's state; resolves bodies that touch or whose motion has no closed
+ * form.
+ */
 static void start(struct rb_located *l, double t)
 {
 	const rb_vec3 none = {0, 0, 0};
@@ -497,11 +511,11 @@ static void start(struct rb_located *l, double t)
 		rb_arc_anchor(l, i, t, &pose, linear, rb_external_turning(l, i));
 		rb_arc_slow(l, i, isnan(decay) ? 0 : decay);
 	}
-	/* too dense at the start: left to steps at once */
+	/* if events are too dense here, the run is left to steps at once */
 	for (int i = 0; i < l->n && l->status == RB_OK && !rb_located_is_dense(l); i++) {
 		if (rb_interrupt_after(&l->world->interrupt, START_WORK))
 			break;
-		/* with the cluster that it has come into it was predicted, too */
+		/* already predicted together with the cluster that it has joined */
 		if (l->cluster_of[i] >= 0 && !rb_located_driven(l, i))
 			continue;
 		rb_crowd_event(l, i);
@@ -523,7 +537,10 @@ static void start(struct rb_located *l, double t)
 		rb_queue_set(l->queue, 2 * l->n, l->switch_s[l->switch_next]);
 }
 
-/* Moves the clock to `t`. Time pays off the counts, in however many parts it passes. */
+/*
+ * Moves the clock to `t` and reduces the work counters by what the elapsed time allows; the result
+ * does not depend on how the time is divided.
+ */
 static void advance_clock(struct rb_located *l, double t)
 {
 	const uint64_t paid = rb_located_allowed(l, t) - rb_located_allowed(l, l->now_s),
@@ -567,7 +584,7 @@ static void one_event(struct rb_located *l, int which, double t)
 		call_hooks(l, reported, t);
 }
 
-/* Steps can roll back what events cannot resolve, but do not have every force. */
+/* Steps can roll back what events cannot resolve, but do not support every force. */
 bool rb_engine_wants_steps(const struct rb_located *l)
 {
 	return (l->model->features & RB_FEATURE_PUSHES) || rb_located_can_be_stepped(l);
@@ -583,7 +600,10 @@ double rb_engine_located(const struct rb_located *l)
 	return l->now_s - l->from_s;
 }
 
-/* Discards arcs and clusters, some of which may be half done: a checkpoint would keep them. */
+/*
+ * Discards arcs and clusters, some of which may be incomplete and would otherwise be saved in a
+ * checkpoint.
+ */
 static void forget_arcs(struct rb_located *l)
 {
 	for (int k = 0; k < l->cluster_count; k++)
@@ -608,18 +628,21 @@ void rb_engine_go_back(struct rb_located *l)
 	forget_arcs(l);
 }
 
-/* True where events are too dense or cannot be resolved, and steps can go on. */
-static bool is_beyond(const struct rb_located *l)
+/* True if events are too dense or cannot be resolved, and steps can take over. */
+static bool must_give_up(const struct rb_located *l)
 {
 	if (!rb_located_can_be_stepped(l) || (l->status != RB_OK && l->status != RB_ERR_PHYSICS))
 		return false;
 	return l->status != RB_OK || rb_located_is_dense(l);
 }
 
-/* Gives up locating at the moment reached. */
-static bool gives_way(struct rb_located *l)
+/*
+ * Stops locating at the time reached, if events are too dense or have failed; returns whether it
+ * has.
+ */
+static bool gives_up(struct rb_located *l)
 {
-	if (!is_beyond(l))
+	if (!must_give_up(l))
 		return false;
 	l->status = RB_OK;
 	rb_event_set_clear(l);
@@ -631,8 +654,8 @@ static bool gives_way(struct rb_located *l)
 }
 
 /*
- * Begins to locate. Where that is too much at once, nothing of it is left: what steps know of
- * contacts and of what stands is as good as before.
+ * Begins to locate. If that is too costly at once, everything is restored: the contacts and the
+ * bodies at rest that steps know are as good as before.
  */
 static void begin(struct rb_located *l)
 {
@@ -644,19 +667,19 @@ static void begin(struct rb_located *l)
 
 	rb_crowd_begin(l);
 	start(l, world->state.time_s);
-	if (is_beyond(l)) {
+	if (must_give_up(l)) {
 		rb_engine_go_back(l);
 		world->frame_counts = counts;
 		world->ledger = ledger;
 		world->open = open;
 		world->events.count = reported;
-	} else if (l->status == RB_OK) { /* slips that no force sustains have ended at once */
+	} else if (l->status == RB_OK) { /* slips without a driving force have ended at once */
 		call_hooks(l, reported, l->now_s);
 	}
 }
 
-/* Advances the series of fast rotations in parts; false: the run is to end. */
-static bool follow_turns(struct rb_located *l, double t)
+/* Advances the series of fast rotations in parts; false: the run is interrupted. */
+static bool advance_rotations(struct rb_located *l, double t)
 {
 	for (int i = 0; l->top && i < l->n; i++)
 		while (!rb_located_on_piece(l, i) &&
@@ -666,7 +689,7 @@ static bool follow_turns(struct rb_located *l, double t)
 	return true;
 }
 
-/* Whatever its solutions have come to by then. */
+/* True if the run is interrupted, whatever state the solvers have reached. */
 static bool is_interrupted(struct rb_located *l, uint64_t work)
 {
 	if (!rb_interrupt_after(&l->world->interrupt, work))
@@ -684,23 +707,23 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	const bool starts = !l->started;
 	if (starts)
 		begin(l);
-	if (is_interrupted(l, 0) || !l->started || gives_way(l))
+	if (is_interrupted(l, 0) || !l->started || gives_up(l))
 		return l->status;
-	if (starts && l->status == RB_OK) /* else steps may be left to fit some of them */
+	if (starts && l->status == RB_OK) /* otherwise steps may still have to fit some of them */
 		rb_joint_states_fit(l->world);
 	for (int which = rb_queue_first(l->queue, &t);
 	     l->status == RB_OK && which >= 0 && t <= until; which = rb_queue_first(l->queue, &t)) {
 		rb_arena_reset(l->arena);
-		/* an event that rounding has made late happens now */
+		/* an event that rounding has put before the present time happens now */
 		one_event(l, which, fmax(t, l->now_s));
 		if (is_interrupted(l, EVENT_WORK))
 			return l->status;
-		if (gives_way(l))
+		if (gives_up(l))
 			return l->status;
 	}
 	if (l->status != RB_OK)
 		return l->status;
-	if (!follow_turns(l, until))
+	if (!advance_rotations(l, until))
 		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 	advance_clock(l, fmax(l->now_s, until));
 	l->left.count = 0;
@@ -714,15 +737,15 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 }
 
 /*
- * Largest overlap, m, of a located frame. Arcs keep what steps have left: bodies that lean on each
- * other overlap as before, so that from the first step on the tolerance of steps holds.
+ * Largest permitted overlap of a located frame, m. Arcs keep overlaps that steps have left between
+ * bodies in contact, so from the first step on the tolerance of steps applies.
  */
 static double overlap_max(const struct rb_located *l)
 {
 	return l->world->dense_steps > 0 ? l->model->stepped_tolerance_m : l->model->tolerance_m;
 }
 
-/* RB_ERR_PHYSICS with the deepest overlap beyond the tolerance. */
+/* Finds the deepest overlap, m; RB_ERR_PHYSICS if it exceeds the tolerance. */
 static enum rb_status check(struct rb_located *l, double *depth, struct rb_error *err)
 {
 	const double t = l->world->state.time_s;
@@ -748,7 +771,7 @@ enum rb_status rb_engine_check(struct rb_located *l, struct rb_error *err)
 {
 	double depth;
 
-	/* of many bodies on arcs, touches have closed forms */
+	/* with many bodies on arcs (cells), touches have closed forms and cannot be missed */
 	return l->cells && !rb_located_varies(l) ? RB_OK : check(l, &depth, err);
 }
 
@@ -758,7 +781,7 @@ enum rb_status rb_engine_inspect(struct rb_located *l, struct rb_error *err)
 	double depth;
 
 	l->err = err;
-	if (!l->started) /* steps have just come to this frame */
+	if (!l->started) /* this frame was reached by steps */
 		return RB_OK;
 	l->status = rb_inspect_contacts(l, t);
 	if (l->status == RB_OK && l->world->options.keep_contacts)
