@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * For every direction n, what lies between the two bodies along n is no more than their gap. So n
- * may go along with a face, with two edges, or stay: heights of corners along it have a value, a
- * rate, and bounded second derivatives, and the gap stays above the lowest of parabolas. Where
- * these follow the true gap to first order the steps converge like Newton's. Where they do not
- * (round rims, outlines that n knows nothing of), tiny steps go on, across which a gap that is
- * missed is smaller than what rounding leaves of sizes.
+ * Along any direction n, the separation of the two bodies is a lower bound of their gap. So n may
+ * move with a face, with two edges, or stay: heights of corners along it have a value, a rate and
+ * bounded second derivatives, and the gap stays above the lowest of these parabolas. Where the
+ * bound follows the true gap to first order the steps converge like Newton's. Where it does not
+ * (round rims, silhouettes that n does not describe), the search takes tiny steps, over which an
+ * overlap that is missed is below the rounding of sizes.
  */
 #include "located/approach.h"
 
@@ -23,47 +23,50 @@
 #include "model/parts.h"
 
 /*
- * Steps before the search is continued in another event; rounds for the lowest parabola; halvings
- * of a bracket, more than a double has bits; ulp of a dip that is not sought; steps of a rotation's
- * series that a search looks ahead.
+ * Steps before the search is continued in another event; iterations for the lowest parabola;
+ * halvings of a bracket, more than a double has bits; depth of a dip that need not be found, ulp;
+ * steps of a rotation's series that a search covers.
  */
-enum { STEPS_MAX = 64, CORNERS_ROUNDS = 32, HALVINGS = 200, DIP_ULP = 4, SERIES_MAX = 4096 };
+enum { STEPS_MAX = 64, CORNER_ITERATIONS = 32, HALVINGS = 200, DIP_ULP = 4, SERIES_MAX = 4096 };
 
 /*
  * Smallest steps, as a share of the size travelled: a dip between their ends is at most the square
- * of it deep (2^-40 to 2^-26 of the size). They double up to the last while nothing is found.
+ * of it deep (2^-40 to 2^-26 of the size). They double, up to the last, while nothing is found.
  */
-static const double leap_first = 0x1p-20, leap_last = 0x1p-13;
+static const double min_share_first = 0x1p-20, min_share_last = 0x1p-13;
 /* Step of the difference quotient for a direction's rate, as a share of the size travelled. */
 static const double moment_share = 0x1p-20;
 
-/* Facets of a terrain that a search looks at, by and large: decides cost only. */
+/*
+ * Typical number of facets of a terrain that a search examines; only the counted cost depends on
+ * it.
+ */
 enum { FACETS_NEAR = 8 };
 
-/* A pair on its way: what holds for the search, and of the present moment. */
-struct course {
+/* The pair under search: what holds for the whole search, then what holds at the present time. */
+struct search_state {
 	const struct rb_located *l;
 	struct rb_touch_pair pair; /* at pair.t */
 	struct rb_bounds of_a, of_b;
 	struct rb_extent a, b;
-	double size; /* m: of the smaller that has one */
-	bool flies;  /* both on parabolas: then their relative acceleration is this */
+	double size; /* m: size of the smaller body that has one */
+	bool flies;  /* both on parabolas: `external` is their relative acceleration */
 	rb_vec3 external;
-	double external_max; /* m/s^2: of one centre relative to the other */
-	bool fades_alike;    /* both on arcs, or fixed: so do differences of accelerations */
+	double external_max; /* m/s^2: bound of one centre's acceleration relative to the other */
+	bool decays_alike; /* on arcs of equal drag, or fixed: relative accelerations decay alike */
 
-	/* of the moment */
-	double speed; /* m/s: relative, of any two points, at most, turning included */
+	/* at the present time */
+	double speed; /* m/s: bound of the relative speed of any two points, with rotation */
 	double noise, band;
-	double horizon_s; /* the bounds hold so long from now */
+	double horizon_s; /* time for which the bounds hold */
 	double turn_a, turn_b, turning_a, turning_b;
-	double bend_a, bend_b; /* m/s^2: of a point, by turning */
+	double bend_a, bend_b; /* m/s^2: of a point, due to rotation */
 };
 
 /* Bounds and extents, which hold for the whole search. */
-static void start(struct course *c, const struct rb_located *l, int a, int b)
+static void start(struct search_state *c, const struct rb_located *l, int a, int b)
 {
-	*c = (struct course){.l = l, .pair = {.a = a, .b = b}};
+	*c = (struct search_state){.l = l, .pair = {.a = a, .b = b}};
 	c->of_a = rb_bounds_of(l, a);
 	c->of_b = rb_bounds_of(l, b);
 	c->a = rb_extent_of(l, a, c->of_a.axis);
@@ -71,8 +74,8 @@ static void start(struct course *c, const struct rb_located *l, int a, int b)
 	c->size = fmin(c->a.ball, c->b.ball);
 	c->flies = !rb_located_on_piece(l, a) && !rb_located_on_piece(l, b) &&
 	           !(rb_arc_decay(l, a) > 0) && !(rb_arc_decay(l, b) > 0);
-	c->fades_alike = !rb_located_on_piece(l, a) && !rb_located_on_piece(l, b) &&
-	                 (a >= l->n || b >= l->n || rb_arc_decay(l, a) == rb_arc_decay(l, b));
+	c->decays_alike = !rb_located_on_piece(l, a) && !rb_located_on_piece(l, b) &&
+	                  (a >= l->n || b >= l->n || rb_arc_decay(l, a) == rb_arc_decay(l, b));
 	c->external_max = c->of_a.own_external + c->of_b.own_external;
 	if (c->flies) {
 		c->external = rb_vec3_sub(rb_arc_acceleration(l, b, 0),
@@ -81,8 +84,8 @@ static void start(struct course *c, const struct rb_located *l, int a, int b)
 	}
 }
 
-/* Arm, m, of the body's points; of a rotating plane, as far out as the other body is. */
-static double arm_of(const struct course *c, double ball, double other)
+/* Lever arm of the body's points, m; for a rotating plane, as far out as the other body is. */
+static double arm_of(const struct search_state *c, double ball, double other)
 {
 	if (isfinite(ball))
 		return ball;
@@ -90,10 +93,10 @@ static double arm_of(const struct course *c, double ball, double other)
 }
 
 /*
- * Bounds of one body's rotation from now on: the largest angular speed, the acceleration of any of
- * its points; returns their largest speed, m/s.
+ * Bounds of one body's rotation over the horizon: *turn, angular speed; *bend, acceleration of any
+ * of its points. Returns their largest speed, m/s.
  */
-static double turn_on(struct course *c, bool is_a, double *turn, double *bend)
+static double bound_rotation(struct search_state *c, bool is_a, double *turn, double *bend)
 {
 	struct rb_bounds *max = is_a ? &c->of_a : &c->of_b;
 	const struct rb_extent *own = is_a ? &c->a : &c->b, *other = is_a ? &c->b : &c->a;
@@ -120,7 +123,7 @@ static double turn_on(struct course *c, bool is_a, double *turn, double *bend)
 }
 
 /* Moves the pair to time t and updates what depends on it. */
-static void place(struct course *c, double t, double until)
+static void place(struct search_state *c, double t, double until)
 {
 	RB_ASSERT_COSTLY(t <= until);
 
@@ -132,8 +135,8 @@ static void place(struct course *c, double t, double until)
 	c->turning_a = c->of_a.turning;
 	c->turning_b = c->of_b.turning;
 	/*
-	 * a growing spin is bounded for the time in which it doubles, or turns by a radian from
-	 * rest
+	 * a growing spin is bounded over the time in which it doubles or, from rest, turns by a
+	 * radian
 	 */
 	const double growing = fmax(c->of_a.growing, c->of_b.growing);
 	const double fastest = fmax(rb_vec3_length(c->pair.pose_a.spin),
@@ -141,8 +144,8 @@ static void place(struct course *c, double t, double until)
 	c->horizon_s = until - t;
 	if (growing > 0)
 		c->horizon_s = fmin(c->horizon_s, fmax(fastest / growing, sqrt(1 / growing)));
-	const double turning = turn_on(c, true, &c->turn_a, &c->bend_a) +
-	                       turn_on(c, false, &c->turn_b, &c->bend_b);
+	const double turning = bound_rotation(c, true, &c->turn_a, &c->bend_a) +
+	                       bound_rotation(c, false, &c->turn_b, &c->bend_b);
 	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
 	const double surface = rb_vec3_length(c->pair.pose_a.spin) *
 	                               arm_of(c, c->a.ball, c->b.ball) +
@@ -158,7 +161,7 @@ static void place(struct course *c, double t, double until)
 	c->band = rb_contact_point_band(l, &resting, t);
 }
 
-/* ---- from afar ---- */
+/* ---- bounding balls ---- */
 
 /* First time at which gap + rate s + bend s^2 / 2 falls below zero, s; INFINITY: never. */
 static double falls_after(double gap, double rate, double bend)
@@ -172,30 +175,30 @@ static double falls_after(double gap, double rate, double bend)
 	return rate < 0 ? 2 * gap / (sqrt(square) - rate) : (rate + sqrt(square)) / -bend;
 }
 
-/* Seconds until the bounding balls can touch; < 0: they are too near for this bound. */
-static double from_afar(const struct course *c)
+/* Seconds until the bounding balls can touch; < 0: too near for this bound. */
+static double ball_time(const struct search_state *c)
 {
 	const struct rb_located *l = c->l;
-	const bool a_is = !isfinite(c->a.ball);
+	const bool a_is_plane = !isfinite(c->a.ball);
 	const rb_vec3 d = rb_pose_between(&c->pair.pose_a, &c->pair.pose_b);
 	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
 	double span;
 	rb_vec3 n;
 
-	if (a_is || !isfinite(c->b.ball)) {
-		const int plane = a_is ? c->pair.a : c->pair.b;
-		if (plane < l->n) /* a driven plane may turn */
+	if (a_is_plane || !isfinite(c->b.ball)) {
+		const int plane = a_is_plane ? c->pair.a : c->pair.b;
+		if (plane < l->n) /* a driven plane may rotate */
 			return -1;
-		n = a_is ? l->plane_normal[plane - l->n]
-		         : rb_vec3_neg(l->plane_normal[plane - l->n]);
-		span = rb_vec3_dot(n, d) - (a_is ? c->b.ball : c->a.ball);
+		n = a_is_plane ? l->plane_normal[plane - l->n]
+		               : rb_vec3_neg(l->plane_normal[plane - l->n]);
+		span = rb_vec3_dot(n, d) - (a_is_plane ? c->b.ball : c->a.ball);
 	} else {
 		const double length = rb_vec3_length(d);
 		span = length - (c->a.ball + c->b.ball);
 		n = rb_vec3_scale(1 / length, d);
 		const double b = rb_vec3_dot(d, w), square = rb_vec3_dot(w, w);
 		const double sum = 1.001 * (c->a.ball + c->b.ball);
-		/* straight past each other */
+		/* on straight lines that pass each other */
 		if (span > 0.01 * c->size && c->flies && c->external_max == 0 &&
 		    (b >= 0 || b * b < square * (length - sum) * (length + sum)))
 			return HUGE_VAL;
@@ -213,8 +216,8 @@ struct axis {
 	rb_vec3 n, rate;
 	double rate_max, bend_max; /* 1/s, 1/s^2 */
 	/*
-	 * rims are nearly across it: |u x n| is bounded by its rate; else it must stay away from
-	 * zero
+	 * rims are nearly perpendicular to it, and |u x n| is bounded by its rate; else |u x n|
+	 * must stay away from zero
 	 */
 	bool polar;
 };
@@ -247,16 +250,16 @@ static struct height rim_height(const struct rb_feature_side *s, const struct ax
 }
 
 /*
- * Bound, m/s^2, on what the term r |u x n| of a rim adds to the second derivative while s <= *max,
- * which may be lowered. That derivative is at most |w''| + |w'|^2 / |w| with w = u x n; away from
- * the pole, |w| stays above half of its present value.
+ * Bound, m/s^2, on the second derivative of a rim's term r |u x n| for s <= *max, which may be
+ * lowered. The derivative is at most |w''| + |w'|^2 / |w| with w = u x n; away from the pole, |w|
+ * stays above half of its present value.
  */
 static double rim_bend(const struct rb_feature_side *side, const struct rb_bounds *bounds,
                        const struct axis *axis, double *max)
 {
 	const rb_vec3 u = {side->turn.m[0][2], side->turn.m[1][2], side->turn.m[2][2]};
 	const double sine = rb_vec3_length(rb_vec3_cross(u, axis->n));
-	/* its axis is the body's z, as that of the bounds usually is */
+	/* the rim's axis is the body's z, as that of the bounds usually is */
 	const bool own = fabs(bounds->axis.z) > 1 - 1e-12;
 	const double turn = own ? bounds->axis_turn : bounds->turn;
 	const double bend = own ? bounds->axis_bend : turn * turn + bounds->turning;
@@ -272,7 +275,7 @@ static double rim_bend(const struct rb_feature_side *side, const struct rb_bound
 	return side->core->round * more;
 }
 
-/* Highest point along the axis at a time s from now, if all points moved straight. */
+/* Highest point along the axis s seconds from now, if all points moved at constant velocity. */
 static struct height highest(const struct rb_feature_side *side, const struct axis *axis, double s)
 {
 	const rb_core *core = side->core;
@@ -311,11 +314,11 @@ static struct axis reversed(const struct axis *axis)
 }
 
 /*
- * Seconds until the gap of two points may be gone. A pair that touches must separate faster than
- * rounding to have any time.
+ * Seconds until the gap of two points may be closed. For a pair in contact that is zero unless it
+ * separates faster than rounding.
  */
-static double gone_after(const struct course *c, struct height a, struct height b, double radii,
-                         double bend)
+static double closed_after(const struct search_state *c, struct height a, struct height b,
+                           double radii, double bend)
 {
 	double gap = -(a.value + b.value) - radii, rate = -(a.rate + b.rate);
 
@@ -323,30 +326,30 @@ static double gone_after(const struct course *c, struct height a, struct height 
 		return falls_after(gap, rate, -bend);
 	if (rate < -c->noise)
 		return 0;
-	if (rate <= c->noise) /* half of the band is free */
+	if (rate <= c->noise) /* half of the band may be used up */
 		return bend > 0 ? sqrt(c->band / bend) : HUGE_VAL;
 	return bend > 0 ? 2 * rate / bend : HUGE_VAL;
 }
 
 /*
- * Bound from now on on the acceleration of the centres towards each other along a direction that
- * stays, m/s^2. What falls along a wall that it touches does not fall towards it.
+ * Bound, m/s^2, on the acceleration of the centres towards each other along a fixed direction, over
+ * the horizon. A body that falls along a wall which it touches does not accelerate towards it.
  */
-static double external_along(const struct course *c, rb_vec3 n)
+static double external_along(const struct search_state *c, rb_vec3 n)
 {
 	const struct rb_located *l = c->l;
 	const int a = c->pair.a, b = c->pair.b;
 	const double closes =
-		c->fades_alike ? rb_vec3_dot(n, rb_vec3_sub(rb_arc_acceleration(l, a, c->pair.t),
-	                                                    rb_arc_acceleration(l, b, c->pair.t)))
-			       : rb_bounds_along(l, a, n, c->pair.t) +
-					 rb_bounds_along(l, b, rb_vec3_neg(n), c->pair.t);
+		c->decays_alike ? rb_vec3_dot(n, rb_vec3_sub(rb_arc_acceleration(l, a, c->pair.t),
+	                                                     rb_arc_acceleration(l, b, c->pair.t)))
+				: rb_bounds_along(l, a, n, c->pair.t) +
+					  rb_bounds_along(l, b, rb_vec3_neg(n), c->pair.t);
 
 	return fmin(fmax(closes, 0), c->external_max);
 }
 
 /* Bound on the second derivative of the distance of any two points along the axis, m/s^2. */
-static double bend_max(const struct course *c, const struct axis *axis,
+static double bend_max(const struct search_state *c, const struct axis *axis,
                        const struct rb_feature_side *a, const struct rb_feature_side *b, double *s)
 {
 	double bend = (axis->rate_max > 0 ? c->external_max : external_along(c, axis->n)) +
@@ -358,16 +361,16 @@ static double bend_max(const struct course *c, const struct axis *axis,
 		const double arms = arm_of(c, c->a.ball, c->b.ball) +
 		                    arm_of(c, c->b.ball, c->a.ball);
 		const rb_vec3 d = rb_pose_between(&c->pair.pose_a, &c->pair.pose_b);
-		const double far = rb_vec3_length(d) + arms + c->speed * *s;
+		const double distance_max = rb_vec3_length(d) + arms + c->speed * *s;
 
 		bend += 2 * axis->rate_max * (c->speed + c->external_max * *s) +
-		        axis->bend_max * far;
+		        axis->bend_max * distance_max;
 	}
 	return bend;
 }
 
 /* Seconds for which the axis proves that two parts do not touch. */
-static double proved_along(const struct course *c, const struct axis *axis,
+static double proved_along(const struct search_state *c, const struct axis *axis,
                            const struct rb_feature_side *a, const struct rb_feature_side *b)
 {
 	const struct axis back = reversed(axis);
@@ -377,11 +380,11 @@ static double proved_along(const struct course *c, const struct axis *axis,
 	if (axis->rate_max > 0)
 		max = fmin(max, 1 / axis->rate_max);
 	const double bend = bend_max(c, axis, a, b, &max);
-	for (int k = 0; k < CORNERS_ROUNDS; k++) {
+	for (int k = 0; k < CORNER_ITERATIONS; k++) {
 		const struct height on_a = highest(a, axis, s);
 		const struct height on_b = highest(b, &back, s);
-		const double next = fmin(gone_after(c, on_a, on_b, radii, bend), max);
-		/* the lowest parabola at the root of another one has an earlier root */
+		const double next = fmin(closed_after(c, on_a, on_b, radii, bend), max);
+		/* at the root of one parabola, the lowest one has an earlier root */
 		if (k > 0 && !(next < s))
 			break;
 		s = next;
@@ -403,10 +406,10 @@ static bool is_face(rb_part part)
 }
 
 /*
- * The normal of a plane as it turns. A plane extends without end, so only its own normal proves
- * anything, and the bounds are those of its rotation.
+ * The rotating normal of a plane. A plane is unbounded, so only its own normal proves a separation;
+ * the bounds are those of its rotation.
  */
-static struct axis axis_of_plane(const struct course *c, bool is_a, rb_vec3 n,
+static struct axis axis_of_plane(const struct search_state *c, bool is_a, rb_vec3 n,
                                  const struct rb_feature_side *plane)
 {
 	const double turn = is_a ? c->turn_a : c->turn_b;
@@ -418,11 +421,11 @@ static struct axis axis_of_plane(const struct course *c, bool is_a, rb_vec3 n,
 }
 
 /*
- * The direction that proves the gap now, continued: with the face that it belongs to, else by a
- * difference quotient. n + n' s normalized turns by at most |n'| and bends by at most 1.2 |n'|^2
- * per second squared.
+ * The present separating direction, continued: with the face that it belongs to, else by a
+ * difference quotient. n + n' s, normalized, turns at a rate of at most |n'|, with a second
+ * derivative of at most 1.2 |n'|^2.
  */
-static struct axis axis_of(const struct course *c, const rb_convex_touch *touch,
+static struct axis axis_of(const struct search_state *c, const rb_convex_touch *touch,
                            const struct rb_feature_side *a, const struct rb_feature_side *b)
 {
 	struct axis axis = {.n = touch->normal};
@@ -452,10 +455,10 @@ static struct axis axis_of(const struct course *c, const rb_convex_touch *touch,
 }
 
 /*
- * Seconds in which two parts surely do not touch; *gap is their gap, or a lower bound of it where
- * they are far apart.
+ * Seconds for which two parts certainly do not touch; *gap is their gap, or a lower bound of it if
+ * they are far apart. A bound beyond `tolerance` seconds needs no search.
  */
-static double safe_parts(const struct course *c, const struct rb_feature_side *a,
+static double safe_parts(const struct search_state *c, const struct rb_feature_side *a,
                          const struct rb_feature_side *b, double *gap, double tolerance)
 {
 	const rb_placed at_a = rb_feature_placed(a), at_b = rb_feature_placed(b);
@@ -472,40 +475,40 @@ static double safe_parts(const struct course *c, const struct rb_feature_side *a
 	const rb_convex_touch touch = rb_convex_gap(&at_a, &at_b);
 	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
 	const double closing = -rb_vec3_dot(touch.normal, w);
-	const struct axis keeps = {.n = touch.normal};
-	struct axis goes = axis_of(c, &touch, a, b);
+	const struct axis fixed = {.n = touch.normal};
+	struct axis moving = axis_of(c, &touch, a, b);
 	const bool plane = a->core->kind == RB_CORE_HALF_SPACE ||
 	                   b->core->kind == RB_CORE_HALF_SPACE;
 	double safe = 0;
 
 	*gap = touch.gap;
-	if (!plane || !(goes.rate_max > 0)) {
+	if (!plane || !(moving.rate_max > 0)) {
 		safe = rb_convex_safe_time(touch.gap, closing, c->speed - rb_vec3_length(w),
 		                           c->external_max);
 		if (safe >= c->horizon_s)
 			return safe;
-		safe = fmax(safe, proved_along(c, &keeps, a, b));
+		safe = fmax(safe, proved_along(c, &fixed, a, b));
 	}
-	if (goes.rate_max > 0)
-		safe = fmax(safe, proved_along(c, &goes, a, b));
+	if (moving.rate_max > 0)
+		safe = fmax(safe, proved_along(c, &moving, a, b));
 	if (a->core->kind == RB_CORE_CYLINDER || b->core->kind == RB_CORE_CYLINDER) {
-		goes.polar = true;
-		safe = fmax(safe, proved_along(c, &goes, a, b));
+		moving.polar = true;
+		safe = fmax(safe, proved_along(c, &moving, a, b));
 	}
 	return safe;
 }
 
-/* m: how far a point gets in a time, at most. */
-static double way_in(const struct course *c, double s)
+/* Bound on the relative distance travelled in s seconds, m. */
+static double travel_in(const struct search_state *c, double s)
 {
 	return c->speed * s + 0.5 * c->external_max * s * s;
 }
 
 /*
- * The same for a body and a terrain. Of what is far away, in terms of what is nearest, only that is
- * said, so that few facets are asked.
+ * The same for a body and a terrain. After the nearest facet of a part, the time is limited to what
+ * twice its distance takes, so that few facets are examined.
  */
-static double safe_over_terrain(const struct course *c, const struct rb_body_parts *terrain,
+static double safe_over_terrain(const struct search_state *c, const struct rb_body_parts *terrain,
                                 double *gap)
 {
 	const int of_a = rb_model_parts(c->l->model, c->pair.a)->count;
@@ -523,7 +526,7 @@ static double safe_over_terrain(const struct course *c, const struct rb_body_par
 		const double reach = rb_convex_reach(a.core);
 		rb_near_parts_begin(&near, terrain, there->position, there->orientation,
 		                    rb_vec3_add(here->position, a.at),
-		                    reach + c->band + way_in(c, safe));
+		                    reach + c->band + travel_in(c, safe));
 		while ((j = rb_near_parts_next(&near)) >= 0) {
 			double between;
 
@@ -538,14 +541,14 @@ static double safe_over_terrain(const struct course *c, const struct rb_body_par
 			first = false;
 			safe = fmin(safe, own);
 			*gap = fmin(*gap, between);
-			rb_near_parts_limit(&near, reach + c->band + way_in(c, safe));
+			rb_near_parts_limit(&near, reach + c->band + travel_in(c, safe));
 		}
 	}
 	return safe;
 }
 
-/* The same for two bodies: the earliest of all parts. */
-static double safe_bodies(const struct course *c, double *gap)
+/* The same for two bodies: the minimum over all pairs of parts. */
+static double safe_bodies(const struct search_state *c, double *gap)
 {
 	const struct rb_model *model = c->l->model;
 	const int of_a = rb_model_parts(model, c->pair.a)->count;
@@ -572,7 +575,7 @@ static double safe_bodies(const struct course *c, double *gap)
 
 /* ---- touching ---- */
 
-/* A pair, in order, at a time. */
+/* The pair on its arcs at t. */
 static struct rb_touch_pair pair_at(const struct rb_located *l, int a, int b, double t)
 {
 	return (struct rb_touch_pair){a, b, t, rb_arc_pose(l, a, t), rb_arc_pose(l, b, t)};
@@ -588,7 +591,7 @@ bool rb_approach_now(const struct rb_located *l, int a, int b, double t)
 }
 
 /* Gap of the pair at another time, m. */
-static double gap_at(const struct course *c, double t)
+static double gap_at(const struct search_state *c, double t)
 {
 	const struct rb_touch_pair pair = pair_at(c->l, c->pair.a, c->pair.b, t);
 	uint32_t parts;
@@ -598,10 +601,10 @@ static double gap_at(const struct course *c, double t)
 
 /*
  * Root of the gap between two times with gaps above and below zero, to rounding: secants, with a
- * bisection every third round. A point that parts so slowly that it is within the band all the time
- * hides that another one comes to touch: that is later.
+ * bisection every third iteration. While a point separates so slowly that it is within the band
+ * throughout, it hides another one that comes to touch: the touch is later.
  */
-static double crossing(const struct course *c, double low, double high)
+static double crossing(const struct search_state *c, double low, double high)
 {
 	double above = gap_at(c, low), below = gap_at(c, high);
 
@@ -628,11 +631,11 @@ static double crossing(const struct course *c, double low, double high)
 }
 
 /*
- * A pair that overlaps by rounding, parts at `from` and closes now has no gap to be followed back:
- * it is where it began after twice the time to its turn. Seen later it would hit faster than it has
- * parted, and so without end.
+ * Time of touch of a pair that overlaps by rounding, separates at `from` and closes now, which has
+ * no gap to trace back. It is back where it began after twice the time to its reversal. Found
+ * later, it would hit faster than it separated, and so rebound without end.
  */
-static double returned(const struct course *c, double from)
+static double returned(const struct search_state *c, double from)
 {
 	struct rb_touch_pair pair = pair_at(c->l, c->pair.a, c->pair.b, from);
 	double low = from, high = c->pair.t;
@@ -651,8 +654,8 @@ static double returned(const struct course *c, double from)
 	return fmin(from + 2 * (high - from), c->pair.t);
 }
 
-/* Moves a touch found within the band to where the gap is zero, to the resolution of time. */
-static double refined(const struct course *c, double from, double until)
+/* Moves a touch found within the band to the time of zero gap, to the resolution of time. */
+static double refined(const struct search_state *c, double from, double until)
 {
 	struct rb_contact_point all[RB_CONTACT_POINTS_MAX];
 	const int count = rb_touch_all(c->l, &c->pair, 0, all);
@@ -662,36 +665,40 @@ static double refined(const struct course *c, double from, double until)
 	for (int k = 0; k < count; k++) {
 		const double rate = rb_vec3_dot(all[k].velocity, all[k].normal);
 
-		/* a point that hardly closes falls by acceleration */
+		/* a point that hardly closes does so by acceleration */
 		if (rate < -c->noise && all[k].gap > 0)
 			sooner = fmin(sooner,
 			              falls_after(all[k].gap, rate,
 			                          -(c->external_max + c->bend_a + c->bend_b)));
-		/* of what slides and closes by little more than rounding that is no time */
-		else if (rate < -c->noise && (all[k].gap < -c->band ||
-		                              all[k].gap * c->speed >= leap_first * c->size * rate))
+		/*
+		 * for sliding bodies that close by little more than rounding, gap over rate is
+		 * meaningless
+		 */
+		else if (rate < -c->noise &&
+		         (all[k].gap < -c->band ||
+		          all[k].gap * c->speed >= min_share_first * c->size * rate))
 			sooner = fmin(sooner, all[k].gap / -rate);
 	}
 	if (!isfinite(sooner))
 		return t;
-	/* not back to the rebound it comes from */
+	/* not before the rebound from which it comes */
 	return t + sooner > from ? fmin(t + sooner, until) : returned(c, from);
 }
 
-/* Seconds in which a dip gets no deeper than DIP_ULP roundings of the size. */
-static double dip_time(const struct course *c)
+/* Seconds in which a dip gets no deeper than DIP_ULP ulp of the size. */
+static double dip_time(const struct search_state *c)
 {
 	return sqrt(DIP_ULP * DBL_EPSILON * c->size / (c->external_max + c->bend_a + c->bend_b));
 }
 
-/* Step of the series that follows the body's rotation, s; INFINITY: none is needed. */
+/* Step of the series for the body's rotation, s; INFINITY: none is needed. */
 static double series_step(const struct rb_located *l, int i)
 {
 	return l->top && i < l->n && !rb_located_on_piece(l, i) ? rb_top_step_s(&l->top[i])
 	                                                        : HUGE_VAL;
 }
 
-/* Multiplications needed to follow a body's rotation from its anchor to t. */
+/* Counted cost of evaluating a body's rotation from its anchor to t, products. */
 static uint64_t turning_cost(const struct rb_located *l, int i, double t)
 {
 	const double steps = (t - l->arc[i].anchor_s) / series_step(l, i);
@@ -700,23 +707,23 @@ static uint64_t turning_cost(const struct rb_located *l, int i, double t)
 }
 
 /* Advances until a touch is found, nothing can touch before `until`, or steps run out. */
-static void search(struct course *c, double from, double until, struct rb_approach *found)
+static void search(struct search_state *c, double from, double until, struct rb_approach *found)
 {
-	/* of a terrain few are near enough to be looked at */
+	/* few facets of a terrain are near enough to be examined */
 	const uint64_t inspection = rb_crowd_inspection(c->l, c->pair.a, c->pair.b, FACETS_NEAR);
 	/*
-	 * no farther ahead than rotation is followed soon: what spins a million times is asked
-	 * again
+	 * no farther than the rotation's series is soon evaluated: a body that spins a million
+	 * times is searched again later
 	 */
-	const double far = from + SERIES_MAX * fmin(series_step(c->l, c->pair.a),
-	                                            series_step(c->l, c->pair.b));
-	double t = from, leap = leap_first, gap;
+	const double limit_s = from + SERIES_MAX * fmin(series_step(c->l, c->pair.a),
+	                                                series_step(c->l, c->pair.b));
+	double t = from, min_share = min_share_first, gap;
 	bool rests = false;
 
 	for (int step = 0; step < STEPS_MAX; step++) {
 		place(c, t, until);
 		found->products += RB_LOCATED_FLIGHT;
-		double s = from_afar(c);
+		double s = ball_time(c);
 		if (s < 0) {
 			s = safe_bodies(c, &gap);
 			found->products += inspection;
@@ -737,11 +744,11 @@ static void search(struct course *c, double from, double until, struct rb_approa
 					return;
 				}
 			}
-			const double least = fmin(leap * c->size / c->speed, dip_time(c));
+			const double least = fmin(min_share * c->size / c->speed, dip_time(c));
 			if (s < least && c->speed > 0) {
 				/*
-				 * a parting pair has its gap half way to where it may be back; an
-				 * overlapping pair has none
+				 * a separating pair has a gap half way to where it may touch again;
+				 * an overlapping pair has none
 				 */
 				const double low = gap > c->band ? t : t + 0.5 * s;
 				const double high = fmin(t + least, until);
@@ -751,16 +758,16 @@ static void search(struct course *c, double from, double until, struct rb_approa
 					return;
 				}
 				s = least;
-				leap = fmin(2 * leap, leap_last);
+				min_share = fmin(2 * min_share, min_share_last);
 			} else {
-				leap = leap_first;
+				min_share = min_share_first;
 			}
 		}
 		s = fmax(s, 2 * DBL_EPSILON * t);
 		if (!(t + s <= until))
 			return;
-		if (!(t + s <= far)) {
-			t = far;
+		if (!(t + s <= limit_s)) {
+			t = limit_s;
 			break;
 		}
 		t += s;
@@ -773,7 +780,7 @@ struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, do
                                     double until)
 {
 	struct rb_approach found = {.touch_s = HUGE_VAL};
-	struct course c;
+	struct search_state c;
 
 	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
 	RB_ASSERT_COSTLY(a != b);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * When two bodies touch of which one at least is convex and no sphere: conservative steps
- * (conservative advancement, Mirtich 1996) that follow the direction which proves the gap, so that
- * they end on the root as Newton's do.
+ * Time of touch of two bodies, at least one of which is convex and no sphere: conservative
+ * advancement (Mirtich 1996) along a moving separating direction, so that the steps converge to the
+ * root like Newton's. Simulator's thread.
  */
 #ifndef RB_LOCATED_APPROACH_H
 #define RB_LOCATED_APPROACH_H
@@ -11,22 +11,23 @@
 
 struct rb_approach {
 	/*
-	 * INFINITY: none; else from the moment asked for on, or, with `again`, where to look again
+	 * INFINITY: none; else not before the time asked for; with `again`, where the search must
+	 * continue
 	 */
 	double touch_s;
 	bool again;
 	bool touching;     /* they touch at the beginning */
-	uint64_t products; /* what it has cost: see RB_LOCATED_PRODUCTS */
+	uint64_t products; /* cost of the search: see RB_LOCATED_PRODUCTS */
 };
 
 /*
- * The first moment in [from, until] at which they touch and approach at a point, neither of them
- * beyond its piece.
+ * First time in [from, until] at which they touch and approach at a point; the interval is within
+ * their pieces.
  */
 struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, double from,
                                     double until);
 
-/* Do they touch at this moment and approach at a point, by more than rounding? */
+/* True if they touch at t and approach at a point faster than rounding. */
 bool rb_approach_now(const struct rb_located *l, int a, int b, double t);
 
 #endif

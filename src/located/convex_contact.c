@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Contact points of convex parts by the names of their features: once found by a search (manifold),
- * a point is followed in closed form (located/feature) until it leaves its features, which makes
- * gaps and their rates smooth functions of time. Where features have no closed form, the search is
- * repeated and rates are central differences.
+ * Contact points of convex parts, identified by their features. A search (geom/manifold) finds a
+ * point; from then on it is a closed form of the poses (located/feature) until it leaves its
+ * features, so that gaps and their rates are smooth functions of time. Where features have no
+ * closed form, the search is repeated and rates are central differences.
  */
 #include "located/convex_contact.h"
 
@@ -16,15 +16,15 @@
 #include "model/parts.h"
 
 /*
- * A point this many bands from the end of its features and moving there is about to leave them;
- * what takes over is sought this many bands ahead.
+ * A point within this many bands of the end of its features and moving towards it is about to leave
+ * them; the features that take over are sought this many bands ahead.
  */
 enum { LEAVING_BANDS = 4, AHEAD_BANDS = 64 };
-/* Features passed in a row: face, edge, corner, edge, face, on both sides. */
+/* Features passed in a row, at most: face, edge, corner, edge, face, on both sides. */
 enum { FEATURES_PASSED = 8 };
 /*
- * Step of difference quotients, as a share of the size travelled: the cube root of the precision, a
- * third of the digits for the step and two for the rest.
+ * Step of difference quotients, as a share of the size travelled: the cube root of the precision,
+ * which leaves a third of the digits to the step and two thirds to the difference.
  */
 static const double moment_share = 0x1p-17;
 
@@ -65,14 +65,14 @@ void rb_touch_side(const struct rb_located *l, int i, int part, const struct rb_
 
 /* ---- one point ---- */
 
-/* Two parts as feature functions see them, both relative to a's centre of mass. */
-struct couple {
+/* Two parts as the feature functions take them, both relative to a's centre of mass. */
+struct part_pair {
 	struct rb_feature_side a, b;
 };
 
-/* Both parts of a pair at its poses. */
-static void couple_of(const struct rb_located *l, const struct rb_touch_pair *pair, uint32_t parts,
-                      struct couple *c)
+/* Both parts at the poses of the pair. */
+static void place_parts(const struct rb_located *l, const struct rb_touch_pair *pair,
+                        uint32_t parts, struct part_pair *c)
 {
 	RB_ASSERT_COSTLY((int)part_of_a(parts) < rb_model_parts(l->model, pair->a)->count);
 	RB_ASSERT_COSTLY((int)part_of_b(parts) < rb_model_parts(l->model, pair->b)->count);
@@ -82,10 +82,10 @@ static void couple_of(const struct rb_located *l, const struct rb_touch_pair *pa
 }
 
 /*
- * The point of that name as a search finds it, relative to the first side; false: there is none of
- * that name, and the result is another point.
+ * Searches for the point named `key`, relative to the first side; false: there is none, and *out is
+ * another point.
  */
-static bool search_name(const struct couple *c, uint64_t key, struct rb_feature_point *out)
+static bool search_name(const struct part_pair *c, uint64_t key, struct rb_feature_point *out)
 {
 	const rb_placed a = rb_feature_placed(&c->a), b = rb_feature_placed(&c->b);
 	rb_manifold manifold;
@@ -106,8 +106,8 @@ static bool search_name(const struct couple *c, uint64_t key, struct rb_feature_
 	return which >= 0;
 }
 
-/* Largest relative speed of any two of their points, m/s. */
-static double speed_of(const struct couple *c)
+/* Bound of the relative speed of any two of their points, m/s. */
+static double speed_of(const struct part_pair *c)
 {
 	return rb_vec3_length(rb_vec3_sub(c->b.velocity, c->a.velocity)) +
 	       rb_vec3_length(c->a.spin) * (c->a.core->reach + c->a.core->radius) +
@@ -115,7 +115,7 @@ static double speed_of(const struct couple *c)
 }
 
 /* Size of the smaller part, m; a half space has none. */
-static double size_of(const struct couple *c)
+static double size_of(const struct part_pair *c)
 {
 	const double a = c->a.core->reach + c->a.core->radius;
 	const double b = c->b.core->reach + c->b.core->radius;
@@ -123,8 +123,8 @@ static double size_of(const struct couple *c)
 	return a > 0 && b > 0 ? fmin(a, b) : fmax(a, b);
 }
 
-/* By a search where there is no closed form; rates by differences. */
-static void find(const struct couple *c, uint64_t key, struct rb_feature_point *out)
+/* Finds the point by a search, where there is no closed form; rates by differences. */
+static void search_with_rates(const struct part_pair *c, uint64_t key, struct rb_feature_point *out)
 {
 	const double speed = speed_of(c), s = speed > 0 ? moment_share * size_of(c) / speed : 0;
 	struct rb_feature_point p[2];
@@ -141,8 +141,8 @@ static void find(const struct couple *c, uint64_t key, struct rb_feature_point *
 	p[0] = p[1] = *out;
 	for (int k = 0; k < 2; k++) {
 		const double time = k ? s : -s;
-		const struct couple there = {rb_feature_later(&c->a, time),
-		                             rb_feature_later(&c->b, time)};
+		const struct part_pair there = {rb_feature_later(&c->a, time),
+		                                rb_feature_later(&c->b, time)};
 		struct rb_feature_point found;
 
 		if (!search_name(&there, key, &found))
@@ -158,14 +158,15 @@ static void find(const struct couple *c, uint64_t key, struct rb_feature_point *
 	out->point_rate = rb_vec3_scale(per, rb_vec3_sub(p[1].point, p[0].point));
 }
 
-/* Contact point of that name, with arms and rates about the centres of mass. */
+/* Contact point named `key`, with arms and rates relative to the centres of mass. */
 static struct rb_contact_point point_of_pair(const struct rb_touch_pair *pair,
-                                             const struct couple *c, uint32_t parts, uint64_t key)
+                                             const struct part_pair *c, uint32_t parts,
+                                             uint64_t key)
 {
 	struct rb_feature_point p;
 
 	if (!rb_feature_contact(&p, &c->a, &c->b, key))
-		find(c, key, &p);
+		search_with_rates(c, key, &p);
 	struct rb_contact_point m = {.a = pair->a,
 	                             .b = pair->b,
 	                             .parts = parts,
@@ -194,11 +195,11 @@ struct rb_contact_point rb_touch_of(const struct rb_located *l, const struct rb_
                                     const struct rb_pose *pose_a, const struct rb_pose *pose_b)
 {
 	const struct rb_touch_pair pair = {name->a, name->b, 0, *pose_a, *pose_b};
-	struct couple c;
+	struct part_pair c;
 
 	RB_ASSERT_COSTLY(rb_located_is_body(l, name->a) && rb_located_is_body(l, name->b));
 	RB_ASSERT_COSTLY(l->model->parts != NULL);
-	couple_of(l, &pair, name->parts, &c);
+	place_parts(l, &pair, name->parts, &c);
 	c.a.half = c.b.half = name->half;
 	return point_of_pair(&pair, &c, name->parts, name->key);
 }
@@ -206,10 +207,10 @@ struct rb_contact_point rb_touch_of(const struct rb_located *l, const struct rb_
 bool rb_touch_half(const struct rb_located *l, const struct rb_contact_point *m, rb_vec3 *half)
 {
 	const struct rb_touch_pair pair = {m->a, m->b, 0, m->pose_a, m->pose_b};
-	struct couple c;
+	struct part_pair c;
 
 	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
-	couple_of(l, &pair, m->parts, &c);
+	place_parts(l, &pair, m->parts, &c);
 	c.a.half = c.b.half = m->half;
 	return rb_feature_half(&c.a, &c.b, m->key, half);
 }
@@ -218,11 +219,11 @@ bool rb_touch_rim_of(const struct rb_located *l, const struct rb_contact_point *
                      struct rb_feature_flat_rim *rim)
 {
 	const struct rb_touch_pair pair = {m->a, m->b, 0, m->pose_a, m->pose_b};
-	struct couple c;
+	struct part_pair c;
 
 	if (!rb_pair_has_features(l, m->a, m->b) || !rb_feature_is_quarter(m->key))
 		return false;
-	couple_of(l, &pair, m->parts, &c);
+	place_parts(l, &pair, m->parts, &c);
 	c.a.half = c.b.half = m->half;
 	return rb_feature_flat_rim(&c.a, &c.b, m->key, rim);
 }
@@ -240,11 +241,13 @@ struct rb_contact_point rb_touch_on_rim(const struct rb_located *l,
 }
 
 /*
- * The point at the features within whose bounds it lies. A search tells features that share a
- * normal apart only to the root of rounding, and a face has points below those beyond its border.
+ * The contact point at the features within whose bounds it lies. A search distinguishes features of
+ * nearly equal normals only to the root of the precision, and a face may name points beyond its
+ * border.
  */
 static struct rb_contact_point contact_within(const struct rb_touch_pair *pair,
-                                              const struct couple *c, uint32_t parts, uint64_t key)
+                                              const struct part_pair *c, uint32_t parts,
+                                              uint64_t key)
 {
 	struct rb_contact_point m = point_of_pair(pair, c, parts, key);
 
@@ -262,18 +265,18 @@ struct rb_contact_point rb_touch_passed_on(const struct rb_located *l,
                                            const struct rb_contact_point *m)
 {
 	const struct rb_touch_pair pair = {m->a, m->b, 0, m->pose_a, m->pose_b};
-	struct couple c;
+	struct part_pair c;
 
 	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
-	couple_of(l, &pair, m->parts, &c);
+	place_parts(l, &pair, m->parts, &c);
 	return contact_within(&pair, &c, m->parts, m->key);
 }
 
-/* ---- the nearest ---- */
+/* ---- the nearest point ---- */
 
-/* Parts of b that come within a distance of a part of a, of which only b may be a terrain. */
-static void near_part(const struct rb_located *l, const struct rb_touch_pair *pair, int part_a,
-                      double within, struct rb_near_parts *near, double *reach)
+/* Iterates over parts of b within `within` of a part of a; only b may be a terrain. */
+static void iterate_near(const struct rb_located *l, const struct rb_touch_pair *pair, int part_a,
+                         double within, struct rb_near_parts *near, double *reach)
 {
 	const struct rb_body_parts *const parts = rb_model_parts(l->model, pair->b);
 	struct rb_feature_side a;
@@ -289,7 +292,7 @@ static void near_part(const struct rb_located *l, const struct rb_touch_pair *pa
 }
 
 /* Lower bound of the distance of two parts by their bounding balls, m; -INFINITY for a plane. */
-static double least_between(const struct couple *c)
+static double ball_gap(const struct part_pair *c)
 {
 	const rb_core *a = c->a.core, *b = c->b.core;
 
@@ -304,7 +307,7 @@ double rb_touch_gap(const struct rb_located *l, const struct rb_touch_pair *pair
 	const int of_a = rb_model_parts(l->model, pair->a)->count;
 	const int of_b = rb_model_parts(l->model, pair->b)->count;
 	double least = (double)INFINITY;
-	struct couple c;
+	struct part_pair c;
 
 	*parts = 0;
 	for (int i = 0; i < of_a; i++) {
@@ -312,11 +315,11 @@ double rb_touch_gap(const struct rb_located *l, const struct rb_touch_pair *pair
 		double reach;
 		int j;
 
-		near_part(l, pair, i, fmax(least, 0), &near, &reach);
+		iterate_near(l, pair, i, fmax(least, 0), &near, &reach);
 		while ((j = rb_near_parts_next(&near)) >= 0) {
 			const uint32_t these = (uint32_t)i << 16 | (uint32_t)j;
-			couple_of(l, pair, these, &c);
-			if (of_a * of_b > 1 && least_between(&c) > least)
+			place_parts(l, pair, these, &c);
+			if (of_a * of_b > 1 && ball_gap(&c) > least)
 				continue;
 			const rb_placed a = rb_feature_placed(&c.a), b = rb_feature_placed(&c.b);
 			const rb_separation s = rb_separation_of(&a, &b);
@@ -336,7 +339,7 @@ struct rb_contact_point rb_touch_nearest(const struct rb_located *l, int a, int 
 {
 	const struct rb_touch_pair pair = {a, b, 0, *pose_a, *pose_b};
 	rb_manifold manifold;
-	struct couple c;
+	struct part_pair c;
 	uint32_t parts = 0;
 	int best = 0;
 
@@ -344,7 +347,7 @@ struct rb_contact_point rb_touch_nearest(const struct rb_located *l, int a, int 
 	RB_ASSERT_COSTLY(a != b);
 	if (rb_model_parts(l->model, a)->count * rb_model_parts(l->model, b)->count > 1)
 		rb_touch_gap(l, &pair, &parts);
-	couple_of(l, &pair, parts, &c);
+	place_parts(l, &pair, parts, &c);
 	const rb_placed at_a = rb_feature_placed(&c.a), at_b = rb_feature_placed(&c.b);
 	rb_manifold_of(&manifold, &at_a, &at_b, 0);
 	for (int k = 1; k < manifold.count; k++)
@@ -354,16 +357,16 @@ struct rb_contact_point rb_touch_nearest(const struct rb_located *l, int a, int 
 	return contact_within(&pair, &c, parts, key);
 }
 
-/* ---- all ---- */
+/* ---- all points ---- */
 
-/* Share of the size by which a point's gap may be below its pair's by rounding. */
-static const double astray = 1e-9;
+/* Share of the size by which rounding may put a point's gap below that of its pair. */
+static const double below_share = 1e-9;
 
 struct search {
 	const struct rb_located *l;
-	const struct rb_touch_pair *pair; /* as names are added: then, or a moment later */
-	double depth;                     /* m: of manifolds */
-	double speed;                     /* m/s: of the bodies, turning included */
+	const struct rb_touch_pair *pair; /* whose names are added */
+	double depth;                     /* m: depth of manifolds */
+	double speed;                     /* m/s: relative, rotation included */
 	struct rb_contact_name name[RB_CONTACT_POINTS_MAX];
 	int count;
 	double least; /* m: gap of the pair */
@@ -380,7 +383,10 @@ static void add_name(struct search *s, const struct rb_contact_name *name)
 	RB_ASSERT(s->count <= RB_CONTACT_POINTS_MAX);
 }
 
-/* Centre of mass of a pair, weighed by how they yield, seen from that of a. */
+/*
+ * Mean of the pair's centres of mass, weighted by inverse mass, relative to that of a: for a fixed
+ * body the centre of the other.
+ */
 static rb_vec3 middle_of(const struct rb_located *l, const struct rb_touch_pair *pair)
 {
 	const double a = pair->a < l->n ? l->model->inverse_mass[pair->a] : 0;
@@ -391,10 +397,11 @@ static rb_vec3 middle_of(const struct rb_located *l, const struct rb_touch_pair 
 }
 
 /*
- * A rim that lies flat touches all round, and four quarters of it determine how it lies. When it
- * comes to lie flat, or tilts from there, the quarters are counted from the point of first contact.
+ * Adds a name. A rim that lies flat touches all round, and four quarters of it determine its
+ * support. When it comes to lie flat, or tilts from there, the quarters are counted from the point
+ * of first contact.
  */
-static void add_rim(struct search *s, const struct couple *c, const struct rb_contact_name *name)
+static void add_rim(struct search *s, const struct part_pair *c, const struct rb_contact_name *name)
 {
 	const struct rb_contact_point m = rb_touch_of(s->l, name, &s->pair->pose_a,
 	                                              &s->pair->pose_b);
@@ -414,18 +421,18 @@ static void add_rim(struct search *s, const struct couple *c, const struct rb_co
 
 		landing.key = rb_feature_of_rim(&rim, name->key, k >= 2);
 		landing.half = k % 2 == 0 ? rim.way : rb_vec3_neg(rim.way);
-		/* unless past the border of the face that it lands on */
+		/* unless past the border of the face on which it lands */
 		if (!(rb_touch_of(s->l, &landing, &s->pair->pose_a, &s->pair->pose_b).inside <
 		      -s->depth))
 			add_name(s, &landing);
 	}
-	/* where only the rim's foremost point is over the face, these are all past its border */
+	/* if only the rim's foremost point is over the face, all four are past its border */
 	if (s->count == before)
 		add_name(s, name);
 }
 
-/* m/s: how fast they part along the normal where they touch, the least of all points. */
-static double parting_speed(const struct couple *c, const rb_manifold *manifold)
+/* Smallest separating speed along the normal over all points, m/s. */
+static double separating_speed(const struct part_pair *c, const rb_manifold *manifold)
 {
 	double least = (double)INFINITY;
 
@@ -442,8 +449,8 @@ static double parting_speed(const struct couple *c, const rb_manifold *manifold)
 	return least;
 }
 
-/* m/s: what rounding makes of it. */
-static double parting_noise(const struct search *s, const rb_manifold *manifold)
+/* Rounding of the separating speed, m/s. */
+static double separating_noise(const struct search *s, const rb_manifold *manifold)
 {
 	struct rb_contact_point m = {.a = s->pair->a,
 	                             .b = s->pair->b,
@@ -456,16 +463,16 @@ static double parting_noise(const struct search *s, const rb_manifold *manifold)
 }
 
 /*
- * Bodies that touch in a line or a corner only are parted by many planes, and the overlap to come
- * grows along the one that they approach least: what slides over flush bodies does not meet their
- * sides. Faces are tried where the direction of the search is approached.
+ * Bodies that touch only in a line or a corner are separated by many planes, and the overlap to
+ * come grows along the one towards which they move least: a body that slides over flush bodies does
+ * not hit their sides. Tries the faces if the bodies approach along the normal of the search.
  */
-static void choose_normal(const struct search *s, const struct couple *c, rb_manifold *manifold)
+static void choose_normal(const struct search *s, const struct part_pair *c, rb_manifold *manifold)
 {
 	const rb_placed side[2] = {rb_feature_placed(&c->a), rb_feature_placed(&c->b)};
 	const double radii = side[0].core->radius + side[1].core->radius;
-	const double noise = parting_noise(s, manifold);
-	double best = parting_speed(c, manifold);
+	const double noise = separating_noise(s, manifold);
+	double best = separating_speed(c, manifold);
 
 	if (!(manifold->gap >= -s->depth) || !(best < -noise) ||
 	    side[0].core->kind == RB_CORE_HALF_SPACE || side[1].core->kind == RB_CORE_HALF_SPACE)
@@ -482,7 +489,7 @@ static void choose_normal(const struct search *s, const struct couple *c, rb_man
 			if (!(gap >= -s->depth))
 				continue;
 			rb_manifold_along(&along, &side[0], &side[1], n, s->depth);
-			const double speed = along.count > 0 ? parting_speed(c, &along)
+			const double speed = along.count > 0 ? separating_speed(c, &along)
 			                                     : -(double)INFINITY;
 			if (!(speed > best + noise))
 				continue;
@@ -491,8 +498,8 @@ static void choose_normal(const struct search *s, const struct couple *c, rb_man
 		}
 }
 
-/* The side of a facet that faces a. */
-static rb_part side_towards(const struct couple *c, rb_vec3 normal)
+/* Name of the side of a facet that faces a. */
+static rb_part side_towards(const struct part_pair *c, rb_vec3 normal)
 {
 	const rb_placed b = rb_feature_placed(&c->b);
 
@@ -500,9 +507,9 @@ static rb_part side_towards(const struct couple *c, rb_vec3 normal)
 }
 
 /*
- * What lies flat on triangles in one plane shares with each of them a polygon of its own. Corners
- * where these meet are none of the whole, and friction would act there. `at`: m, on the terrain,
- * from its place.
+ * True if the point is on a seam of coplanar triangles. A body that lies flat on several of them
+ * shares a polygon with each; corners of these on a seam are no corners of their union, and
+ * friction would act there. `at`: m, on the terrain, relative to its position.
  */
 static bool is_on_seam(const struct rb_located *l, const struct rb_contact_name *name,
                        const struct rb_pose *pose_b, rb_vec3 at)
@@ -517,10 +524,10 @@ static bool is_on_seam(const struct rb_located *l, const struct rb_contact_name 
 }
 
 /*
- * By rounding a corner over a seam may be on neither side of it: names it as one of this side.
+ * Names a corner over a seam as one of this triangle, since rounding may put it on neither side.
  * False: it is no corner.
  */
-static bool name_corner(const struct couple *c, const rb_manifold *manifold, int k,
+static bool name_corner(const struct part_pair *c, const rb_manifold *manifold, int k,
                         struct rb_contact_name *name)
 {
 	const rb_placed a = rb_feature_placed(&c->a);
@@ -533,13 +540,13 @@ static bool name_corner(const struct couple *c, const rb_manifold *manifold, int
 	return true;
 }
 
-/* Names of all points of all parts within the depth. */
+/* Adds the names of all points of all parts within the depth. */
 static void add_names(struct search *s, const struct rb_touch_pair *pair)
 {
 	const int of_a = rb_model_parts(s->l->model, pair->a)->count;
 	const rb_vec3 none = {0, 0, 0};
 	rb_manifold manifold;
-	struct couple c;
+	struct part_pair c;
 
 	s->pair = pair;
 	for (int i = 0; i < of_a; i++) {
@@ -547,11 +554,11 @@ static void add_names(struct search *s, const struct rb_touch_pair *pair)
 		double reach;
 		int j;
 
-		near_part(s->l, pair, i, s->depth, &near, &reach);
+		iterate_near(s->l, pair, i, s->depth, &near, &reach);
 		while ((j = rb_near_parts_next(&near)) >= 0) {
 			const uint32_t parts = (uint32_t)i << 16 | (uint32_t)j;
-			couple_of(s->l, pair, parts, &c);
-			if (least_between(&c) > s->depth)
+			place_parts(s->l, pair, parts, &c);
+			if (ball_gap(&c) > s->depth)
 				continue;
 			const rb_placed a = rb_feature_placed(&c.a), b = rb_feature_placed(&c.b);
 			rb_manifold_of(&manifold, &a, &b, s->depth);
@@ -579,8 +586,8 @@ static void add_names(struct search *s, const struct rb_touch_pair *pair)
 	}
 }
 
-/* Moves a pose on by s seconds at constant velocities. */
-static void go_on(struct rb_pose *pose, double s)
+/* Advances a pose by s seconds at constant velocities. */
+static void advance_pose(struct rb_pose *pose, double s)
 {
 	const rb_quat turn = rb_quat_from_turn(rb_vec3_scale(s, pose->spin));
 
@@ -596,25 +603,25 @@ static int by_name(const void *left, const void *right)
 }
 
 /*
- * m/s: what leaves its features more slowly is not seen to leave, since where the bodies are once
- * it has says nothing of now. Over a way x, turning and curvature change gaps by x^2 / size, which
- * must be within the bands by which it has left.
+ * Speed, m/s, below which a point is not taken to leave its features, because the positions after
+ * it has left are too far from the present ones. Over a distance x, rotation and curvature change
+ * gaps by x^2 / size, which must be within the AHEAD_BANDS bands.
  */
-static double slowest_of(const struct search *s, const struct rb_contact_point *m, double band)
+static double slowest_leaving(const struct search *s, const struct rb_contact_point *m, double band)
 {
 	return s->speed * sqrt(AHEAD_BANDS * band / rb_contact_point_size(s->l, m));
 }
 
-/* True if the point is close to the end of its features and moving there. */
+/* True if the point is close to the end of its features and moving towards it. */
 static bool is_leaving(const struct rb_contact_point *m, double band, double slowest)
 {
 	return m->inside <= LEAVING_BANDS * band && m->inside_rate < -slowest;
 }
 
 /*
- * Contact points of the names that touch; returns their number and the highest speed at which one
- * leaves its features. Names known to take over are examined as well, since a search tells them
- * apart only to the root of rounding.
+ * Collects the contact points of the names that touch; returns their number and, in *leaving, the
+ * highest speed at which one leaves its features. Names known to take over are evaluated as well,
+ * since a search distinguishes them only to the root of the precision.
  */
 static int collect(struct search *s, const struct rb_touch_pair *pair, double slack,
                    struct rb_contact_point *all, double *leaving)
@@ -628,7 +635,7 @@ static int collect(struct search *s, const struct rb_touch_pair *pair, double sl
 		                                              &pair->pose_b);
 		const double band = rb_contact_point_band(s->l, &m, pair->t);
 		const double noise = rb_contact_point_noise(s->l, &m);
-		const bool leaves = is_leaving(&m, band, fmax(noise, slowest_of(s, &m, band)));
+		const bool leaves = is_leaving(&m, band, fmax(noise, slowest_leaving(s, &m, band)));
 
 		if (m.beyond != 0 && (leaves || m.inside < -band)) {
 			const struct rb_contact_name next = {
@@ -636,16 +643,19 @@ static int collect(struct search *s, const struct rb_touch_pair *pair, double sl
 			const struct rb_contact_point n = rb_touch_of(s->l, &next, &pair->pose_a,
 			                                              &pair->pose_b);
 
-			/* parallel lines: rounding leads nowhere; beyond a seam is a neighbour */
+			/*
+			 * between parallel lines rounding decides nothing; beyond a seam is a
+			 * neighbour
+			 */
 			if (!is_on_seam(s->l, &next, &pair->pose_b, n.arm_b) &&
 			    n.inside > fmin(m.inside, -LEAVING_BANDS * band)) {
 				add_name(s, &next);
 				continue;
 			}
 		}
-		/* features that touch only at their ends may be anywhere */
+		/* points of features that touch only at their ends may be anywhere */
 		if (!(m.gap <= band + slack) ||
-		    m.gap < s->least - s->depth - astray * rb_contact_point_size(s->l, &m))
+		    m.gap < s->least - s->depth - below_share * rb_contact_point_size(s->l, &m))
 			continue;
 		if (leaves) {
 			*leaving = fmax(*leaving, -m.inside_rate);
@@ -668,7 +678,7 @@ int rb_touch_all(const struct rb_located *l, const struct rb_touch_pair *pair, d
 	struct search s = {.l = l, .least = HUGE_VAL};
 	double leaving;
 
-	/* no less than the band of any of its points */
+	/* a speed, and so a band, no less than that of any point */
 	const double turning = rb_vec3_length(pair->pose_a.spin) *
 	                               rb_model_reach(l->model, pair->a) +
 	                       rb_vec3_length(pair->pose_b.spin) *
@@ -680,12 +690,12 @@ int rb_touch_all(const struct rb_located *l, const struct rb_touch_pair *pair, d
 	add_names(&s, pair);
 	int count = collect(&s, pair, slack, all, &leaving);
 	if (leaving > 0) {
-		/* what takes over is what touches a moment later */
+		/* the features that take over are those that touch a moment later */
 		struct rb_touch_pair later = *pair;
 		const double ahead = AHEAD_BANDS * band / leaving;
 
-		go_on(&later.pose_a, ahead);
-		go_on(&later.pose_b, ahead);
+		advance_pose(&later.pose_a, ahead);
+		advance_pose(&later.pose_b, ahead);
 		s.depth += 2 * ahead * resting.velocity.x;
 		add_names(&s, &later);
 		count = collect(&s, pair, slack, all, &leaving);

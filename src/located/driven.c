@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A driven body's function of time, or that which a motor follows, becomes pieces, polynomials of
- * degree 8 through values or velocities at nodes, so that it moves on the same dense output as
- * integrated bodies. The length of a piece follows from its error at test points; functions with
- * kinks end in tiny pieces, jumps and contradicting velocities are refused (step/motion).
+ * The function of time of a driven body or a motor becomes pieces: polynomials of degree 8 through
+ * values or velocities at nodes, the same dense output as that of integrated bodies. The length of
+ * a piece follows from its error at test points. Kinks lead to tiny pieces; jumps, and velocities
+ * that contradict positions, are refused (step/motion).
  */
 #include "located/driven.h"
 
@@ -16,13 +16,13 @@
 #include <string.h>
 
 /*
- * Nodes; test points; pieces of the tried length in a row before twice the length is tried; ulp of
- * time below which the end of the run needs no piece.
+ * Nodes; test points; successive pieces of the length tried before twice the length is tried; ulp
+ * of time below which the rest of the run needs no piece.
  */
 enum { NODES = RB_GAUSS_NODES, CHECKS = 3, CALM_PIECES = 8, SLIVER_ULP = 16 };
-/* Of a motor's pieces: as of a body without orientation, of which x counts. */
+/* Rows of a motor's piece: those of a body without orientation, of which only x is used. */
 enum { MOTOR_ROWS = RB_PIECE_ORIENTATION };
-/* How much longer these may be. */
+/* Factor by which these may be longer. */
 enum { MOTOR_LONGER = 4 };
 
 /* Nodes for velocities: those of Lobatto's quadrature, which include both ends. */
@@ -37,10 +37,11 @@ static const double velocity_node[NODES] = {
 	1,
 };
 /*
- * Nodes for poses where no velocities are given: the zeros of the Jacobi polynomial P_6^(1,2), and
- * the end. With pose and velocity at the beginning they determine a polynomial of degree eight. An
- * error of that velocity, which the last piece ended with, reappears at the other end times prod (1
- * - s)/s = 1/4: it decays. The last node replaces that velocity where there is none.
+ * Nodes for poses if no velocities are given: the zeros of the Jacobi polynomial P_6^(1,2), and the
+ * end. Together with pose and velocity at the beginning they determine a polynomial of degree
+ * eight. An error of that velocity, taken from the end of the last piece, reappears at the other
+ * end times prod (1 - s)/s = 1/4: it decays. The last node replaces that velocity where there is
+ * none.
  */
 static const double pose_node[NODES] = {
 	0.10030907272538186727,
@@ -55,56 +56,63 @@ static const double pose_node[NODES] = {
 /* Test points between nodes of both kinds, where interpolation is worst. */
 static const double check_at[CHECKS] = {0.15, 0.55, 0.88};
 
-/* Error of a piece, ulp, that is accepted for a smooth function. */
+/* Error of a piece accepted for a smooth function, ulp. */
 static const double near_ulp = 16;
 /*
- * Where halving does not help, an error up to noise_ulp is the function's rounding, and one up to
- * this share of sizes a kink in it.
+ * If halving does not help, an error up to noise_ulp is taken for the function's rounding, and one
+ * up to this share of sizes for a kink.
  */
 static const double noise_ulp = 1e5, kink_share = 1e-9;
-/* Shortest piece as a share of the longest that only kinks lead to; its ends may look smooth. */
+/*
+ * Shortest piece, as a share of the longest, that is not due to a kink; shorter ones are, even if
+ * they look smooth.
+ */
 static const double kink_length = 0x1p-24;
 /*
- * Shares by which velocities may lead elsewhere than positions: more than a kink leaves of either.
+ * Share by which integrated velocities may differ from positions: more than a kink leaves in
+ * either.
  */
 static const double contradiction = 1e-8;
-/* Share of a piece below which a remainder joins it: lengths have 8 binary digits. */
+/*
+ * Share of a piece below which a remainder of the run is added to it: lengths have 8 binary digits.
+ */
 static const double sliver = 0x1p-8;
 
-#define DRIVEN_FIELDS(X)                                                                     \
-	X(struct rb_gauss_piece, piece, , "", "of its function", RB_BY_HAND)                 \
-	X(double *, block, , "", "owned", RB_DERIVED)                                        \
-	X(double *, end_rate, , "1/s", "[n] of the piece's values at its end", RB_BY_HAND)   \
-	X(double, end_s, , "s", "where the piece has ended; NAN: none has, or not smoothly", \
-	  RB_NUMBER)                                                                         \
-	X(double, try_s, , "s", "length of the next piece", RB_FINITE)                       \
-	X(double, near_ulp, , "1", "of the function, as far as is known", RB_FINITE)         \
-	X(int, calm, , "", "pieces in a row that were as long as tried", RB_WITHIN(0, INT_MAX))
+#define DRIVEN_FIELDS(X)                                                                      \
+	X(struct rb_gauss_piece, piece, , "", "of its function", RB_BY_HAND)                  \
+	X(double *, block, , "", "owned", RB_DERIVED)                                         \
+	X(double *, end_rate, , "1/s", "[n] of the piece's values at its end", RB_BY_HAND)    \
+	X(double, end_s, , "s", "end of the last piece; NAN: none yet, or it ends in a kink", \
+	  RB_NUMBER)                                                                          \
+	X(double, try_s, , "s", "length of the next piece", RB_FINITE)                        \
+	X(double, near_ulp, , "1", "accepted error, from the function's observed rounding",   \
+	  RB_FINITE)                                                                          \
+	X(int, calm, , "", "successive pieces as long as tried", RB_WITHIN(0, INT_MAX))
 
-/* What is kept of a driven body from piece to piece. */
+/* State of a driven function, kept from piece to piece. */
 struct rb_driven {
 	DRIVEN_FIELDS(RB_FIELD_MEMBER)
 };
 static RB_FIELDS_DECLARE(driven_fields);
 static RB_FIELDS_DEFINE(driven_fields, struct rb_driven, DRIVEN_FIELDS);
 
-/* The function of a body, or of what the motor of a joint follows, over one piece. */
+/* The function of a body or a motor over one piece. */
 struct drive {
 	struct rb_located *l;
 	struct rb_driven *own;
 	int i;
-	bool motor;  /* i is a joint's number */
-	bool turns;  /* there are orientations */
-	double size; /* of which errors are shares: m; of a hinge's motor 1 rad */
+	bool motor;  /* i is a joint's number, else a body index */
+	bool turns;  /* it has orientations */
+	double size; /* to which errors are relative: m; for a hinge's motor 1 rad */
 	double origin_s, length_s;
-	double first_s, longest_s; /* of lengths: tried first, possible */
-	bool given[2];             /* velocities, angular velocities are */
-	bool fresh;                /* nothing is known of the velocity at the beginning */
+	double first_s, longest_s; /* lengths: tried first; longest */
+	bool given[2];             /* by the function: velocities, angular velocities */
+	bool fresh;                /* the velocity at the beginning is unknown */
 	struct rb_driven_pose begin, moving[NODES], placed[NODES];
 };
 
-/* The function at a part of the piece; false: it failed. */
-static bool ask(const struct drive *d, double part, struct rb_driven_pose *pose)
+/* Calls the function at a fraction of the piece; false: it failed. */
+static bool call_function(const struct drive *d, double part, struct rb_driven_pose *pose)
 {
 	struct rb_located *l = d->l;
 
@@ -128,10 +136,10 @@ static bool ask(const struct drive *d, double part, struct rb_driven_pose *pose)
 static bool sample(struct drive *d)
 {
 	for (int k = 0; k < NODES && (d->given[0] || (d->turns && d->given[1])); k++)
-		if (!ask(d, velocity_node[k], &d->moving[k]))
+		if (!call_function(d, velocity_node[k], &d->moving[k]))
 			return false;
 	for (int k = 0; k < NODES && (!d->given[0] || (d->turns && !d->given[1])); k++)
-		if (!ask(d, pose_node[k], &d->placed[k]))
+		if (!call_function(d, pose_node[k], &d->placed[k]))
 			return false;
 	return true;
 }
@@ -159,7 +167,10 @@ static void swap(double *a, double *b)
 	*b = kept;
 }
 
-/* Gaussian elimination with row pivots; solutions go to the piece's columns from `first` on. */
+/*
+ * Gaussian elimination with row pivots; writes the solutions to the piece's columns from `first`
+ * on.
+ */
 static void solve(struct fit *f, struct rb_gauss_piece *piece, int first, int count)
 {
 	for (int k = 0; k < NODES; k++) {
@@ -193,7 +204,7 @@ static void solve(struct fit *f, struct rb_gauss_piece *piece, int first, int co
 		}
 }
 
-/* Values of a pose, or of their rates, by the row that `first` names. */
+/* Writes values of a pose, or their rates, for the rows that begin with `first`. */
 static void values_of(const struct rb_driven_pose *pose, int first, bool rates, double *to)
 {
 	if (first == RB_PIECE_POSITION)
@@ -219,7 +230,7 @@ static void fit_rates(struct drive *d, int first, int count)
 	solve(&f, &d->own->piece, first, count);
 }
 
-/* Fits values, and the rate with which the last piece ended. */
+/* Fits values at the pose nodes, and the rate with which the last piece ended. */
 static void fit_values(struct drive *d, int first, int count)
 {
 	const double *start = d->own->piece.start + first;
@@ -304,22 +315,22 @@ static void fit(struct drive *d)
 	derive(d, RB_PIECE_SPIN, RB_PIECE_SPIN);
 }
 
-/* ---- how good it is ---- */
+/* ---- error of a piece ---- */
 
 /* Error of a piece. */
-struct misses {
+struct piece_error {
 	double ulp; /* of the change over the piece, and of the rounding of coordinates and time */
-	double share; /* of the size of the smallest body, of a radian */
+	double share; /* of the size of the smallest body, or of a radian */
 };
 
-/* Size of an ulp and of a share for rows of a piece. */
+/* Unit of each error, for rows of a piece. */
 struct units {
 	double ulp, share;
 };
 
-/* Raises the error by rows first .. first + 2 at a part of the piece. */
+/* Raises the error to that of rows first .. first + 2 at a fraction of the piece. */
 static void compare(const struct drive *d, double part, int first, rb_vec3 wanted,
-                    const struct units *unit, struct misses *max)
+                    const struct units *unit, struct piece_error *max)
 {
 	const double s = part * d->length_s;
 	const rb_vec3 found = {rb_gauss_value(&d->own->piece, first, s),
@@ -333,7 +344,7 @@ static void compare(const struct drive *d, double part, int first, rb_vec3 wante
 
 /* The same for the rates of the orientation. */
 static void compare_turning(const struct drive *d, double part, const struct rb_driven_pose *pose,
-                            const struct units *unit, struct misses *max)
+                            const struct units *unit, struct piece_error *max)
 {
 	const rb_quat wanted = turning_of(pose);
 	double rate[4], off = 0;
@@ -349,8 +360,8 @@ static void compare_turning(const struct drive *d, double part, const struct rb_
 }
 
 /*
- * Units of a quantity that changes by `change` over the piece; rounding of the time adds that of
- * its rate.
+ * Units of a quantity that changes by `change` over the piece; rounding of time adds that of its
+ * rate.
  */
 static struct units units_of(const struct drive *d, double change, double value, double share)
 {
@@ -364,10 +375,10 @@ static double change_of(rb_vec3 a, rb_vec3 b)
 }
 
 /*
- * Error of the piece at the test points; `difference` is that of the positions to which given
- * velocities lead. False: the function failed.
+ * Error of the piece at the test points; `difference`: of positions integrated from given
+ * velocities. False: the function failed.
  */
-static bool inspect(struct drive *d, struct misses *max, struct misses *difference)
+static bool inspect(struct drive *d, struct piece_error *max, struct piece_error *difference)
 {
 	const double size = d->size, length = d->length_s;
 	const struct rb_driven_pose *const first = &d->moving[0], *const last =
@@ -383,14 +394,14 @@ static bool inspect(struct drive *d, struct misses *max, struct misses *differen
 	const struct units turns = units_of(
 		d, change_of(last->angular_velocity, first->angular_velocity), spin, 1 / length);
 
-	*max = *difference = (struct misses){0};
+	*max = *difference = (struct piece_error){0};
 	for (int k = 0; k <= CHECKS; k++) {
 		const double part = k < CHECKS ? check_at[k] : 1;
 		struct rb_driven_pose pose = *last;
 
 		if (k == CHECKS && !d->given[0] && !d->given[1])
 			break;
-		if (k < CHECKS && !ask(d, part, &pose))
+		if (k < CHECKS && !call_function(d, part, &pose))
 			return false;
 		if (d->given[0])
 			compare(d, part, RB_PIECE_VELOCITY, pose.velocity, &moves, max);
@@ -411,8 +422,8 @@ static bool inspect(struct drive *d, struct misses *max, struct misses *differen
 	return true;
 }
 
-/* Searches the first `part` of the piece for jumps and contradictions; false: there are. */
-static bool watch(struct drive *d, double part)
+/* Searches the first `part` of the piece for jumps and contradictions; false: found one. */
+static bool is_continuous(struct drive *d, double part)
 {
 	struct rb_located *l = d->l;
 	struct rb_motion motion = {.world = l->world,
@@ -424,18 +435,18 @@ static bool watch(struct drive *d, double part)
 	                           .coarse = kink_share,
 	                           .agreement = noise_ulp * DBL_EPSILON};
 
-	if (ask(d, part, &motion.end))
+	if (call_function(d, part, &motion.end))
 		l->status = rb_motion_watch(&motion, l->err);
 	return l->status == RB_OK;
 }
 
-/* Fails with what is wrong with a function that no piece follows. */
+/* Fails with the reason why no piece approximates the function. */
 static bool refuse(struct drive *d)
 {
 	struct rb_located *l = d->l;
 	char label[RB_MOTION_LABEL];
 
-	if (watch(d, d->first_s / d->length_s))
+	if (is_continuous(d, d->first_s / d->length_s))
 		l->status = RB_FAIL(l->err, RB_ERR_SCENE,
 		                    "%s at t = %.9g s: no smooth motion follows it",
 		                    rb_motion_label(l->world, d->i, d->motor, label), d->origin_s);
@@ -452,54 +463,54 @@ static double rounded(double length)
 }
 
 /*
- * Next length: the error grows with the ninth power. Rounding of the function does not, nor does a
- * kink that is past, so twice the length is tried now and then.
+ * Next length: the error grows with the ninth power of the length. The function's rounding and past
+ * kinks do not, so twice the length is tried now and then.
  */
-static double next_length(const struct drive *d, double missed)
+static double next_length(const struct drive *d, double error)
 {
-	const double grow = sqrt(sqrt(sqrt(d->own->near_ulp / fmax(missed, DBL_MIN))));
+	const double grow = sqrt(sqrt(sqrt(d->own->near_ulp / fmax(error, DBL_MIN))));
 	const double least = d->own->calm >= CALM_PIECES ? 2 : 1;
 
 	return rounded(d->length_s * fmin(fmax(0.9 * grow, least), 4));
 }
 
-/* Halves the length until the piece is close enough. */
+/* Halves the length until the piece is accurate. */
 static bool find_length(struct drive *d)
 {
 	struct rb_driven *const own = d->own;
 	const double least = 4 * DBL_EPSILON * fmax(d->origin_s, d->length_s);
 	double before = HUGE_VAL;
-	struct misses missed, difference;
+	struct piece_error error, difference;
 
 	own->near_ulp = fmax(0.5 * own->near_ulp, near_ulp);
 	for (;; d->length_s *= 0.5) {
 		if (!sample(d))
 			return false;
 		fit(d);
-		if (!inspect(d, &missed, &difference))
+		if (!inspect(d, &error, &difference))
 			return false;
-		const bool helps = missed.ulp <= 0.125 * before;
+		const bool helps = error.ulp <= 0.125 * before;
 		if (!helps && before <= noise_ulp) {
 			own->near_ulp = 4 * before;
 			before = HUGE_VAL;
 			d->length_s *= 4;
 			continue;
 		}
-		if (missed.ulp <= own->near_ulp || !(0.5 * d->length_s > least) ||
+		if (error.ulp <= own->near_ulp || !(0.5 * d->length_s > least) ||
 		    ((!helps || d->length_s <= kink_length * d->longest_s) &&
-		     missed.share <= kink_share))
+		     error.share <= kink_share))
 			break;
-		before = missed.ulp;
+		before = error.ulp;
 	}
-	if ((missed.ulp > own->near_ulp && !(missed.share <= kink_share)) ||
+	if ((error.ulp > own->near_ulp && !(error.share <= kink_share)) ||
 	    (difference.share > contradiction && difference.ulp > noise_ulp))
 		return refuse(d);
-	/* what is close only because kinks and rounding are allowed may be a jump */
-	if ((d->length_s < d->first_s || own->near_ulp > near_ulp) && !watch(d, 1))
+	/* a piece accepted only because kinks and rounding are allowed may hide a jump */
+	if ((d->length_s < d->first_s || own->near_ulp > near_ulp) && !is_continuous(d, 1))
 		return false;
-	const bool smooth = missed.ulp <= own->near_ulp;
+	const bool smooth = error.ulp <= own->near_ulp;
 	own->calm = smooth && d->length_s == d->first_s ? own->calm + 1 : 0;
-	own->try_s = smooth ? next_length(d, missed.ulp) : 2 * d->length_s;
+	own->try_s = smooth ? next_length(d, error.ulp) : 2 * d->length_s;
 	/* a piece after a kink does not continue its rates */
 	own->end_s = smooth ? d->origin_s + d->length_s : (double)NAN;
 	for (int k = 0; k < own->piece.n; k++)
@@ -509,7 +520,7 @@ static bool find_length(struct drive *d)
 
 /* ---- a piece ---- */
 
-/* What is kept of a function of n values, allocated when first needed; NULL: no memory. */
+/* State of a function of n values, allocated when first needed; NULL: no memory. */
 static struct rb_driven *own_of(struct rb_driven **own, int n)
 {
 	if (*own)
@@ -529,7 +540,6 @@ static struct rb_driven *own_of(struct rb_driven **own, int n)
 	return made;
 }
 
-/* Of body i. */
 static struct rb_driven *driven_of(struct rb_located *l, int i, int n)
 {
 	if (!l->piece)
@@ -539,7 +549,7 @@ static struct rb_driven *driven_of(struct rb_located *l, int i, int n)
 	return l->piece && l->driven ? own_of(&l->driven[i], n) : NULL;
 }
 
-/* Start of a piece; q or -q, whichever continues the last piece. */
+/* Start of a piece, with q or -q, whichever continues the last piece. */
 static bool begin(struct drive *d)
 {
 	const struct rb_gauss_piece *piece = &d->own->piece;
@@ -551,29 +561,27 @@ static bool begin(struct drive *d)
 			q[k] = rb_gauss_value(piece, RB_PIECE_ORIENTATION + k, piece->length_s);
 		d->begin.orientation = rb_quat_from(q);
 	}
-	if (!ask(d, 0, &d->begin))
+	if (!call_function(d, 0, &d->begin))
 		return false;
 	d->given[0] = d->begin.has_velocity;
 	d->given[1] = d->begin.has_angular_velocity;
 	return true;
 }
 
-/* The next piece of a function from `t` on, in d->own; false: l->status says why not. */
+/* The next piece of a function from `t` on, in d->own; false: failed, see l->status. */
 static bool next_piece(struct drive *d, double t)
 {
 	const struct rb_located *l = d->l;
 	const struct rb_driven *own = d->own;
 
 	/*
-	 * not so long that events in between could be missed; what motors follow touches nothing,
-	 * and its second derivatives, which round by the inverse square, are forces
+	 * not so long that events in between could be missed; a motor's target touches nothing, and
+	 * its second derivatives are forces, whose rounding falls with the square of the length
 	 */
 	const double longest = (d->motor ? MOTOR_LONGER : 1) *
 	                       fmax(1 / l->model->frame_rate, l->end_s / 256);
 	const double length = fmin(own->try_s > 0 ? own->try_s : longest, longest);
-	/*
-	 * a remainder of the run shorter than this is no piece: it would have no second derivative
-	 */
+	/* a shorter rest of the run gets no piece: it would have no second derivative */
 	const double left = l->end_s - t;
 	const bool ends = left > SLIVER_ULP * DBL_EPSILON * t;
 	d->origin_s = t;
@@ -637,7 +645,7 @@ void rb_driven_release(struct rb_located *l)
 	rb_memory_free(l->driven);
 }
 
-/* What is kept, where there is something. */
+/* Packs the state. */
 static void pack_own(struct rb_driven *own, struct rb_pack *pack)
 {
 	const size_t n = (size_t)own->piece.n;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The set: bodies that an event concerns. It grows from its first members by clusters, force
+ * The set: bodies that an event involves. It grows from its first members by clusters, force
  * elements and touching pairs until nothing is added; each pair is examined once. Points of held
  * contacts are matched to found ones by name, then by place, so that a contact keeps its identity
  * while it rolls over features.
@@ -119,23 +119,24 @@ bool rb_event_set_touches_another(const struct rb_located *l, int i, int except,
 }
 
 /*
- * Share of the size within which points of a pair are one; rounding by their features is far below.
+ * Share of the size within which points of a pair are the same; rounding, which depends on
+ * features, is far less.
  */
-static const double one_place = 1e-9;
+static const double same_place_share = 1e-9;
 /* Share of friction's deceleration by which the speed of a creeping slip may change. */
-static const double slowly = 0.05;
+static const double creep_rate_share = 0.05;
 /* Share of the speeds below which a slip creeps. */
-static const double creeping = 1e-5;
+static const double creep_share = 1e-5;
 /*
- * Share of the size by which rounding and integration let a point be past the end of its features.
+ * Share of the size by which rounding and integration may put a point past the end of its features.
  */
-static const double beyond_end = 1e-11;
+static const double end_share = 1e-11;
 
 bool rb_event_set_is_same_place(const struct rb_located *l, const struct rb_contact_point *x,
                                 const struct rb_contact_point *y)
 {
 	return rb_vec3_length(rb_vec3_sub(x->point, y->point)) <=
-	       one_place * rb_contact_point_size(l, x);
+	       same_place_share * rb_contact_point_size(l, x);
 }
 
 bool rb_event_set_is_shared_place(const struct rb_located *l, const struct rb_contact_point *x,
@@ -148,7 +149,7 @@ bool rb_event_set_is_shared_place(const struct rb_located *l, const struct rb_co
 bool rb_event_set_has_left(const struct rb_located *l, const struct rb_contact_point *m)
 {
 	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
-	return m->inside < 0 && m->inside < -beyond_end * rb_contact_point_size(l, m);
+	return m->inside < 0 && m->inside < -end_share * rb_contact_point_size(l, m);
 }
 
 double rb_event_set_landing_gap(const struct rb_located *l, const struct rb_contact_point *m)
@@ -160,12 +161,15 @@ double rb_event_set_landing_gap(const struct rb_located *l, const struct rb_cont
 	other.half = rb_vec3_neg(m->half);
 	const struct rb_contact_point across = rb_contact_point_of(l, &other, &m->pose_a,
 	                                                           &m->pose_b);
-	/* by what a rim turns or falls to lie flat (add_rim): its impact */
+	/*
+	 * rotating or falling flat closes faster than this (add_rim of located/convex_contact): an
+	 * impact
+	 */
 	const bool closes = rb_vec3_dot(across.velocity, across.normal) <
 	                    -4 * rb_contact_point_noise(l, &across);
 
 	return closes && across.gap > 0 &&
-	                       across.gap <= beyond_end * rb_contact_point_size(l, &across)
+	                       across.gap <= end_share * rb_contact_point_size(l, &across)
 	               ? across.gap
 	               : 0;
 }
@@ -173,7 +177,7 @@ double rb_event_set_landing_gap(const struct rb_located *l, const struct rb_cont
 double rb_event_set_creep(const struct rb_located *l, const struct rb_contact_point *m)
 {
 	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
-	return creeping / (8 * DBL_EPSILON) * rb_contact_point_noise(l, m);
+	return creep_share / (8 * DBL_EPSILON) * rb_contact_point_noise(l, m);
 }
 
 bool rb_event_set_is_slow(const struct rb_located *l, const struct rb_contact_point *m, double rate,
@@ -184,7 +188,7 @@ bool rb_event_set_is_slow(const struct rb_located *l, const struct rb_contact_po
 	                              (inverse[m->a] + inverse[m->b]);
 
 	return rb_vec3_length(rb_vec3_reject(m->velocity, m->normal)) <= rb_event_set_creep(l, m) &&
-	       fabs(rate) <= slowly * friction_force;
+	       fabs(rate) <= creep_rate_share * friction_force;
 }
 
 const struct rb_held *rb_event_set_held_like(const struct rb_located *l,
@@ -215,10 +219,10 @@ const struct rb_held *rb_event_set_held_like(const struct rb_located *l,
 }
 
 /*
- * Friction below this share of its limit sticks: by steps, what slips is on the cone to rounding,
- * and what has begun to slip within a step is far below in the mean.
+ * Friction below this share of its limit sticks. With steps, friction of a slipping contact is on
+ * the cone to rounding; the mean over a step in which slip began is far below.
  */
-static const double within_cone = 1 - 1e-9;
+static const double stick_share = 1 - 1e-9;
 
 static double friction_of(const struct rb_located *l, int a, int b)
 {
@@ -229,11 +233,12 @@ static double friction_of(const struct rb_located *l, int a, int b)
 }
 
 /*
- * Sums of the pair's contacts from there on that have this name; how many. `all_round`: on the rim
- * of it.
+ * Adds the forces of the pair's contacts, from `first` on, that have this name; returns their
+ * number. `all_round`: of all points on the rim that it names.
  */
-static int add_left(const struct rb_located *l, const struct rb_contact *first,
-                    const struct rb_contact_name *name, bool all_round, struct rb_contact *sum)
+static int add_named_forces(const struct rb_located *l, const struct rb_contact *first,
+                            const struct rb_contact_name *name, bool all_round,
+                            struct rb_contact *sum)
 {
 	const uint64_t rim = all_round ? rb_contact_key_all_round(name->key) : 0;
 	int count = 0;
@@ -262,16 +267,16 @@ bool rb_event_set_left_of(const struct rb_located *l, const struct rb_contact_po
 	if (!first)
 		return false;
 	RB_ASSERT_COSTLY(m->a < m->b);
-	int count = add_left(l, first, &name, false, &sum);
+	int count = add_named_forces(l, first, &name, false, &sum);
 	if (count == 0)
-		count = add_left(l, first, &name, true, &sum);
+		count = add_named_forces(l, first, &name, true, &sum);
 	if (!(sum.normal_force > 0))
 		return false;
 	const double normal = sum.normal_force / count;
 	const rb_vec3 tangent = rb_vec3_scale(1.0 / count,
 	                                      rb_vec3_reject(sum.tangent_force, m->normal));
 	left->force = rb_vec3_add_scaled(tangent, normal, m->normal);
-	left->sticks = rb_vec3_length(tangent) < within_cone * friction_of(l, m->a, m->b) * normal;
+	left->sticks = rb_vec3_length(tangent) < stick_share * friction_of(l, m->a, m->b) * normal;
 	left->slip = left->sticks ? (rb_vec3){0, 0, 0}
 	                          : rb_vec3_unit(rb_vec3_neg(tangent), (rb_vec3){0, 0, 0});
 	return true;
@@ -291,13 +296,13 @@ bool rb_event_set_lasting(const struct rb_located *l, const struct rb_contact_po
 	const double rate = rb_vec3_dot(m->velocity, m->normal);
 	const double rest_speed = rb_contact_point_noise(l, m) + slack;
 
-	/* impacts were resolved before, but not those that another method has left */
+	/* impacts were resolved before, except those that another method has left */
 	return m->gap <= rb_contact_point_band(l, m, t) && rate <= rest_speed &&
 	       (!l->starting || rate >= -rest_speed);
 }
 
-/* Share of the size by which a held point may be off contact. */
-static const double drifted = 1e-9;
+/* Share of the size by which a held point may drift from contact. */
+static const double drift_share = 1e-9;
 
 /* Contact points found so far, and what decides whether one joins. */
 struct pairs {
@@ -309,7 +314,8 @@ struct pairs {
 };
 
 /* Appends a point; the array doubles within the arena. */
-static void keep(struct rb_located *l, struct pairs *pairs, const struct rb_contact_point *m)
+static void append_point(struct rb_located *l, struct pairs *pairs,
+                         const struct rb_contact_point *m)
 {
 	if (pairs->count == pairs->capacity) {
 		const int capacity = pairs->capacity > 0 ? 2 * pairs->capacity : 8;
@@ -337,25 +343,26 @@ static double drift_of(const struct rb_located *l, const struct rb_held *first,
 	for (const struct rb_held *h = first; h < end; h++) {
 		const struct rb_contact_point m = rb_event_set_contact_point(l, h, t);
 
-		drift = fmax(drift, fmin(2 * fabs(m.gap), drifted * rb_contact_point_size(l, &m)));
+		drift = fmax(drift,
+		             fmin(2 * fabs(m.gap), drift_share * rb_contact_point_size(l, &m)));
 	}
 	return drift;
 }
 
-/* True if the point has passed the end of its features, as far as it did or others beside it. */
-static bool passes_on(const struct rb_located *l, const struct rb_contact_point *m, bool others)
+/*
+ * True if the point has passed the end of its features; with `others`, to within rounding, because
+ * other points of the pair have.
+ */
+static bool has_passed(const struct rb_located *l, const struct rb_contact_point *m, bool others)
 {
 	return m->beyond != 0 &&
 	       (rb_event_set_has_left(l, m) || (others && m->inside < 0 && m->inside_rate < 0));
 }
 
-/*
- * Another touching point at this place that does not separate: of a part that begins where one
- * ends.
- */
-static const struct rb_contact_point *instead_of(const struct rb_located *l,
-                                                 const struct rb_contact_point *m,
-                                                 const struct rb_contact_point *all, int count)
+/* Another touching point at this place that does not separate: of adjacent features. */
+static const struct rb_contact_point *successor_of(const struct rb_located *l,
+                                                   const struct rb_contact_point *m,
+                                                   const struct rb_contact_point *all, int count)
 {
 	for (int k = 0; k < count; k++)
 		if (rb_event_set_is_same_place(l, m, &all[k]) &&
@@ -366,27 +373,27 @@ static const struct rb_contact_point *instead_of(const struct rb_located *l,
 }
 
 /*
- * Passes held points on to the next features: it is the same contact, neither ended nor new,
+ * Passes held points on to adjacent features. The contact stays the same, neither ended nor new,
  * although its normal is off by the overshoot. Points of a pair that roll together are passed on
  * together.
  */
-static void pass_on(const struct rb_located *l, struct rb_contact_point *m, int count,
-                    const struct rb_contact_point *all, int all_count)
+static void pass_on_points(const struct rb_located *l, struct rb_contact_point *m, int count,
+                           const struct rb_contact_point *all, int all_count)
 {
 	bool any = false;
 
 	for (int k = 0; k < count; k++)
-		any = any || passes_on(l, &m[k], false);
+		any = any || has_passed(l, &m[k], false);
 	for (int k = 0; k < count && any; k++) {
-		if (!passes_on(l, &m[k], true))
+		if (!has_passed(l, &m[k], true))
 			continue;
-		const struct rb_contact_point *const other = instead_of(l, &m[k], all, all_count);
+		const struct rb_contact_point *const other = successor_of(l, &m[k], all, all_count);
 
 		m[k] = other ? *other : rb_touch_passed_on(l, &m[k]);
 	}
 }
 
-/* True if a point of that name or place is among those. */
+/* True if a point of the same name or place is among the first `count` of `of`. */
 static bool is_known(const struct rb_located *l, const struct rb_contact_point *m,
                      const struct rb_contact_point *of, int count)
 {
@@ -401,8 +408,8 @@ static bool is_known(const struct rb_located *l, const struct rb_contact_point *
 	return false;
 }
 
-/* Replaces the point on which a rim rolled by those on which it has come to lie flat. */
-static void come_to_lie_on(struct rb_contact_point *m, const struct rb_contact_point *all,
+/* Replaces the point on which a rim rolled by the one of that name with which it now lies flat. */
+static void replace_landed(struct rb_contact_point *m, const struct rb_contact_point *all,
                            int count)
 {
 	const struct rb_contact_name name = rb_contact_name_of(m);
@@ -417,7 +424,10 @@ static void come_to_lie_on(struct rb_contact_point *m, const struct rb_contact_p
 	}
 }
 
-/* Points of a pair with features: those held, and whatever else touches. */
+/*
+ * Collects the points of a pair with features: those held, and others that touch. `come`: the
+ * pair's touch is the event.
+ */
 static void inspect_points(struct rb_located *l, struct pairs *pairs, int a, int b, bool come)
 {
 	struct rb_contact_point all[RB_CONTACT_POINTS_MAX], held[RB_CONTACT_POINTS_MAX];
@@ -433,19 +443,19 @@ static void inspect_points(struct rb_located *l, struct pairs *pairs, int a, int
 	}
 	int count = rb_pair_contact_points(l, a, b, pairs->t, drift, all);
 
-	/* what is as close as the held points counts as touching */
+	/* points as close as the held ones count as touching */
 	for (int k = 0; k < count && drift > 0; k++)
 		all[k].gap = fmin(all[k].gap, 0);
 	int held_count = 0;
 	for (const struct rb_held *h = first; h < end && held_count < RB_CONTACT_POINTS_MAX; h++)
 		held[held_count++] = rb_event_set_contact_point(l, h, pairs->t);
 	for (int h = 0; h < held_count; h++)
-		come_to_lie_on(&held[h], all, count);
-	pass_on(l, held, held_count, all, count);
+		replace_landed(&held[h], all, count);
+	pass_on_points(l, held, held_count, all, count);
 	for (int h = 0; h < held_count; h++) {
 		int left = 0;
 
-		/* a point that has left its features stays only if nothing else could end it */
+		/* a point that has left its features is kept only if it is the last of its pair */
 		if (rb_event_set_has_left(l, &held[h]) && (count > 0 || held_count > 1))
 			continue;
 		if (is_known(l, &held[h], held, h))
@@ -454,7 +464,7 @@ static void inspect_points(struct rb_located *l, struct pairs *pairs, int a, int
 			if (!is_known(l, &all[k], &held[h], 1))
 				all[left++] = all[k];
 		count = left;
-		keep(l, pairs, &held[h]);
+		append_point(l, pairs, &held[h]);
 	}
 	if (come && count == 0 && pairs->count == before) {
 		all[0] = rb_contact_point_at(l, a, b, pairs->t);
@@ -463,14 +473,14 @@ static void inspect_points(struct rb_located *l, struct pairs *pairs, int a, int
 	}
 	for (int k = 0; k < count; k++)
 		if (pairs->joins(l, &all[k], pairs->t, pairs->slack))
-			keep(l, pairs, &all[k]);
+			append_point(l, pairs, &all[k]);
 	if (pairs->count > before) {
 		rb_event_set_add(l, a);
 		rb_event_set_add(l, b);
 	}
 }
 
-/* Examines a pair once. */
+/* Collects the contact points of a pair. */
 static void inspect_pair(struct rb_located *l, struct pairs *pairs, int i, int j)
 {
 	if (!rb_pair_can_touch(l, i, j))
@@ -484,12 +494,12 @@ static void inspect_pair(struct rb_located *l, struct pairs *pairs, int i, int j
 		return;
 	}
 	struct rb_contact_point m = rb_contact_point_at(l, i < j ? i : j, i < j ? j : i, pairs->t);
-	/* a located touch counts as touching, whatever rounding makes of the gap */
+	/* a located touch counts as touching, whatever the rounding of the gap */
 	if (come)
 		m.gap = fmin(m.gap, 0);
 	if (!held && !pairs->joins(l, &m, pairs->t, pairs->slack))
 		return;
-	keep(l, pairs, &m);
+	append_point(l, pairs, &m);
 	rb_event_set_add(l, j);
 }
 
@@ -532,8 +542,8 @@ static int by_name(const void *left, const void *right)
 }
 
 /*
- * Adds all that gravitation joins to what is in the set: nothing of an impact, which goes from
- * touch to touch.
+ * Adds all bodies that gravitation joins to members of the set. Not for an impact, which spreads
+ * through contacts only.
  */
 static void add_attracted(struct rb_located *l)
 {
@@ -559,7 +569,7 @@ int rb_event_set_grow(struct rb_located *l, double t, double slack, rb_event_set
 	for (int k = 0; k < l->set_count && !pairs.failed; k++) {
 		const int i = l->set[k];
 
-		/* an impact finds those that gravitation has in the cluster by what they touch */
+		/* with gravitation, an impact adds members of the cluster only by contact */
 		if (l->cluster_of[i] >= 0 && !(is_impact && rb_located_gravitates(l))) {
 			const struct rb_cluster *c = &l->cluster[l->cluster_of[i]];
 
@@ -575,7 +585,7 @@ int rb_event_set_grow(struct rb_located *l, double t, double slack, rb_event_set
 		for (int m = 0; m < near; m++) {
 			const int j = l->near[m];
 
-			/* each pair once: from the one that came into the set first */
+			/* each pair once: from its earlier member of the set */
 			if (rb_located_driven(l, j) || l->place[j] < 0 || l->place[j] > k)
 				inspect_pair(l, &pairs, i, j);
 		}
@@ -584,7 +594,7 @@ int rb_event_set_grow(struct rb_located *l, double t, double slack, rb_event_set
 	}
 	if (pairs.failed)
 		return -1;
-	/* two spheres are no crowd */
+	/* two spheres do not count as a crowd */
 	for (int k = 1; k < l->set_count && (l->set_count > 2 || l->model->parts); k++)
 		rb_crowd_join(l, l->set[0], l->set[k]);
 	rb_crowd_limit(l, l->set[0]);

@@ -9,9 +9,9 @@
 static RB_FIELDS_DECLARE(follow_fields);
 static RB_FIELDS_DEFINE(follow_fields, struct rb_follow, RB_FOLLOW_FIELDS);
 
-/* Rounding of a rate in ulp of what it follows from; of times, within which pieces join. */
+/* Rounding of a rate, ulp of the values it follows from; of times within which pieces join, ulp. */
 enum { RATE_ULP = 64, TIME_ULP = 4 };
-/* Share of speeds by which a rate may change from piece to piece and count as the same. */
+/* Share of the speeds by which a rate may change between pieces without a kink. */
 static const double kink_share = 1e-9;
 
 bool rb_follow_create(struct rb_located *l)
@@ -50,7 +50,7 @@ void rb_follow_pack(struct rb_located *l, struct rb_pack *pack)
 	}
 }
 
-/* Does it follow the scene's function, not a constant value? */
+/* True if the target is the scene's function, not a constant value. */
 static bool has_function(const struct rb_located *l, int joint)
 {
 	return rb_follow_has(l, joint) && isnan(l->world->joint[joint].motor_angle);
@@ -66,7 +66,7 @@ bool rb_follow_moves(const struct rb_located *l, int joint)
 	return has_function(l, joint) || rb_follow_is_back(l, joint);
 }
 
-/* The next piece of the function, from `from` on; true: with another rate than the last had. */
+/* Takes the function's next piece, from `from` on; true if its rate differs from the last one's. */
 static bool next_piece(struct rb_located *l, int joint, double from)
 {
 	struct rb_follow *const f = &l->follow[joint];
@@ -97,7 +97,7 @@ bool rb_follow_begin(struct rb_located *l, int joint, double t)
 	f->target = target;
 	if (!has_function(l, joint) || (f->piece && f->origin_s <= t && t < f->until_s - near))
 		return other;
-	/* from where the last one has ended, to join it smoothly */
+	/* from the end of the last piece, to join it smoothly */
 	return next_piece(l, joint, f->piece && fabs(t - f->until_s) <= near ? f->until_s : t) ||
 	       other;
 }

@@ -17,7 +17,11 @@
 
 #include <float.h>
 
-/* LOAD_ULP: of what accelerations are made of, what rounding leaves of those that are alike. */
+/*
+ * TOUCHING_ULP: tolerance of contact, ulp of the size; STEPS_MAX: steps of a search before it is
+ * continued in another event; LOAD_ULP: rounding of the difference of equal accelerations, ulp of
+ * the accelerations that they are composed of.
+ */
 enum { TOUCHING_ULP = 8, STEPS_MAX = 48, LOAD_ULP = 64 };
 
 bool rb_pair_can_touch(const struct rb_located *l, int a, int b)
@@ -34,12 +38,15 @@ bool rb_pair_can_touch(const struct rb_located *l, int a, int b)
 	                             (model->group_bit[b] & model->collides[a]) != 0);
 }
 
-/* ---- geometry of a moment ---- */
+/* ---- geometry at one time ---- */
 
-/* Fills gap, normal from the sphere, its rate, and whether the contact is on a rim. */
+/* Fills gap, normal from the sphere, its rate, and whether the contact is on an edge or corner. */
 typedef void contact_function(const struct rb_located *l, struct rb_contact_point *m);
 
-/* From the centre of mass to the origin, m: by the orientation, as exact far away as near. */
+/*
+ * From the centre of mass to the origin, m, computed from the orientation: no digits are lost far
+ * away.
+ */
 static rb_vec3 origin_arm(const struct rb_located *l, int i, const struct rb_pose *pose)
 {
 	if (i >= l->n || !l->model->center_of_mass)
@@ -95,8 +102,8 @@ static void contact_with_plane(const struct rb_located *l, struct rb_contact_poi
 }
 
 /*
- * Signed distance beyond an edge; on the edge to rounding the motion decides: outward counts as
- * beyond.
+ * Signed distance beyond an edge; on the edge, to rounding, the motion decides: moving outwards
+ * counts as beyond.
  */
 static double beyond(double x, double half, double rate, double band)
 {
@@ -307,7 +314,7 @@ bool rb_pair_keeps_off(const struct rb_located *l, int a, int b, const struct rb
 	                                until - from, reach_a);
 }
 
-/* The same of bodies of which one is on a piece; statics come last. */
+/* rb_pair_keeps_off for bodies in any order; statics come last. */
 static bool keeps_off(const struct rb_located *l, int a, int b, double from, double until)
 {
 	const int first = a < b ? a : b, second = a < b ? b : a;
@@ -332,7 +339,7 @@ bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double fr
 		return true;
 	if (b < l->n && rb_relative_is(l, a, b) && rb_relative_began_far(l, a, b, until, sum))
 		return true;
-	/* what is left to be found costs a few looks at the same polynomials */
+	/* the search itself costs only a few evaluations of the same polynomials */
 	if (on_pieces && h > 0 && !rb_pair_has_features(l, a, b))
 		return false;
 	const rb_vec3 x = rb_arc_position(l, a, from), y = rb_arc_position(l, b, from);
@@ -359,7 +366,7 @@ bool rb_contact_point_approaches(const struct rb_located *l, int a, int b, doubl
 	return rb_vec3_dot(m.velocity, m.normal) < -rb_contact_point_noise(l, &m);
 }
 
-/* ---- when ---- */
+/* ---- times of touch ---- */
 
 static bool same_vector(rb_vec3 a, rb_vec3 b)
 {
@@ -392,22 +399,22 @@ static double linear_touch(rb_vec3 d, rb_vec3 w, double sum, double noise)
 	if (discriminant < 0)
 		return HUGE_VAL;
 	const double s = c / (sqrt(discriminant) - b);
-	/* an approach by rounding is none */
+	/* an approach within rounding is none */
 	return s * square < noise * sum && -b <= noise * sum ? HUGE_VAL : s;
 }
 
-/* m/s^2: what rounding makes of the difference of these accelerations. */
+/* Rounding of the difference of two accelerations, m/s^2. */
 static double rounding_of(const struct rb_located *l, rb_vec3 a, rb_vec3 b)
 {
 	return LOAD_ULP * DBL_EPSILON * (l->weight + rb_vec3_length(a) + rb_vec3_length(b));
 }
 
 /*
- * Seconds until what touches, at rest to rounding, is brought together. Bodies that move alike and
- * do not press have accelerations that differ by rounding: these touch once they approach by more
- * than noise, or they would do so for ever at one moment.
+ * Seconds until bodies in contact, with a relative velocity of rounding, approach. If they move
+ * alike and do not press, their accelerations differ by rounding only: they touch once they
+ * approach faster than noise, or events would repeat without end at one time.
  */
-static double rest_touch(double rate, double acceleration, double noise, double rounding)
+static double resting_touch(double rate, double acceleration, double noise, double rounding)
 {
 	if (!(acceleration < 0))
 		return HUGE_VAL;
@@ -422,8 +429,8 @@ static double quadratic_touch(double gap, double rate, double acceleration, doub
 
 	if (touching && rate < -noise)
 		return 0;
-	if (touching && rate <= noise) /* only acceleration can bring them together */
-		return rest_touch(rate, acceleration, noise, rounding);
+	if (touching && rate <= noise) /* only acceleration can make them approach */
+		return resting_touch(rate, acceleration, noise, rounding);
 	if (touching) /* the gap within the band is no height to fall from */
 		return acceleration < 0 ? -2 * rate / acceleration : HUGE_VAL;
 	const double discriminant = rate * rate - 2 * acceleration * gap;
@@ -435,9 +442,9 @@ static double quadratic_touch(double gap, double rate, double acceleration, doub
 }
 
 /*
- * Seconds until two spheres under different accelerations touch: |d + w s + a s^2/2|^2 - sum^2 is a
- * quartic. A pair that touches and neither closes nor opens beyond rounding starts from exact
- * zeros, so that only higher terms count.
+ * Seconds until two spheres under different accelerations touch, the root of the quartic |d + w s +
+ * a s^2/2|^2 - sum^2. For a pair in contact that neither approaches nor separates beyond rounding,
+ * the low coefficients are set to exact zeros, so that only higher terms count.
  */
 static double parabolic_touch(const rb_vec3 motion[3], double sum, double band, double noise,
                               double rounding, double max)
@@ -448,7 +455,7 @@ static double parabolic_touch(const rb_vec3 motion[3], double sum, double band, 
 	double c[5] = {(length - sum) * (length + sum), 2 * rb_vec3_dot(d, w),
 	               rb_vec3_dot(w, w) + rb_vec3_dot(d, a), rb_vec3_dot(w, a),
 	               0.25 * rb_vec3_dot(a, a)};
-	const double bend = rb_vec3_dot(w, w) + length * rb_vec3_length(a);
+	const double scale = rb_vec3_dot(w, w) + length * rb_vec3_length(a);
 
 	if (touching && rate < -noise)
 		return 0;
@@ -456,42 +463,45 @@ static double parabolic_touch(const rb_vec3 motion[3], double sum, double band, 
 		c[0] = 0;
 	if (touching && rate <= noise)
 		c[1] = 0;
-	if (touching && c[1] == 0 && fabs(c[2]) <= 64 * DBL_EPSILON * bend)
+	if (touching && c[1] == 0 && fabs(c[2]) <= 64 * DBL_EPSILON * scale)
 		c[2] = 0;
 	if (touching && c[1] == 0 && c[2] < 0)
-		return rest_touch(rate, c[2] / length, noise, rounding);
+		return resting_touch(rate, c[2] / length, noise, rounding);
 	return rb_quartic_falls(c, max);
 }
 
-/* Relative motion of a pair with bounds. */
-struct course {
-	double gap, rate, bend; /* without the curvature of the surfaces, which only separates */
-	double external, jerk;  /* bounds: of the relative acceleration, and of its rate */
+/* Relative motion of a pair, with bounds. */
+struct relative_motion {
+	/* of the gap: m, m/s, m/s^2; without the curvature of surfaces, which only separates */
+	double gap, rate, acceleration;
+	double external, jerk; /* bounds: of the relative acceleration, of its rate */
 	double speed,
-		radius; /* of the centres; at least how far the normal's centre of turning is */
+		radius; /* m/s, of the centres; m, lower bound of the normal's radius of turning */
 };
 
 /*
- * True if the gap stays above `least` for h seconds. Its lower bound is gap + rate s + bend s^2 / 2
- * - K s^3 / 6 for s <= h.
+ * True if the gap stays above `least` for h seconds. Its lower bound is gap + rate s + acceleration
+ * s^2 / 2 - K s^3 / 6 for s <= h.
  */
-static bool keeps_above(const struct course *c, double h, double least)
+static bool keeps_above(const struct relative_motion *c, double h, double least)
 {
 	/* K bounds the rate of a.n: jerk and the turning of the normal */
 	const double k = c->jerk + c->external * (c->speed + c->external * h) / c->radius;
-	const double end = c->gap + h * (c->rate + h * (0.5 * c->bend - k * h / 6));
+	const double end = c->gap + h * (c->rate + h * (0.5 * c->acceleration - k * h / 6));
 
 	if (!(end >= least))
 		return false;
-	if (!(c->rate < 0) || !(c->bend > 0))
+	if (!(c->rate < 0) || !(c->acceleration > 0))
 		return true; /* it rises, or is concave: the minimum is at an end */
 	const double low = -2 * c->rate /
-	                   (c->bend + sqrt(fmax(c->bend * c->bend + 2 * k * c->rate, 0)));
-	return low >= h || c->gap + low * (c->rate + low * (0.5 * c->bend - k * low / 6)) >= least;
+	                   (c->acceleration +
+	                    sqrt(fmax(c->acceleration * c->acceleration + 2 * k * c->rate, 0)));
+	return low >= h ||
+	       c->gap + low * (c->rate + low * (0.5 * c->acceleration - k * low / 6)) >= least;
 }
 
-/* Safe time: at least h, doubled while the cubic bound allows. */
-static double longer(const struct course *c, double h, double max, double least)
+/* Safe time, s: h, doubled while the cubic bound allows. */
+static double extended(const struct relative_motion *c, double h, double max, double least)
 {
 	if (!isfinite(c->jerk))
 		return h;
@@ -501,8 +511,10 @@ static double longer(const struct course *c, double h, double max, double least)
 }
 
 /* Relative motion at t. */
-static struct course course_of(const struct rb_located *l, const struct rb_contact_point *m,
-                               const struct rb_bounds *a, const struct rb_bounds *b, double t)
+static struct relative_motion relative_motion_of(const struct rb_located *l,
+                                                 const struct rb_contact_point *m,
+                                                 const struct rb_bounds *a,
+                                                 const struct rb_bounds *b, double t)
 {
 	const bool flat_a = l->model->shape[m->a].kind != RB_SHAPE_SPHERE;
 	const bool flat_b = l->model->shape[m->b].kind != RB_SHAPE_SPHERE;
@@ -512,22 +524,22 @@ static struct course course_of(const struct rb_located *l, const struct rb_conta
 	const rb_vec3 external = rb_vec3_sub(
 		rb_contact_point_acceleration(l, m->b, &m->pose_b, m->pose_b.origin, t),
 		rb_contact_point_acceleration(l, m->a, &m->pose_a, m->pose_a.origin, t));
-	struct course c = {.gap = m->gap,
-	                   .rate = rb_vec3_dot(m->velocity, m->normal),
-	                   .bend = rb_vec3_dot(external, m->normal),
-	                   .external = a->external + b->external,
-	                   .jerk = a->jerk + b->jerk,
-	                   .speed = rb_vec3_length(w),
-	                   .radius = span};
+	struct relative_motion c = {.gap = m->gap,
+	                            .rate = rb_vec3_dot(m->velocity, m->normal),
+	                            .acceleration = rb_vec3_dot(external, m->normal),
+	                            .external = a->external + b->external,
+	                            .jerk = a->jerk + b->jerk,
+	                            .speed = rb_vec3_length(w),
+	                            .radius = span};
 	const struct rb_bounds *const flat = flat_a ? a : b;
 
 	if (!flat_a && !flat_b)
 		return c;
-	/* a face's normal is constant, an edge's turns about it */
+	/* a face's normal is constant, an edge's turns about the edge */
 	c.radius = l->model->shape[flat_a ? m->a : m->b].kind == RB_SHAPE_PLANE
 	                   ? (double)INFINITY
 	                   : rb_contact_point_size(l, m);
-	if (flat->turn > 0) { /* a rotating face sweeps with the distance */
+	if (flat->turn > 0) { /* points of a rotating face move with their distance */
 		c.external += 2 * flat->turn * flat->turn * span + 2 * flat->turn * flat->external;
 		c.jerk = (double)INFINITY;
 	}
@@ -535,11 +547,11 @@ static struct course course_of(const struct rb_located *l, const struct rb_conta
 }
 
 /*
- * Safe time of two spheres on one piece: at least h. Bounds neglect the curvature of surfaces, and
- * so take bodies that turn about each other for falling.
+ * Safe time of two spheres on one piece, s: at least h. The other bounds neglect the curvature of
+ * surfaces, and so treat bodies that orbit each other as falling together.
  */
-static double much_longer(const struct rb_located *l, const struct rb_contact_point *m, double t,
-                          double h, double until, double band)
+static double extended_on_piece(const struct rb_located *l, const struct rb_contact_point *m,
+                                double t, double h, double until, double band)
 {
 	enum { FACTOR = 8 };
 	const double least = rb_pair_extent(l, m->a) + rb_pair_extent(l, m->b) + band;
@@ -558,8 +570,8 @@ static double much_longer(const struct rb_located *l, const struct rb_contact_po
 }
 
 /*
- * Conservative advancement from `from` to `until`; INFINITY: no touch. Sets `again` where that is
- * not decided yet.
+ * Conservative advancement from `from` to `until`; INFINITY: no touch. Sets `again` if that is not
+ * yet decided at the time returned.
  */
 static double advance(const struct rb_located *l, int a, int b, double from, double until,
                       struct rb_approach *found)
@@ -584,7 +596,7 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 				of_b.external = of_b.jerk = 0;
 			}
 		}
-		struct course c = course_of(l, &m, &of_a, &of_b, t);
+		struct relative_motion c = relative_motion_of(l, &m, &of_a, &of_b, t);
 		const double rate = c.rate, max = c.external;
 		const bool touches = m.gap <= band;
 		double h, least = 0;
@@ -601,23 +613,25 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 			continue;
 		}
 		if (touches && rate <= noise) {
-			const double bend = rb_contact_point_bend(l, &m, t);
+			const double acceleration = rb_contact_point_bend(l, &m, t);
 
-			if (bend < -64 * DBL_EPSILON * max && t > from)
+			if (acceleration < -64 * DBL_EPSILON * max && t > from)
 				return t;
 			if (!(max > 0))
 				return HUGE_VAL;
 			h = sqrt(band / max);
 			/* within half of the band, rates that are rounding count as zero */
 			c.gap = c.rate = 0;
-			c.bend = fabs(c.bend) <= 64 * DBL_EPSILON * max ? 0 : c.bend;
+			c.acceleration = fabs(c.acceleration) <= 64 * DBL_EPSILON * max
+			                         ? 0
+			                         : c.acceleration;
 			least = -0.5 * band;
 		} else {
 			const double gap = touches ? 0 : m.gap;
 			const double root = sqrt(rate * rate + 2 * max * gap);
 
 			/*
-			 * the root of gap + rate h - most h^2 / 2, in the form that does not cancel
+			 * the root of gap + rate h - max h^2 / 2, in the form without cancellation
 			 */
 			if (rate > 0)
 				h = max > 0 ? (rate + root) / max : HUGE_VAL;
@@ -625,15 +639,15 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 				h = root > rate ? 2 * gap / (root - rate) : HUGE_VAL;
 			c.gap = gap;
 		}
-		/* separating from a touch: not by the bound but by the present acceleration */
+		/* separating after contact: by the present acceleration, not the bound */
 		if (touches && rate > noise && max > 0) {
 			const double turns = rate / fmax(-rb_contact_point_bend(l, &m, t), DBL_MIN);
 
 			h = fmax(h, fmin(turns, sqrt(band / max)));
 		}
-		h = fmax(longer(&c, h, until - t, least), 2 * DBL_EPSILON * t);
+		h = fmax(extended(&c, h, until - t, least), 2 * DBL_EPSILON * t);
 		if (is_relative && !touches)
-			h = much_longer(l, &m, t, h, until, band);
+			h = extended_on_piece(l, &m, t, h, until, band);
 		if (!(t + h <= until))
 			return HUGE_VAL;
 		t += h;
@@ -643,8 +657,8 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 }
 
 /*
- * Seconds until spheres that slow down alike touch: they move as linear_touch has it in the time
- * tau of math/decay.
+ * Seconds until spheres with equal linear drag touch: they move as in linear_touch in the
+ * transformed time tau of math/decay.
  */
 static double slowed_touch(double decay, rb_vec3 d, rb_vec3 w, double sum, double noise)
 {
@@ -654,8 +668,8 @@ static double slowed_touch(double decay, rb_vec3 d, rb_vec3 w, double sum, doubl
 }
 
 /*
- * quadratic_touch of a sphere that slows down: gap, rate and acceleration by constant forces are
- * `motion`. Drag alone brings nothing back.
+ * quadratic_touch for a sphere with linear drag; `motion` holds gap, rate and the acceleration by
+ * constant forces. Drag alone does not reverse a motion.
  */
 static double slowed_fall(double decay, const double motion[3], double band, double noise,
                           double rounding, double max)
@@ -668,12 +682,12 @@ static double slowed_fall(double decay, const double motion[3], double band, dou
 	if (touching && rate < -noise)
 		return 0;
 	if (touching && (rate <= noise || !(external < 0)))
-		return rest_touch(rate, external, noise, rounding);
+		return resting_touch(rate, external, noise, rounding);
 	return rb_decay_falls(decay, touching ? 0 : gap, rate, external, max);
 }
 
-/* True if bodies, the second of which may be fixed, do not slow down alike. */
-static bool slow_differently(const struct rb_located *l, int a, int b)
+/* True if the bodies, of which the second may be fixed, differ in drag. */
+static bool decay_differently(const struct rb_located *l, int a, int b)
 {
 	const double decay_a = rb_arc_decay(l, a), decay_b = rb_arc_decay(l, b);
 
@@ -682,7 +696,7 @@ static bool slow_differently(const struct rb_located *l, int a, int b)
 	        (decay_a > 0 && !same_vector(l->arc[a].acceleration, l->arc[b].acceleration)));
 }
 
-/* True if the body is on a parabola about its own centre. */
+/* True if the body is on an arc whose centre of mass is its origin. */
 static bool in_flight(const struct rb_located *l, int i)
 {
 	return !rb_located_on_piece(l, i) && !l->model->center_of_mass;
@@ -702,7 +716,7 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 		*found = rb_approach_find(l, a, b, from, until);
 		return found->touch_s;
 	}
-	/* the lower sphere comes first, so that the impact rounds as the prediction did */
+	/* the sphere of lower index comes first, so that impact and prediction round alike */
 	if (model->shape[a].kind != RB_SHAPE_SPHERE ||
 	    (a > b && model->shape[b].kind == RB_SHAPE_SPHERE)) {
 		const int other = a;
@@ -710,7 +724,7 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 		a = b;
 		b = other;
 	}
-	if (!in_flight(l, a) || (b < l->n && !in_flight(l, b)) || slow_differently(l, a, b))
+	if (!in_flight(l, a) || (b < l->n && !in_flight(l, b)) || decay_differently(l, a, b))
 		return advance(l, a, b, from, until, found);
 	const rb_vec3 none = {0, 0, 0};
 	const double decay = rb_arc_decay(l, a);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * How two bodies on their arcs stand to each other at a moment, and when they touch.
+ * Contact points of two bodies on their arcs at a given time, and the time at which they touch.
  *
  * Spheres with spheres and planes are here, in closed form; convex bodies in located/convex_contact
  * and located/approach. `a` and `b` are body indices in any order, normals point from a to b.
@@ -16,32 +16,32 @@
 double rb_pair_extent(const struct rb_located *l, int i);
 
 /*
- * Does b stay farther from a than they could touch at, from `from` to `until`, by the parabolas of
- * their centres? a moves, that is its parabola at `from`. False: not known.
+ * True if the parabolas of the centres prove that b stays too far from a to touch, between `from`
+ * and `until`. a must move; at_a is its parabola at `from`. False: undecided.
  */
 bool rb_pair_keeps_off(const struct rb_located *l, int a, int b, const struct rb_parabola *at_a,
                        double from, double until);
 
 /* The point at which they are nearest to each other. */
 struct rb_contact_point rb_contact_point_at(const struct rb_located *l, int a, int b, double t);
-/* The same with poses that are not (yet) those of the arcs. */
+/* The same with given poses instead of those of the arcs. */
 struct rb_contact_point rb_contact_point_poses(const struct rb_located *l, int a, int b,
                                                const struct rb_pose *pose_a,
                                                const struct rb_pose *pose_b);
 
 /*
- * All points within the band, and `slack` more (m): of spheres with spheres and planes the one of
- * rb_contact_point_at, where it is; else whole manifolds, sorted by (parts, key); beyond
- * RB_CONTACT_POINTS_MAX points are left out. `a` < `b`. Where a point is about to leave its
- * features, the one that takes over is there instead.
+ * All points within the band plus `slack`, m: for spheres with spheres and planes that of
+ * rb_contact_point_at, if within; else whole manifolds, sorted by (parts, key), at most
+ * RB_CONTACT_POINTS_MAX points. `a` < `b`. A point about to leave its features is replaced by the
+ * one that takes over.
  */
 int rb_pair_contact_points(const struct rb_located *l, int a, int b, double t, double slack,
                            struct rb_contact_point all[RB_CONTACT_POINTS_MAX]);
 
 /*
  * The same contact point at other poses, by its features, wherever these are: a smooth function of
- * the poses. No search, so what else may touch is not seen; `inside` says how long the features are
- * right.
+ * the poses. It does not search, so other touching points are not found; `inside` tells whether the
+ * features are still valid.
  */
 struct rb_contact_point rb_contact_point_of(const struct rb_located *l,
                                             const struct rb_contact_name *name,
@@ -49,27 +49,28 @@ struct rb_contact_point rb_contact_point_of(const struct rb_located *l,
                                             const struct rb_pose *pose_b);
 
 /*
- * Do they approach by more than that? What an impact does not take for an approach must not be
- * foreseen as one.
+ * True if they approach faster than rounding. Prediction and impact must decide alike: an approach
+ * that an impact ignores must not be predicted as one.
  */
 bool rb_contact_point_approaches(const struct rb_located *l, int a, int b, double t);
 
-/* Whether contacts between these two are possible at all. */
+/* True if contacts between these two are possible at all. */
 bool rb_pair_can_touch(const struct rb_located *l, int a, int b);
 
 /*
- * Surely not touching from `from` to `until`, neither of them beyond its piece? Cheap; of infinite
- * planes only those at rest.
+ * True if they certainly do not touch from `from` to `until`, which is within their pieces. Cheap;
+ * considers infinite planes only at rest.
  */
 bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double from, double until);
 
 /*
- * First moment in [from, until] at which they touch and approach, INFINITY: none. Closed forms for
- * spheres that fly under the same acceleration and for a sphere in flight and a plane at rest; else
- * conservative steps that end on the root: the distance of a point to a convex set is convex along
- * a straight line, so with the relative acceleration bounded by A, gap(t + h) >= gap + rate h - A
- * h^2 / 2. Of `*found`, `again` is set when the moment is not yet a touch but where to look again;
- * `products` grows by what these steps have cost, or is what features have.
+ * First time in [from, until] at which they touch and approach, INFINITY: none. Closed forms for
+ * spheres in flight under the same acceleration, and for a sphere in flight and a plane at rest;
+ * else conservative steps that end on the root: the distance of a point to a convex set is convex
+ * along a straight line, so with the relative acceleration bounded by A, gap(t + h) >= gap + rate h
+ * - A h^2 / 2. In `*found`, `again` is set if the time is no touch but where the search must
+ * continue; `products` is increased by the cost of these steps, or set to that of the search by
+ * features.
  */
 double rb_pair_contact_time(const struct rb_located *l, int a, int b, double from, double until,
                             struct rb_approach *found);
