@@ -123,7 +123,7 @@ static void points_of_a_body_move_as_the_body_does(void **state)
 
 		assert_near(rb_vec3_length(rb_vec3_sub(p.rate, slope)), 0, 1e-8);
 		/* seen from the body it stands still */
-		const vec seen = seen_from(&now, p);
+		const vec seen = in_body_axes(&now, p);
 		assert_near(rb_vec3_length(rb_vec3_sub(seen.at, local)), 0, 2e-15);
 		assert_near(rb_vec3_length(seen.rate), 0, 1e-14);
 	}
@@ -138,9 +138,10 @@ static void a_point_that_stands_still_is_seen_to_move(void **state)
 	const vec still = {{3, 4, 5}, {0, 0, 0}};
 
 	(void)state;
-	const rb_vec3 slope = rb_vec3_scale(1 / (2 * h), rb_vec3_sub(seen_from(&later, still).at,
-	                                                             seen_from(&before, still).at));
-	assert_near(rb_vec3_length(rb_vec3_sub(seen_from(&now, still).rate, slope)), 0, 1e-7);
+	const rb_vec3 slope = rb_vec3_scale(
+		1 / (2 * h),
+		rb_vec3_sub(in_body_axes(&later, still).at, in_body_axes(&before, still).at));
+	assert_near(rb_vec3_length(rb_vec3_sub(in_body_axes(&now, still).rate, slope)), 0, 1e-7);
 }
 
 static void lines_are_edges_and_mantles_and_nothing_else(void **state)
@@ -175,11 +176,11 @@ static void the_nearest_ending_is_kept(void **state)
 	ending end = endless;
 
 	(void)state;
-	nearer(&end, (num){3, 1}, FIRST, 30);
-	nearer(&end, (num){2, 1}, SECOND, 20);
-	nearer(&end, (num){5, 1}, FIRST, 50);
-	nearer(&end, (num){(double)NAN, 1}, FIRST, 60);
-	assert_true(end.left.at == 2 && end.who == SECOND && end.part == 20);
+	limit_ending(&end, (num){3, 1}, FIRST, 30);
+	limit_ending(&end, (num){2, 1}, SECOND, 20);
+	limit_ending(&end, (num){5, 1}, FIRST, 50);
+	limit_ending(&end, (num){(double)NAN, 1}, FIRST, 60);
+	assert_true(end.margin.at == 2 && end.owner == SECOND && end.part == 20);
 }
 
 int main(void)

@@ -10,23 +10,22 @@
 
 /* ---- bodies in flight ---- */
 
-/* An arc over a span of time, and what its integrals are. */
+/* Integrals of an arc over a span of time. */
 struct span {
 	double seconds;
-	rb_vec3 way;      /* m: how far it goes */
+	rb_vec3 way;      /* m: displacement */
 	rb_vec3 place;    /* m s: integral of the position */
 	double square;    /* m^2/s^2: integral of the velocity's square, times `decay` */
 	rb_vec3 momentum; /* m^2/s: of position x velocity, times `decay` */
 };
 
 /*
- * Of an arc that decays: with tau = s f_1, psi = s^2 f_2 of math/decay, whose rates are e^-z and
- * tau, and k times whose integrals are s - tau and s^2/2 - psi,
- *
- *     k int v^2   = k v^2 int e^-2z + k tau^2 v.g + (psi - tau^2/2) g^2
- *     k int x x v = k x_0 x way + (2 psi - tau^2 - k psi tau) v x g
+ * Integrals of an arc with drag: with tau = s f_1, psi = s^2 f_2 of math/decay, whose rates are
+ * e^-z and tau, and k times whose integrals are s - tau and s^2/2 - psi, k int v^2 = k v^2 int
+ * e^-2z + k tau^2 v.g + (psi - tau^2/2) g^2, and k int x x v = k x_0 x way + (2 psi - tau^2 - k psi
+ * tau) v x g.
  */
-static struct span slowed_span(const struct rb_arc *arc, double from, double to)
+static struct span decaying_span(const struct rb_arc *arc, double from, double to)
 {
 	const double s = to - from, k = arc->decay;
 	const struct rb_decay d = rb_decay_at(k * s);
@@ -51,7 +50,7 @@ static struct span slowed_span(const struct rb_arc *arc, double from, double to)
 static struct span span_of(const struct rb_arc *arc, double from, double to)
 {
 	if (arc->decay > 0)
-		return slowed_span(arc, from, to);
+		return decaying_span(arc, from, to);
 	const double s = to - from, before = from - arc->anchor_s;
 	const rb_vec3 v = rb_vec3_add_scaled(arc->velocity, before, arc->acceleration);
 	const rb_vec3 x = rb_vec3_add_scaled(
@@ -73,11 +72,11 @@ static void add_force(struct rb_entries *e, enum rb_ledger_momentum cause, rb_ve
 }
 
 /*
- * Forces that a parabola is left with act at the centre of mass and do not turn
- * (located/external_force).
+ * Adds the scene's forces on a body; on a parabola these act at the centre of mass and exert no
+ * torque (located/external_force).
  */
-static void add_stated(const struct rb_located *l, int i, const struct span *span,
-                       struct rb_entries *e)
+static void add_scene_forces(const struct rb_located *l, int i, const struct span *span,
+                             struct rb_entries *e)
 {
 	const struct rb_scene *scene = l->model->scene;
 	const struct rb_body_def *body = &scene->bodies[l->model->id_of[i]];
@@ -105,7 +104,9 @@ static void add_pushes(const struct rb_located *l, int i, double from, double to
 	add_force(e, RB_MOMENTUM_CALLBACKS, push, span);
 	if (!l->top || rb_vec3_max_abs(twist) == 0)
 		return;
-	/* it turns what is round in every way: evenly */
+	/*
+	 * only bodies with equal moments remain on arcs with a torque: their spin changes linearly
+	 */
 	rb_vec3 begin, end;
 	rb_quat q;
 
@@ -116,7 +117,8 @@ static void add_pushes(const struct rb_located *l, int i, double from, double to
 	rb_entries_twist(e, RB_MOMENTUM_CALLBACKS, rb_vec3_scale(span->seconds, twist));
 }
 
-static void fly(const struct rb_located *l, int i, double from, double to, struct rb_entries *e)
+static void add_flight(const struct rb_located *l, int i, double from, double to,
+                       struct rb_entries *e)
 {
 	const rb_features features = l->model->features;
 	const struct rb_world_def *def = &l->model->scene->world;
@@ -138,7 +140,7 @@ static void fly(const struct rb_located *l, int i, double from, double to, struc
 		                    rb_vec3_scale(-l->model->mass[i], span.momentum));
 	}
 	if (features & RB_FEATURE_FORCES)
-		add_stated(l, i, &span, e);
+		add_scene_forces(l, i, &span, e);
 	if (features & RB_FEATURE_PUSHES)
 		add_pushes(l, i, from, to, &span, e);
 }
@@ -151,7 +153,7 @@ void rb_account_arc(struct rb_located *l, int i, double t)
 	RB_ASSERT_COSTLY(t >= l->arc[i].anchor_s || !l->account_s);
 	if (!l->account_s)
 		return;
-	fly(l, i, l->account_s[i], t, &e);
+	add_flight(l, i, l->account_s[i], t, &e);
 	if (e.causes)
 		rb_ledger_enter(&l->world->ledger, &e);
 	l->account_s[i] = t;
@@ -160,7 +162,8 @@ void rb_account_arc(struct rb_located *l, int i, double t)
 /* ---- clusters ---- */
 
 /*
- * Integrals of the rates of contacts between parabolas, from the cluster's beginning to `s` later.
+ * Integrals of the contacts' rates between parabolas, from the cluster's beginning to `s` seconds
+ * later.
  */
 static void contacts_until(const struct rb_account_rates *r, double s, struct rb_entries *e)
 {
@@ -189,7 +192,7 @@ static void cluster_entries(const struct rb_cluster *c, double t, struct rb_entr
 {
 	struct rb_entries before, now;
 
-	/* contacts have rates between parabolas, else nothing acts that has a cause */
+	/* on parabolas only contacts have entries; integrated without an account there are none */
 	if (!c->used || !(t > c->account_s) || (c->integrated && c->account.n == 0))
 		return;
 	cluster_until(c, c->account_s, &before);
@@ -245,7 +248,7 @@ struct rb_entries rb_account_open(const struct rb_located *l, double t)
 	struct rb_entries e = {0};
 
 	for (int i = 0; l->account_s && i < l->n; i++)
-		fly(l, i, l->account_s[i], t, &e);
+		add_flight(l, i, l->account_s[i], t, &e);
 	for (int k = 0; l->account_s && k < l->cluster_count; k++)
 		cluster_entries(&l->cluster[k], t, &e);
 	return e;

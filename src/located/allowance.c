@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The time that counts of crowds are held against is that of the bodies themselves: the more often
- * they pass their own size, the more often steps would have to look at them, too. Sums are of
- * rounded numbers, so that they do not depend on the order of bodies.
+ * Counted work is compared with the bodies' own time scale: the more often bodies travel their own
+ * size, the more steps would be needed, too. Sums are of rounded numbers, so that they do not
+ * depend on the order of bodies.
  */
 #include "located/allowance.h"
 
@@ -13,8 +13,8 @@
 #include "world/joint_state.h"
 
 /*
- * Bodies of crowds that a body's way by its own size allows: each, or so many that stand, whose
- * steps are as cheap; and the fastest beside.
+ * Bodies allowed each time a body travels its own size: by each one, or by so many at rest, whose
+ * steps are as cheap; and by the fastest in addition.
  */
 enum { PACE_BODY = 1, PACE_AT_REST = 32, PACE_WORLD = 128, PACE_FEW = 4, PACE_RUN = 128 };
 
@@ -27,22 +27,25 @@ static double eight_bits(double number)
 	return ldexp(floor(digits * 0x1p8), exponent - 8);
 }
 
-/* m/s, at the beginning: none of static bodies and of the world (-1). */
+/* Velocity at the beginning, m/s: zero for static bodies and the world (-1). */
 static rb_vec3 velocity_of(const struct rb_located *l, int i)
 {
 	return i >= 0 && i < l->n ? rb_world_row3(l->world->state.velocity, i) : (rb_vec3){0, 0, 0};
 }
 
-/* What holds a body at the beginning: how many joints, how fast it passes their other ends. */
-struct holds {
+/*
+ * Joints that hold a body at the beginning: their number, and the largest speed relative to their
+ * other ends.
+ */
+struct held_by {
 	int count;
 	double speed; /* m/s */
 };
 
-static struct holds holds_of(const struct rb_located *l, int i)
+static struct held_by held_by_of(const struct rb_located *l, int i)
 {
 	const struct rb_joints *const joints = l->model->joints;
-	struct holds all = {0, 0};
+	struct held_by all = {0, 0};
 
 	for (int k = joints ? joints->first[i] : 0; joints && k < joints->first[i + 1]; k++) {
 		const struct rb_joint *const joint = &joints->joint[joints->of[k]];
@@ -56,15 +59,18 @@ static struct holds holds_of(const struct rb_located *l, int i)
 	return all;
 }
 
-/* Speed, m/s, of a body at the beginning: a chain that swings or flies as one passes nothing. */
+/*
+ * Speed of a body at the beginning, m/s: for jointed bodies the relative one, which is zero for a
+ * chain that flies as one.
+ */
 static double speed_of(const struct rb_located *l, int i)
 {
-	const struct holds holds = holds_of(l, i);
+	const struct held_by held_by = held_by_of(l, i);
 
-	return holds.count > 0 ? holds.speed : rb_vec3_length(velocity_of(l, i));
+	return held_by.count > 0 ? held_by.speed : rb_vec3_length(velocity_of(l, i));
 }
 
-/* m/s: with which one that attracts is hit by what falls to it from afar. */
+/* Largest speed at which an attractor is hit by a body that falls from afar, m/s. */
 static double fall_speed(const struct rb_located *l)
 {
 	const struct rb_model *model = l->model;
@@ -79,7 +85,7 @@ static double fall_speed(const struct rb_located *l)
 	return max;
 }
 
-/* J: mean kinetic energy of bodies that no motion is given. */
+/* Mean kinetic energy of bodies that are not driven, J. */
 static double mean_energy(const struct rb_located *l)
 {
 	double sum = 0;
@@ -95,8 +101,8 @@ static double mean_energy(const struct rb_located *l)
 }
 
 /*
- * 1/s: how often a body falls by its own size, or flies with the speed that it has, that a light
- * one will have with the same energy as others, or, if it is attracted, with `falls`, m/s.
+ * Rate at which a body falls by its own size, or travels it with its speed, with the speed of the
+ * mean energy (which a light body will reach), or, if it is attracted, with `falls`, m/s; 1/s.
  */
 static double own_pace(const struct rb_located *l, int i, double energy, double falls)
 {
@@ -122,7 +128,7 @@ double rb_located_pace(const struct rb_located *l)
 	for (int i = 0; i < l->n; i++) {
 		const double pace = own_pace(l, i, energy, falls);
 
-		sum += pace * (1 + 0.5 * holds_of(l, i).count) /
+		sum += pace * (1 + 0.5 * held_by_of(l, i).count) /
 		       (rb_inspect_is_at_rest(l, i) ? PACE_AT_REST : 1);
 		max = fmax(max, pace);
 	}
@@ -131,6 +137,6 @@ double rb_located_pace(const struct rb_located *l)
 	const double paid = max > 0 ? PACE_BODY * sum + PACE_WORLD * few * max
 	                            : PACE_RUN * (PACE_BODY * (double)l->n + PACE_WORLD) / l->end_s;
 
-	/* what speeds allow is a guess, steps have been counted */
+	/* speeds only estimate the cost of steps, but steps taken were counted */
 	return (double)rb_located_worth(l) * fmin(paid, rb_crowd_stepped_pace(l));
 }

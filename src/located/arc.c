@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where a body is at any time. An arc is a parabola from an anchor, or one that decays, with a
- * closed-form or series rotation (math/top); a body on a piece is read from the dense output of the
- * integrator instead (math/gauss), three rows at a time. Positions on pieces are relative to a
- * base, and `rest` carries what the sum rounds away, so that a chain of pieces loses no digits.
+ * Evaluates arcs. An arc is a parabola from an anchor, or its counterpart with linear drag, with a
+ * closed-form or series rotation (math/top); a piece is the dense output of the integrator
+ * (math/gauss), read three rows at a time. Positions on pieces are relative to a base, and `rest`
+ * carries the rounding remainder of the sum, so that a chain of pieces loses no digits.
  */
 #include "located/arc.h"
 
@@ -42,7 +42,7 @@ rb_vec3 rb_arc_piece_position(const struct rb_piece_of *p, double t)
 	return rb_vec3_add(p->base, rb_arc_piece_vector(p, RB_PIECE_POSITION, t));
 }
 
-/* Its acceleration at the anchor, of which e^-z is left later. */
+/* Acceleration at the anchor, which decays as e^-z. */
 static rb_vec3 first_acceleration(const struct rb_arc *arc)
 {
 	return rb_vec3_add_scaled(arc->acceleration, -arc->decay, arc->velocity);
@@ -74,10 +74,10 @@ rb_vec3 rb_arc_acceleration(const struct rb_located *l, int i, double t)
 }
 
 /*
- * Orientation and spin at t: by the piece's polynomial, integrated exactly for bodies whose
- * orientation acts on nothing (math/turn), or by the top.
+ * Sets orientation and spin at t: by the piece's polynomial, by exact integration of the spin if
+ * nothing depends on the orientation (math/turn), or by the top.
  */
-static void turned(const struct rb_located *l, int i, double t, struct rb_pose *pose)
+static void set_rotation(const struct rb_located *l, int i, double t, struct rb_pose *pose)
 {
 	if (rb_located_on_piece(l, i)) {
 		const struct rb_piece_of *p = &l->piece[i];
@@ -97,8 +97,8 @@ static void turned(const struct rb_located *l, int i, double t, struct rb_pose *
 	rb_top_at(&l->top[i], t - l->arc[i].anchor_s, &pose->orientation, &pose->spin);
 }
 
-/* Position, what rounding leaves out of it, and velocity of a body on a piece. */
-static void moved(const struct rb_piece_of *p, double t, struct rb_pose *pose)
+/* Sets position, its rounding remainder, and velocity of a body on a piece. */
+static void set_translation(const struct rb_piece_of *p, double t, struct rb_pose *pose)
 {
 	double v[RB_PIECE_ORIENTATION];
 
@@ -116,7 +116,7 @@ struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t)
 	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
 	RB_ASSERT_COSTLY(!isnan(t));
 	if (rb_located_on_piece(l, i)) {
-		moved(&l->piece[i], t, &pose);
+		set_translation(&l->piece[i], t, &pose);
 	} else {
 		pose.position = rb_arc_position(l, i, t);
 		pose.velocity = rb_arc_velocity(l, i, t);
@@ -124,7 +124,7 @@ struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t)
 			pose.rest = l->piece[i].rest;
 	}
 	if (i < l->n && l->top)
-		turned(l, i, t, &pose);
+		set_rotation(l, i, t, &pose);
 	else
 		pose.orientation = l->model->orientation[i];
 	pose.origin = pose.position;
@@ -156,7 +156,7 @@ void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *
 
 	const rb_vec3 gravity = l->model->scene->world.gravity;
 	const struct rb_shape *shape = &l->model->shape[i];
-	/* spheres under gravity alone: what the fast paths of located/predict may assume */
+	/* spheres under gravity alone, as the fast paths of located/predict assume */
 	const bool plain = shape->kind == RB_SHAPE_SPHERE && !l->model->center_of_mass &&
 	                   acceleration.x == gravity.x && acceleration.y == gravity.y &&
 	                   acceleration.z == gravity.z;
@@ -183,13 +183,13 @@ void rb_arc_slow(struct rb_located *l, int i, double decay)
 	l->arc[i].decay = decay;
 }
 
-/* Not inlined, so that bodies without rotation need no pose on the stack. */
+/* Not inlined, so that storing bodies without rotation needs no pose on the stack. */
 __attribute__((noinline)) static void store_turned(const struct rb_located *l, int i, double t)
 {
 	struct rb_state *state = &l->world->state;
 	struct rb_pose pose;
 
-	turned(l, i, t, &pose);
+	set_rotation(l, i, t, &pose);
 	rb_quat_to(state->orientation + 4 * (size_t)i, pose.orientation);
 	rb_vec3_to(state->spin + 3 * (size_t)i, pose.spin);
 }

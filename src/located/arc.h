@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Where a body is on its arc at a moment. `i` may be a static body. */
+/* Position and motion of a body on its arc at a time. `i` may be a static body. */
 #ifndef RB_LOCATED_ARC_H
 #define RB_LOCATED_ARC_H
 
@@ -7,7 +7,7 @@
 #include "math/decay.h"
 #include "math/pose.h"
 
-/* Moves it; what rounding leaves out of that goes to its rest. */
+/* Moves a pose; the rounding remainder is kept in its rest. */
 static inline void rb_arc_move(struct rb_pose *pose, rb_vec3 way)
 {
 	const rb_vec3 before = pose->position, step = rb_vec3_add(way, pose->rest);
@@ -16,11 +16,14 @@ static inline void rb_arc_move(struct rb_pose *pose, rb_vec3 way)
 	pose->rest = rb_vec3_lost(before, step, pose->position);
 }
 
-/* Moves a pose of body i by small ways of its centre of mass, m, and turns, rad: corrections. */
+/*
+ * Moves a pose of body i by a small displacement of its centre of mass, m, and a small rotation,
+ * rad: corrections.
+ */
 void rb_arc_displace(const struct rb_located *l, int i, struct rb_pose *pose, rb_vec3 way,
                      rb_vec3 turn);
 
-/* Three rows of the piece that the body is on. */
+/* Three rows of a piece, their rates, and the position. */
 rb_vec3 rb_arc_piece_vector(const struct rb_piece_of *p, int row, double t);
 rb_vec3 rb_arc_piece_rate(const struct rb_piece_of *p, int row, double t);
 rb_vec3 rb_arc_piece_position(const struct rb_piece_of *p, double t);
@@ -55,13 +58,13 @@ static inline rb_vec3 rb_arc_velocity(const struct rb_located *l, int i, double 
 	return rb_vec3_add_scaled(arc->velocity, t - arc->anchor_s, arc->acceleration);
 }
 
-/* Of the centre of mass; of a piece, the derivative of its velocity. */
+/* Acceleration of the centre of mass; on a piece, the derivative of its velocity. */
 rb_vec3 rb_arc_acceleration(const struct rb_located *l, int i, double t);
-/* A bound on it for as long as the body is on this arc or piece, m/s^2. */
+/* Bound on that acceleration while the body is on this arc or piece, m/s^2. */
 double rb_arc_acceleration_max(const struct rb_located *l, int i);
 struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t);
 
-/* Centre of the shape; of one that is not in the centre of mass. */
+/* Origin of the shape if it is not the centre of mass; in any case. */
 rb_vec3 rb_arc_off_center(const struct rb_located *l, int i, double t);
 static inline rb_vec3 rb_arc_origin(const struct rb_located *l, int i, double t)
 {
@@ -70,15 +73,16 @@ static inline rb_vec3 rb_arc_origin(const struct rb_located *l, int i, double t)
 	return rb_arc_off_center(l, i, t);
 }
 
-/* The rate at which a body's arc decays, 1/s; 0: it is a parabola, a piece, or fixed. */
+/* Rate of decay of a body's arc, 1/s; 0: it is a parabola or a piece, or the body is static. */
 static inline double rb_arc_decay(const struct rb_located *l, int i)
 {
 	return l->decays && i < l->n && !rb_located_on_piece(l, i) ? l->arc[i].decay : 0;
 }
 
 /*
- * The body starts a new arc here: a parabola, turning freely with `turning` (rad/s^2) on top.
- * rb_arc_slow then makes it one that decays, of which `acceleration` is that by constant forces.
+ * Starts a new arc at this pose: a parabola, rotating freely with an additional angular
+ * acceleration `turning`, rad/s^2. rb_arc_slow then adds linear drag of rate `decay`;
+ * `acceleration` is that by constant forces.
  */
 void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *pose,
                    rb_vec3 acceleration, rb_vec3 turning);

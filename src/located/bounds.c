@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Bounds on speed and acceleration of rotation over the life of an arc or piece, for conservative
- * advancement. Linear drag has what
- * it begins with. Free tops are bounded by what energy and angular momentum conserve, pieces by the
- * sum of their Legendre coefficients (|P_k| <= 1 on [0, 1]).
+ * Bounds on acceleration and rotation over an arc or piece, for conservative advancement. With
+ * linear drag, the initial acceleration is the largest. Free rotation is bounded by the conserved
+ * energy and angular momentum, pieces by the sum of their Legendre coefficients (|P_k| <= 1 on
+ * [0, 1]).
  */
 #include "located/bounds.h"
 
@@ -32,7 +32,7 @@ static double second_rates_max(const struct rb_gauss_piece *p, int first)
 	return sum * (1 + 64 * DBL_EPSILON) / (p->length_s * p->length_s);
 }
 
-/* Components, moments and invariants of a top in principal axes. */
+/* Components, moments and invariants of a free body's rotation in principal axes. */
 struct spinning {
 	double w[3], moment[3];
 	double energy, momentum, square; /* twice the energy; squares of momentum and spin */
@@ -58,10 +58,10 @@ static struct spinning spinning_of(const struct rb_top_body *body, const struct 
 
 /*
  * Bound on the spin of a free top. With energy T and momentum L, the squares x_k of its components
- * have sum I_k x_k = 2 T and sum I_k^2 x_k = L^2, so the largest sum x_k has one of them at zero.
- * Where two moments are nearly equal, the energy alone bounds it. Its rate: |I_j - I_k| <= I_i in
- * Euler's equations, and the root of the sum of squares of the three products of two components is
- * at most the square of the length over the root of three.
+ * satisfy sum I_k x_k = 2 T and sum I_k^2 x_k = L^2, so the largest sum x_k has one of them at
+ * zero. If two moments are nearly equal, the energy alone bounds it. For its rate: |I_j - I_k| <=
+ * I_i in Euler's equations, and the root of the sum of squares of the three products of two
+ * components is at most the squared length over the root of three.
  */
 static void free_spin(const struct spinning *s, struct rb_bounds *max)
 {
@@ -83,10 +83,10 @@ static void free_spin(const struct spinning *s, struct rb_bounds *max)
 }
 
 /*
- * Bounds for the axis of the smallest moment, or a symmetric top's own, which moves less than other
- * points. With a, b the components of the spin across it and c along it, Euler's equations give e''
- * = (a L_3 / I_2 + a c (1 - I_1 / I_2)) e_1 + (b L_3 / I_1 + b c (1 - I_2 / I_1)) e_2 - (a^2 + b^2)
- * e for the axis e; momentum bounds a and b.
+ * Bounds for the axis of the smallest moment, or for a symmetric top's own, which moves less than
+ * other points. With a, b the components of the spin perpendicular to it and c along it, Euler's
+ * equations give e'' = (a L_3 / I_2 + a c (1 - I_1 / I_2)) e_1 + (b L_3 / I_1 + b c (1 - I_2 /
+ * I_1)) e_2 - (a^2 + b^2) e for the axis e; momentum bounds a and b.
  */
 static void axis_rates(const struct rb_top_body *body, const struct spinning *s,
                        struct rb_bounds *max)

@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Each level has one or two grids: of the bodies whose level it is (natives) and of smaller ones
- * (guests), since a guest's partners on a level are its natives only. A body's place on a level, an
- * entry, is three whole numbers that change when it crosses a wall and at no other time: they are
- * never worked out again from a position, so rounding can't lose a body.
+ * Each level has one or two grids: of the bodies of that level (natives) and of smaller ones
+ * (guests), since a guest's candidates on a level are its natives only. A body's position on a
+ * level, an entry, is three integers that change only when it crosses a wall: they are not computed
+ * from the position again, so rounding cannot lose a body.
  *
- * Walls give way: a body leaves its cell `hysteresis` x edge behind the wall. It must come back
- * twice that far before it returns, so one that stops or turns at a wall does not cross it for
- * ever. The edge is that much larger: bodies that touch are in neighbouring cells as long as each
- * is in its own or within `hysteresis` of it,
+ * Walls have hysteresis: a body leaves its cell at `hysteresis` x edge behind the wall, and returns
+ * after twice that distance, so a body that stops or reverses at a wall does not cross it without
+ * end. The edge is increased accordingly: bodies that touch are in neighbouring cells as long as
+ * each is in its own or within `hysteresis` of it,
  *     r_a + r_b <= 2 r_max < edge (1 - 2 hysteresis),
- * and what is left of the difference covers the rounding of coordinates up to 1e12 edges. Where the
- * way of a body is only bounded, it is looked at when it could be at the wall first, and goes
- * through from half of `hysteresis` behind the middle between the cells on: farther from the wall
- * than that, it needs a while to the next look.
+ * and the remaining difference covers the rounding of coordinates up to 1e12 edges. A body whose
+ * motion is only bounded is checked at the earliest time at which it could reach the wall, and
+ * crosses from half of `hysteresis` behind the boundary between the cells on: farther from the wall
+ * the next check is some time away.
  *
- * A cell is a block of three bodies and a tail: a walk of 27 is nine short stretches of memory
- * without pointers to follow, and, because a block is copied as a whole, however many are in it,
- * without branches to guess. What does not fit goes to further blocks; all blocks of a cell are
- * full except its last-made one. So c > SLOTS bodies need fewer than c / SLOTS further blocks, and
- * all that can ever be needed are taken beforehand. Measured in a gas against lists through the
+ * A cell is a block of three bodies and a tail: a walk over 27 cells reads nine short ranges of
+ * memory without following pointers and, because a block is copied as a whole, without
+ * unpredictable branches. Further members go to further blocks; all blocks of a cell are full
+ * except the most recent one. So c > SLOTS bodies need fewer than c / SLOTS further blocks, and all
+ * that can ever be needed are allocated beforehand. Measured in a gas against lists through the
  * bodies (a fifth slower) and copying slot by slot (a walk takes twice as long).
  */
 #include "located/cells.h"
@@ -33,17 +33,20 @@
 #include <string.h>
 
 enum {
-	/* up to this number all are neighbours: no more than 27 cells would hold, and no walls */
-	FEW = 16,
+	/*
+	 * number of bodies up to which all are candidates, since 27 cells would hold no more, and
+	 * there are no walls
+	 */
+	CELLS_MIN_BODIES = 16,
 	SMALLEST_SIDE = 4,
-	WALLS = 6, /* of a cell: 2 x axis + (1: the one at the higher end) */
+	WALLS = 6, /* of a cell, numbered 2 x axis + (1: the one at the higher end) */
 };
 
-static const double hysteresis = 0x1p-8; /* hysteresis of walls, edges; see above */
-static const double slack = 0x1p-6;      /* edge / (2 r_max) - 1 at least; above 2 x hysteresis */
+static const double hysteresis = 0x1p-8; /* hysteresis of walls, share of the edge; see above */
+static const double slack = 0x1p-6;      /* minimum of edge / (2 r_max) - 1; above 2 x hysteresis */
 /*
- * Bodies per cell for small bodies spread evenly. In a gas 0.25 to 0.7 are equally good: smaller
- * cells are crossed more often, larger ones hold more candidates.
+ * Bodies per cell for small, evenly distributed bodies. In a gas 0.25 to 0.7 are equally good:
+ * smaller cells are crossed more often, larger ones hold more candidates.
  */
 static const double load = 0.5;
 static const double crowded =
@@ -86,7 +89,7 @@ struct walk {
 	int count[3];
 };
 
-/* The 27 cells around `at`, with torus wrap by masks. */
+/* The 27 cells around `at`, wrapped by masks. */
 static void walk_around(const struct level *level, const int64_t at[3], struct walk *walk)
 {
 	for (int k = 0; k < 3; k++) {
@@ -98,7 +101,8 @@ static void walk_around(const struct level *level, const int64_t at[3], struct w
 }
 
 /*
- * Copies a chain of blocks member by member: where it has further blocks, or little room is left.
+ * Copies a chain of blocks member by member: for cells with further blocks, or if little room is
+ * left.
  */
 __attribute__((noinline, cold)) static int copy_cell(const struct rb_cells *cells,
                                                      const struct block *block, int *out, int count)
@@ -112,7 +116,7 @@ __attribute__((noinline, cold)) static int copy_cell(const struct rb_cells *cell
 	return count;
 }
 
-/* Copies a cell of one block as a whole where there is room, which is nearly always. */
+/* Copies a cell of one block as a whole if there is room, as nearly always. */
 static inline int copy_block(const struct rb_cells *cells, const struct block *block, int *out,
                              int count, int roomy)
 {
@@ -157,7 +161,7 @@ static int remove_from(int *out, int count, int body)
 	return count;
 }
 
-/* Everybody else. */
+/* Lists all other bodies. */
 static int list_all(const struct rb_cells *cells, int body, int *out)
 {
 	int count = 0;
@@ -235,14 +239,14 @@ int rb_cells_level_count(const struct rb_cells *cells)
 
 /*
  * Time of leaving a cell along one axis, s; `*high` is 1 at the upper wall. x is the distance from
- * the cell's middle, and the body leaves where |x| = reach. With u the speed, b the acceleration in
+ * the cell's middle, and the body leaves at |x| = reach. With u the speed, b the acceleration in
  * the direction of motion and d > 0 the distance ahead, u t + b t^2 / 2 = d has the first root 2 d
- * / (u + sqrt(u^2 + 2 b d)); where there is none, the body turns round and reaches the wall behind
- * it, at -c, at the second root of u t + b t^2 / 2 = -c, which is (u + sqrt(u^2 - 2 b c)) / -b. All
- * sums are of numbers of one sign, except under the first root: there rounding decides whether a
- * body that all but turns at the wall leaves, and either is right.
+ * / (u + sqrt(u^2 + 2 b d)); if there is none, the body reverses and reaches the wall behind it, at
+ * -c, at the second root of u t + b t^2 / 2 = -c, which is (u + sqrt(u^2 - 2 b c)) / -b. All sums
+ * are of numbers of one sign, except under the first root: there rounding decides whether a body
+ * that almost reverses at the wall leaves, and either is right.
  */
-static double leaves_along(double reach, double x, double v, double a, int *high)
+static double exit_time(double reach, double x, double v, double a, int *high)
 {
 	const double sign = copysign(1, v == 0 ? a : v);
 	const double ahead = reach - sign * x, u = fabs(v), b = sign * a;
@@ -260,13 +264,13 @@ static double leaves_along(double reach, double x, double v, double a, int *high
 	return (u + sqrt(fmax(0, u * u - 2 * b * (reach + sign * x)))) / -b;
 }
 
-/* The earliest wall so far: in how many seconds, and its number; -1 for none. */
+/* The earliest wall so far: seconds until then, and its number; -1: none. */
 struct exit {
 	double s;
 	int wall;
 };
 
-/* True in the outermost cells, which nobody leaves. */
+/* True in the outermost cells, which bodies do not leave. */
 static bool is_last(int64_t at)
 {
 	return (at <= -farthest) | (at >= farthest);
@@ -278,20 +282,20 @@ static inline double off_middle(const struct level *level, int64_t at, double x)
 	return x - ((double)at + 0.5) * level->edge;
 }
 
-/* Offers the walls of one axis under an acceleration. */
-static void fall_out(struct exit *exit, const struct level *level, int64_t at, const double xva[3],
-                     int wall)
+/* Offers the walls of one axis to a body with acceleration. */
+static void offer_accelerated(struct exit *exit, const struct level *level, int64_t at,
+                              const double xva[3], int wall)
 {
 	const double off = off_middle(level, at, xva[0]);
 	int high;
-	const double s = leaves_along(level->reach, off, xva[1], xva[2], &high);
+	const double s = exit_time(level->reach, off, xva[1], xva[2], &high);
 
 	if (s < exit->s && !is_last(at))
 		*exit = (struct exit){s, wall + high};
 }
 
 /* Time to the wall ahead without acceleration, s. */
-static inline double flies_along(const struct level *level, int64_t at, double x, double v)
+static inline double straight_time(const struct level *level, int64_t at, double x, double v)
 {
 	const double off = off_middle(level, at, x);
 	const double ahead = level->reach - copysign(1, v) * off;
@@ -300,16 +304,17 @@ static inline double flies_along(const struct level *level, int64_t at, double x
 }
 
 /*
- * Offers all walls without acceleration, most of a gas, without branches: directions are random,
- * and a mispredicted branch costs more than all of this.
+ * Offers all walls to a body without acceleration, the most frequent case in a gas. Branch-free:
+ * directions are random, and a mispredicted branch costs more than all of this.
  */
-static inline void fly_out(struct exit *exit, const struct level *level, const struct entry *entry,
-                           const double x[3], const double v[3], int number)
+static inline void offer_straight(struct exit *exit, const struct level *level,
+                                  const struct entry *entry, const double x[3], const double v[3],
+                                  int number)
 {
 	const double never = (double)INFINITY;
-	const double s0 = flies_along(level, entry->at[0], x[0], v[0]);
-	const double s1 = flies_along(level, entry->at[1], x[1], v[1]);
-	const double s2 = flies_along(level, entry->at[2], x[2], v[2]);
+	const double s0 = straight_time(level, entry->at[0], x[0], v[0]);
+	const double s1 = straight_time(level, entry->at[1], x[1], v[1]);
+	const double s2 = straight_time(level, entry->at[2], x[2], v[2]);
 	const double first = s0 < never ? s0 : never;
 	const bool second = s1 < first;
 	const double both = s1 < first ? s1 : first;
@@ -340,20 +345,20 @@ double rb_cells_leaves(const struct rb_cells *cells, int body, rb_vec3 position,
 		const int number = WALLS * (l - own);
 
 		if (flies && !((int)is_last(at[0]) | (int)is_last(at[1]) | (int)is_last(at[2]))) {
-			fly_out(&exit, level, entry, x, v, number);
+			offer_straight(&exit, level, entry, x, v, number);
 			continue;
 		}
 		for (int k = 0; k < 3; k++)
-			fall_out(&exit, level, at[k], (double[]){x[k], v[k], a[k]}, number + 2 * k);
+			offer_accelerated(&exit, level, at[k], (double[]){x[k], v[k], a[k]},
+			                  number + 2 * k);
 	}
 	*wall = exit.wall;
 	return exit.s;
 }
 
 /*
- * Time before which |x| stays within `reach` along one axis, whatever the acceleration is within
- * `a_max`: s; the root of u t + a_max t^2 / 2 = d for the wall at distance d, u the speed towards
- * it.
+ * Time for which |x| stays within `reach` along one axis under any acceleration up to `a_max`, s:
+ * the root of u t + a_max t^2 / 2 = d for the wall at distance d, with u the speed towards it.
  */
 static double time_inside_along(double reach, double x, double v, double a_max, int *high)
 {
@@ -477,7 +482,7 @@ int rb_cells_wall_count(const struct rb_cells *cells, int body)
 	return WALLS * (cells->level_count - own_level(cells, body));
 }
 
-/* ---- making ---- */
+/* ---- creation ---- */
 
 struct extent {
 	double size[3]; /* m, of the box around the centres of those listed on a level */
@@ -507,7 +512,7 @@ static struct extent find_extent(const struct rb_cells *cells, int l, const doub
 }
 
 /*
- * Most cells of a level. Empty cells cost nothing but address space, wrapping the torus costs
+ * Maximum number of cells of a level. Empty cells cost only address space, wrapping the torus costs
  * candidates; sides are powers of two, so a box may need eight times its cells.
  */
 static size_t cells_max(const struct extent *extent)
@@ -516,8 +521,8 @@ static size_t cells_max(const struct extent *extent)
 }
 
 /*
- * Sets the edge of a level's cells and the sides of its torus: it covers the box if that takes no
- * more than cells_max, else it wraps.
+ * Sets the edge of a level's cells and the sides of its torus, which covers the box if that takes
+ * no more than cells_max, else wraps.
  */
 static void set_edge(struct level *level, const struct extent *extent, double edge)
 {
@@ -532,7 +537,7 @@ static void set_edge(struct level *level, const struct extent *extent, double ed
 		while ((double)side[k] < extent->size[k] / edge + 2 && side[k] < max)
 			side[k] *= 2;
 	}
-	/* not of the product, which could overflow */
+	/* in doubles, since the product of sizes could overflow */
 	while ((double)side[0] * (double)side[1] * (double)side[2] > (double)max) {
 		const int longest = side[0] >= side[1] ? (side[0] >= side[2] ? 0 : 2)
 		                                       : (side[1] >= side[2] ? 1 : 2);
@@ -567,8 +572,8 @@ static double measure_crowd(const struct rb_cells *cells, int l, const double *p
 }
 
 /*
- * Chooses the edge: for bodies spread evenly over their box at first, halved while cells are
- * crowded. False when memory is out.
+ * Chooses the edge: first for bodies distributed evenly over their box, then halved while cells are
+ * crowded. False: no memory.
  */
 static bool choose_edge(struct rb_cells *cells, int l, const double *position)
 {
@@ -653,7 +658,7 @@ static bool find_levels(struct rb_cells *cells, const double *radius)
 	return true;
 }
 
-/* Allocates places and every block that can ever be needed, as a free list. */
+/* Allocates entries and all blocks that can ever be needed, as a free list. */
 static bool take_entries(struct rb_cells *cells)
 {
 	size_t entry_count = (size_t)cells->count, block_count;
@@ -680,7 +685,7 @@ static bool take_entries(struct rb_cells *cells)
 	return true;
 }
 
-/* Levels, grids, and each body in its cells. */
+/* Creates levels and grids, and puts each body into its cells. */
 static bool fill(struct rb_cells *cells, const double *radius, const double *position)
 {
 	if (!find_levels(cells, radius) || !take_entries(cells))
@@ -716,7 +721,7 @@ enum rb_status rb_cells_create(struct rb_cells **cells, int count, const double 
 	*cells = NULL;
 	if (made)
 		made->count = count;
-	if (!made || (count > FEW && !fill(made, radius, position))) {
+	if (!made || (count > CELLS_MIN_BODIES && !fill(made, radius, position))) {
 		rb_cells_destroy(made);
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the cells of %d bodies", count);
 	}

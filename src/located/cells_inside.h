@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What cells are made of: for located/cells, which says how they work, and located/cells_pack,
- * which saves them.
- */
+/* Data structures private to located/cells, which explains them, and located/cells_pack. */
 #ifndef RB_LOCATED_CELLS_INSIDE_H
 #define RB_LOCATED_CELLS_INSIDE_H
 
@@ -14,27 +11,27 @@
 
 enum { SLOTS = 3 };
 
-/* The last cells: beyond them doubles can't tell cells apart. */
+/* The outermost cells: beyond them doubles cannot distinguish cells. */
 #define FARTHEST_CELL (1ll << 50)
 static const int64_t farthest = FARTHEST_CELL;
 
 /*
- * Members come first; what is behind them means nothing. A cell's own block and all further ones
- * are full, but for the last of them that was made, which the own block points to.
+ * The first members are valid. A cell's own block and all further ones are full, except the most
+ * recent one, to which the own block points.
  */
 struct block {
 	int32_t member[SLOTS];
-	uint32_t tail; /* how many, and 4 x (1 + index of a further block), 0 for none */
+	uint32_t tail; /* number of members, plus 4 x (1 + index of a further block), 0 for none */
 };
 _Static_assert(SLOTS < 4, "the tail has two bits for the number of members");
 
 struct grid {
-	struct block *cells; /* NULL: nobody will ever be in it */
+	struct block *cells; /* NULL: always empty */
 };
 
 struct level {
 	double edge, inverse; /* m, 1/m */
-	double reach;         /* m, from a cell's middle to where it is left */
+	double reach;         /* m, distance from a cell's middle at which bodies leave it */
 	double largest;       /* m, radius */
 	int64_t mask[3];      /* cells along each axis less 1 */
 	size_t stride[3];     /* in cells */
@@ -53,13 +50,13 @@ struct rb_cells {
 	int count, level_count;
 	struct level *levels;  /* fine to coarse; 0: few bodies, no cells */
 	struct entry *entries; /* of each body from its own level to the coarsest */
-	/* level of each body, that of endless ones level_count; NULL: there is one level */
+	/* level of each body, level_count for endless ones; NULL: there is one level */
 	int32_t *own;
-	int32_t *endless; /* bodies near all */
+	int32_t *endless; /* bodies that are candidates of all */
 	int endless_count;
-	size_t *first;        /* of each body in entries; NULL: the body itself */
+	size_t *first;        /* index of each body's first entry; NULL: the body's index */
 	struct block *blocks; /* further ones */
-	uint32_t free_tail;   /* a tail without members that leads to the free ones */
+	uint32_t free_tail;   /* a tail without members that points to the free blocks */
 };
 
 static inline size_t cell_at(const struct level *level, const int64_t at[3])
@@ -82,7 +79,7 @@ static inline struct block *next_block(const struct rb_cells *cells, const struc
 	return block->tail > 3 ? &cells->blocks[(block->tail >> 2) - 1] : NULL;
 }
 
-/* The block of a cell that is not full if any is. */
+/* The block of a cell that is not full, if there is one. */
 static inline struct block *open_block(const struct rb_cells *cells, struct block *cell)
 {
 	struct block *next = next_block(cells, cell);

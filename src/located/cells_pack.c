@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Cells to bytes and back. What is read is hostile until checked. */
+/* Packs cells. Loaded bytes are hostile until checked. */
 #include "located/cells.h"
 #include "located/cells_inside.h"
 
@@ -11,8 +11,8 @@ static RB_FIELDS_DECLARE(entry_fields);
 static RB_FIELDS_DEFINE(entry_fields, struct entry, ENTRY_FIELDS);
 
 /*
- * Members of a cell in an order in which, added one by one to an empty cell, they stand as they do
- * now.
+ * Writes the members of a cell in an order that, when added one by one to an empty cell, reproduces
+ * its blocks.
  */
 static int in_order(const struct rb_cells *cells, const struct block *cell, int32_t *out)
 {
@@ -43,7 +43,7 @@ static void save_grid(const struct rb_cells *cells, const struct level *level,
 	rb_pack_bytes(pack, order, (size_t)count * sizeof *order);
 }
 
-/* As many as now, each that belongs there once, at the place that its entry says. */
+/* Loads as many members as the grid has, each body of it once, into the cell of its entry. */
 static void load_grid(struct rb_cells *cells, int l, bool native, unsigned char *seen,
                       struct rb_pack *pack)
 {

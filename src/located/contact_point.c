@@ -8,8 +8,8 @@
 enum { TOUCHING_ULP = 8 };
 
 /*
- * Infinite planes have no size, and of a pair the others' counts; rectangles have one only for what
- * is no sphere.
+ * Size of a body, m: 0 for an infinite plane, so that the other body's size counts; rectangles have
+ * one only in pairs with features.
  */
 static double size_of(const struct rb_located *l, int i)
 {
@@ -47,14 +47,17 @@ double rb_contact_point_band(const struct rb_located *l, const struct rb_contact
 	const bool plain = !rb_pair_has_features(l, m->a, m->b);
 	double largest = rb_contact_point_largest(l, m);
 
-	/* of an infinite plane only the other's place matters: its own point may be anywhere */
+	/*
+	 * the reference point of an infinite plane is arbitrary: only the other body's position
+	 * counts
+	 */
 	if (plain ? l->model->shape[m->a].kind == RB_SHAPE_SPHERE
 	          : l->model->shape[m->a].kind != RB_SHAPE_PLANE)
 		largest = fmax(largest, rb_vec3_max_abs(m->pose_a.origin));
 	if (plain ? l->model->shape[m->b].kind == RB_SHAPE_SPHERE
 	          : l->model->shape[m->b].kind != RB_SHAPE_PLANE)
 		largest = fmax(largest, rb_vec3_max_abs(m->pose_b.origin));
-	/* and the way that they make in the rounding of the time */
+	/* and the distance travelled within the rounding of time */
 	return DBL_EPSILON *
 	       (TOUCHING_ULP * largest + 2 * t * fabs(rb_vec3_dot(m->velocity, m->normal)));
 }
@@ -81,7 +84,7 @@ bool rb_contact_point_passes(const struct rb_located *l, const struct rb_contact
 	       rate * rate <= 2 * bend * (fmax(m->gap, 0) + rb_contact_point_band(l, m, t));
 }
 
-/* Angular acceleration; of what turns freely, by I w' = -w x I w. */
+/* Angular acceleration; for free rotation from I w' = -w x I w. */
 static rb_vec3 turning_of(const struct rb_located *l, int i, const struct rb_pose *pose, double t)
 {
 	if (i >= l->n || !l->top)
@@ -111,8 +114,8 @@ rb_vec3 rb_contact_point_acceleration(const struct rb_located *l, int i, const s
 }
 
 /*
- * d/dt of the velocity of b's point seen from a's, along the normal, the points moving along with
- * the features.
+ * Time derivative of the normal component of b's velocity relative to a's at the point, which moves
+ * along with its features.
  */
 static double bend_of_features(const struct rb_located *l, const struct rb_contact_point *m,
                                double t)
@@ -151,7 +154,8 @@ double rb_contact_point_bend(const struct rb_located *l, const struct rb_contact
 	                              rb_contact_point_acceleration(l, i, ball, ball->origin, t));
 
 	/*
-	 * |d| - r where the normal follows d; (p - x) . n - r of a face, whose normal turns with it
+	 * the gap is |d| - r if the normal follows d; (p - x) . n - r for a face, whose normal
+	 * rotates with it
 	 */
 	if (!face)
 		return rb_vec3_dot(a, n) + rb_vec3_dot(w, rate);

@@ -420,7 +420,7 @@ static void add_rim(struct search *s, const struct part_pair *c, const struct rb
 		struct rb_contact_name landing = *name;
 
 		landing.key = rb_feature_of_rim(&rim, name->key, k >= 2);
-		landing.half = k % 2 == 0 ? rim.way : rb_vec3_neg(rim.way);
+		landing.half = k % 2 == 0 ? rim.direction : rb_vec3_neg(rim.direction);
 		/* unless past the border of the face on which it lands */
 		if (!(rb_touch_of(s->l, &landing, &s->pair->pose_a, &s->pair->pose_b).inside <
 		      -s->depth))

@@ -8,11 +8,11 @@
 #include "world/joint_state.h"
 
 /*
- * Bodies that may be counted beyond those that time allows. By a crowd: so many for each of its
- * bodies, a few more, and shares of what few are worth: few in a crowd, and few in the world. A box
- * that rocks takes 195 on its own, which is a fiftieth of a second, one that goes over an edge 101,
- * three that slide on each other 84, and twenty-six rollers that begin to slip together 87 of 120;
- * of more, steps would cost less. By the world: those of some crowds.
+ * Limits of work, in bodies, beyond what time allows. For a crowd: CROWD_BODY for each of its
+ * bodies, CROWD_MORE, and shares that shrink with the number of bodies in the crowd and in the
+ * world. A box that rocks takes 195 on its own, which is a fiftieth of a second, one that tips over
+ * an edge 101, three that slide on each other 84, and twenty-six rollers that begin to slip
+ * together 87 of 120; above that, steps would cost less. For the world: those of some crowds.
  */
 enum { CROWD_BODY = 4, CROWD_MORE = 8, CROWD_SHARE = 128, FEW_SHARE = 128 };
 enum { WORLD_BODY = 2, WORLD_MORE = 256 };
@@ -28,7 +28,7 @@ static uint64_t crowd_max(const struct rb_located *l, int bodies)
 	                              CROWD_SHARE / (uint64_t)bodies + FEW_SHARE / (uint64_t)l->n);
 }
 
-/* Has the body a rim, on which the nearest point is looked for? */
+/* True if the body has a rim, on which a search finds the nearest point. */
 static bool has_rim(const struct rb_body_parts *parts)
 {
 	for (int k = 0; k < parts->count && !parts->terrain; k++)
@@ -54,8 +54,8 @@ uint64_t rb_crowd_inspection(const struct rb_located *l, int i, int j, int facet
 /* ---- steps ---- */
 
 /*
- * Products of a step of a body, and of one that stands. Whether it is known to, which makes it
- * cheap, is not kept with the state, and nothing may depend on it.
+ * Cost of a step of a body, and of one at rest, in products. Whether a body is asleep, which makes
+ * its step cheap, is not saved with the state, so nothing may depend on it.
  */
 enum { STEP_WORK = RB_LOCATED_PRODUCTS / RB_LOCATED_BODY_STEPS, IDLE_WORK = STEP_WORK / 32 };
 
@@ -67,7 +67,7 @@ static bool is_idle(const struct rb_state *state, int i)
 	       rb_vec3_max_abs(state->spin ? rb_world_row3(state->spin, i) : none) == 0;
 }
 
-/* Is the joint between bodies that do not move, or between one and what is static? */
+/* True if the joint's bodies do not move or are static. */
 static bool is_idle_joint(const struct rb_located *l, const struct rb_joint *joint)
 {
 	const struct rb_state *const state = &l->world->state;
@@ -86,7 +86,7 @@ void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *bef
 
 	for (int i = 0; i < l->n; i++)
 		idle += is_idle(&l->world->state, i);
-	/* what joins two is solved as they are: it takes about as long as a body */
+	/* solving a joint takes about as long as a body */
 	for (int k = 0; k < joint_count; k++) {
 		if (l->world->joint[k].released)
 			continue;
@@ -107,28 +107,31 @@ double rb_crowd_stepped_pace(const struct rb_located *l)
 	return l->world->dense_s > 0 ? bodies / l->world->dense_s : (double)INFINITY;
 }
 
-/* Share of the work of steps that the next attempt may take. */
-enum { TRY_SHARE = 8 };
+/* The next attempt may take 1/ATTEMPT_SHARE of the work of steps. */
+enum { ATTEMPT_SHARE = 8 };
 
-/* What an attempt may take at least: of few bodies more than their steps allow, which is little. */
-static uint64_t least_try(const struct rb_located *l)
+/*
+ * Lower limit of an attempt, in bodies: few bodies may take more than their steps allow, which is
+ * little.
+ */
+static uint64_t attempt_least(const struct rb_located *l)
 {
 	return l->n > 32 ? (uint64_t)l->n : 32;
 }
 
-/* Bodies that an attempt after these steps may count. */
-static uint64_t next_try(const struct rb_located *l)
+/* Limit of an attempt after these steps, in bodies. */
+static uint64_t attempt_next(const struct rb_located *l)
 {
-	return l->world->dense_work / (TRY_SHARE * (uint64_t)RB_LOCATED_PRODUCTS);
+	return l->world->dense_work / (ATTEMPT_SHARE * (uint64_t)RB_LOCATED_PRODUCTS);
 }
 
-/* What steps have left of a group that contacts connect. */
+/* A group of bodies connected by contacts. */
 struct group {
 	int contacts;
 	bool moves;
 };
 
-/* Connects what touches; counts the contacts of each group at its root. */
+/* Connects bodies in contact; counts the contacts of each group at its root. */
 static void gather_groups(const struct rb_located *l, int *parent, struct group *group)
 {
 	const struct rb_contacts *const contacts = &l->world->contacts;
@@ -156,8 +159,8 @@ static void gather_groups(const struct rb_located *l, int *parent, struct group 
 }
 
 /*
- * Bodies that the forces of all groups count for, at least: those that an attempt begins with.
- * Without memory to count them, none.
+ * Lower bound of the cost of all groups' forces, with which an attempt begins, in bodies; 0 if
+ * there is no memory to compute it.
  */
 static uint64_t forces_cost(const struct rb_located *l)
 {
@@ -181,37 +184,37 @@ bool rb_crowd_may_try(const struct rb_located *l)
 {
 	if (l->world_max == UINT64_MAX)
 		return true;
-	const uint64_t least = least_try(l), next = next_try(l);
+	const uint64_t least = attempt_least(l), next = attempt_next(l);
 
 	return next >= (uint64_t)l->n && forces_cost(l) <= (next > least ? next : least);
 }
 
 /* ---- crowds ---- */
 
-static void alone(struct rb_located *l, int i)
+static void make_single(struct rb_located *l, int i)
 {
 	l->crowd_of[i] = (struct rb_crowd_of){.parent = i, .size = 1};
 }
 
 void rb_crowd_begin(struct rb_located *l)
 {
-	const uint64_t paid_for = next_try(l), least = least_try(l);
+	const uint64_t paid_for = attempt_next(l), least = attempt_least(l);
 	const uint64_t left = paid_for > least ? paid_for : least;
-	const bool owes = l->world->dense_steps > 0 && l->world_max != UINT64_MAX;
+	const bool is_limited = l->world->dense_steps > 0 && l->world_max != UINT64_MAX;
 
-	/* after steps there is a debt, which leaves what they allow */
-	l->crowd = owes && left < l->world_max ? l->world_max - left : 0;
+	/* after steps the count starts so high that only what they allow is left */
+	l->crowd = is_limited && left < l->world_max ? l->world_max - left : 0;
 	l->products = 0;
 	l->crowd_max = l->world_max;
 	for (int i = 0; i < l->n; i++)
-		alone(l, i);
+		make_single(l, i);
 	l->joined_count = 0;
 }
 
 void rb_crowd_end(struct rb_located *l)
 {
 	for (int k = 0; k < l->joined_count; k++)
-		alone(l, l->joined[k]);
+		make_single(l, l->joined[k]);
 	l->joined_count = 0;
 }
 
@@ -246,8 +249,8 @@ void rb_crowd_shorten(struct rb_located *l)
 		l->crowd_of[i].parent = root_of(l, i);
 }
 
-/* The crowd, after time has paid for what it has counted. */
-static struct rb_crowd_of *paid(struct rb_located *l, int root)
+/* The root's crowd, its count reduced by what the elapsed time allows. */
+static struct rb_crowd_of *updated(struct rb_located *l, int root)
 {
 	struct rb_crowd_of *const crowd = &l->crowd_of[root];
 	const uint64_t pays = (rb_located_allowed(l, l->now_s) -
@@ -267,8 +270,8 @@ void rb_crowd_join(struct rb_located *l, int i, int j)
 
 	if (x == y)
 		return;
-	struct rb_crowd_of *const root = paid(l, x < y ? x : y), *const leaf = paid(l,
-	                                                                            x < y ? y : x);
+	struct rb_crowd_of *const root = updated(l, x < y ? x : y), *const leaf = updated(
+									    l, x < y ? y : x);
 
 	if (root->size == 1)
 		l->joined[l->joined_count++] = root->parent;
@@ -279,7 +282,7 @@ void rb_crowd_join(struct rb_located *l, int i, int j)
 	root->products += leaf->products;
 }
 
-/* Does it belong to a crowd? */
+/* True if work of the body's events is counted. */
 static bool is_counted(const struct rb_located *l, int i)
 {
 	return i >= 0 && l->world_max != UINT64_MAX && !rb_located_fixed(l, i);
@@ -290,7 +293,7 @@ void rb_crowd_limit(struct rb_located *l, int i)
 	l->crowd_max = l->world_max;
 	if (!is_counted(l, i))
 		return;
-	const struct rb_crowd_of *const crowd = paid(l, root_of(l, i));
+	const struct rb_crowd_of *const crowd = updated(l, root_of(l, i));
 	const uint64_t max = crowd_max(l, crowd->size), has = crowd->products / RB_LOCATED_PRODUCTS;
 	const uint64_t all = l->event_from / RB_LOCATED_PRODUCTS + (max > has ? max - has : 0);
 
@@ -306,5 +309,5 @@ void rb_crowd_event(struct rb_located *l, int i)
 void rb_crowd_count(struct rb_located *l, int i)
 {
 	if (is_counted(l, i))
-		paid(l, root_of(l, i))->products += rb_located_all_products(l) - l->event_from;
+		updated(l, root_of(l, i))->products += rb_located_all_products(l) - l->event_from;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Who belongs to a crowd: bodies that have dealt with each other, or with others that both have, in
- * events since time last had paid for all. Each crowd counts its events, and may count the less the
- * larger it is: few bodies are worth locating at a cost that is many times that of their steps, and
- * is small all the same. Simulator thread.
+ * Crowds: bodies connected by common events since elapsed time last covered all counted work. Each
+ * crowd counts the work of its events, up to a limit that is relatively lower for larger crowds:
+ * few bodies are worth locating at many times the cost of their steps, which is small all the same.
+ * Simulator's thread.
  */
 #ifndef RB_LOCATED_CROWD_H
 #define RB_LOCATED_CROWD_H
@@ -11,9 +11,9 @@
 #include "located/located.h"
 
 /*
- * How many times as much as others a world may take: a mechanism that nothing touches, whose motion
- * is smooth, and of which one looks at whether it closes after a turn; and few bodies, of which all
- * is little and the answers are asked for.
+ * Factor by which the limits of a world are raised: for a mechanism without contacts, whose motion
+ * is smooth and is often checked for closure after a turn; and for few bodies, whose total cost is
+ * small.
  */
 static inline uint64_t rb_located_worth(const struct rb_located *l)
 {
@@ -25,8 +25,8 @@ static inline uint64_t rb_located_worth(const struct rb_located *l)
 }
 
 /*
- * Whether spheres that fly and collide count what it takes to find that: few are followed however
- * often they do.
+ * True if searches for collisions of spheres are counted: few spheres are located however often
+ * they collide.
  */
 static inline bool rb_crowd_counts_spheres(const struct rb_located *l)
 {
@@ -35,49 +35,49 @@ static inline bool rb_crowd_counts_spheres(const struct rb_located *l)
 	return l->model->parts || l->n > FEW;
 }
 
-/* Bodies that a world may count in all, beyond those that time allows. */
+/* Limit of a world's count, in bodies, beyond what time allows. */
 uint64_t rb_crowd_world_max(const struct rb_located *l);
 
 /*
- * Products that a look at two solids in flight counts for: above a plane it is a closed form, for
- * each pair of other parts a search for their distance, and for faces, edges and rims along it. Of
- * a terrain so many `facets` are looked at.
+ * Cost, in products, of inspecting two solids in flight: with a plane a closed form; otherwise, for
+ * each pair of parts, a search for their distance, and for faces, edges and rims along it. For a
+ * terrain, `facets` of them are inspected.
  */
 uint64_t rb_crowd_inspection(const struct rb_located *l, int i, int j, int facets);
 
-/* Counts what a step of `dt_s` has cost: `before` are the world's counts before it. */
+/* Counts the cost of a step of `dt_s`; `before` are the world's counts before it. */
 void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *before, double dt_s);
 
 /*
- * Bodies that the steps taken have counted for in a second of them, 1/s, as if none had stood;
- * infinite before the first.
+ * Cost of the steps taken per second of them, in bodies/s, as if no body had been at rest; infinite
+ * before the first.
  */
 double rb_crowd_stepped_pace(const struct rb_located *l);
 
-/* Whether the steps taken have cost several times what bringing bodies to their contacts does. */
+/* True if the steps taken have cost several times what resolving all contacts would cost. */
 bool rb_crowd_may_try(const struct rb_located *l);
 
-/* Locating begins: nobody has dealt with anybody yet. */
+/* Locating begins: every body is a crowd of its own. */
 void rb_crowd_begin(struct rb_located *l);
 
-/* Time has paid for all: crowds begin anew. */
+/* Elapsed time covers all work: every body is a crowd of its own again. */
 void rb_crowd_end(struct rb_located *l);
 
-/* What is loaded: false if that is no forest. */
+/* Completes the loaded forest; false if it is none. */
 RB_CHECKED bool rb_crowd_complete(struct rb_located *l);
 
 /*
- * Lets each name its root: how long the ways to roots are depends on who has been asked for, and
- * what is saved must not.
+ * Makes each body refer to its root: the lengths of paths depend on which roots were looked up, and
+ * a checkpoint must not.
  */
 void rb_crowd_shorten(struct rb_located *l);
 
-/* These two deal with each other; fixed bodies with nobody. */
+/* Joins the crowds of two bodies; fixed ones have none. */
 void rb_crowd_join(struct rb_located *l, int i, int j);
 
 /*
- * An event at l->now_s of the body, -1: of none. Sets l->crowd_max, again when its crowd has grown;
- * counts what the event has cost.
+ * An event of body i at l->now_s (-1: of none): begins it and sets l->crowd_max; sets that again
+ * after its crowd has grown; counts the work of the event.
  */
 void rb_crowd_event(struct rb_located *l, int i);
 void rb_crowd_limit(struct rb_located *l, int i);

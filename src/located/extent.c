@@ -6,7 +6,7 @@
 #include "model/parts.h"
 
 /* Extends e by the point p, from the centre of mass. */
-static void reach_out(struct rb_extent *e, rb_vec3 p, rb_vec3 axis)
+static void extend(struct rb_extent *e, rb_vec3 p, rb_vec3 axis)
 {
 	e->core = fmax(e->core, rb_vec3_length(p));
 	e->along = fmax(e->along, fabs(rb_vec3_dot(p, axis)));
@@ -28,7 +28,7 @@ struct rb_extent rb_extent_of(const struct rb_located *l, int i, rb_vec3 axis)
 	e.ball = rb_vec3_length(centre) + (shape->kind == RB_SHAPE_RECTANGLE
 	                                           ? 0.5 * (shape->size[0] + shape->size[1])
 	                                           : rb_model_reach(l->model, i));
-	/* a terrain does not turn: what its points do is not asked for */
+	/* a terrain does not rotate: the extents of its core are not used */
 	if (parts->terrain)
 		return (struct rb_extent){e.ball, e.ball, e.ball, e.ball};
 	for (int k = 0; k < parts->count; k++) {
@@ -46,18 +46,18 @@ struct rb_extent rb_extent_of(const struct rb_located *l, int i, rb_vec3 axis)
 			const double off = rb_vec3_length(rb_vec3_cross(u, axis));
 			struct rb_extent ends = {0};
 
-			reach_out(&ends, rb_vec3_add(at, half), axis);
-			reach_out(&ends, rb_vec3_sub(at, half), axis);
+			extend(&ends, rb_vec3_add(at, half), axis);
+			extend(&ends, rb_vec3_sub(at, half), axis);
 			e.core = fmax(e.core, ends.core + core->round);
 			e.along = fmax(e.along, ends.along + off * core->round);
 			e.across = fmax(e.across, ends.across + core->round);
 			continue;
 		}
 		for (int v = 0; v < core->polytope->vertex_count; v++)
-			reach_out(&e,
-			          rb_vec3_add(at, rb_mat3_apply(&part->turn,
-			                                        core->polytope->vertices[v])),
-			          axis);
+			extend(&e,
+			       rb_vec3_add(at,
+			                   rb_mat3_apply(&part->turn, core->polytope->vertices[v])),
+			       axis);
 	}
 	return e;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* How far a body extends from its centre of mass, whichever way it is turned. Pure. */
+/* Extent of a body from its centre of mass, in any orientation. Pure. */
 #ifndef RB_LOCATED_EXTENT_H
 #define RB_LOCATED_EXTENT_H
 

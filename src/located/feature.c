@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Contact points of named features in closed form, with first derivatives carried along (`num`,
- * `vec`: value and rate). A pair of features determines normal, gap and point: a corner or rim over
- * a surface by the surface's normal; corners and lines by the vector between nearest points; two
- * lines by the direction across both, or by the normal of the face that they lie in. `ending`
- * measures how far the point is from the end of its features and which feature comes next.
+ * Contact points of named features in closed form, with first derivatives (`num`, `vec`: value and
+ * rate). A pair of features determines normal, gap and point: a corner or rim over a surface by the
+ * surface's normal; corners and lines by the vector between nearest points; two lines by the
+ * direction perpendicular to both, or by the normal of the face in which they lie. `ending` is the
+ * distance of the point from the end of its features, and the feature beyond.
  */
 #include "located/feature.h"
 
@@ -51,7 +51,7 @@ static bool surface_of(const side *s, rb_part part, surface *out)
 	default:
 		return false;
 	}
-	out->normal = way_of(s, normal);
+	out->normal = vector_of(s, normal);
 	out->point = point_of(s, local);
 	return true;
 }
@@ -86,12 +86,12 @@ static bool corner_of(const side *s, rb_part part, corner *out)
 	return false;
 }
 
-/* ---- how far from the end of a feature ---- */
+/* ---- distance from the end of a feature ---- */
 
 /* Distance of p from the nearest border of the surface, and what lies beyond it. */
 static ending within_surface(const surface *f, vec p)
 {
-	const vec seen = seen_from(f->of, p);
+	const vec seen = in_body_axes(f->of, p);
 	const rb_core *core = f->of->core;
 	ending end = endless;
 
@@ -102,7 +102,7 @@ static ending within_surface(const surface *f, vec p)
 		num radial = {0, 0};
 
 		direction(flat, &out, &radial);
-		nearer(&end, (num){core->round - radial.at, -radial.rate}, SECOND, rim);
+		limit_ending(&end, (num){core->round - radial.at, -radial.rate}, SECOND, rim);
 		return end;
 	}
 	if (core->kind != RB_CORE_POLYTOPE)
@@ -115,29 +115,30 @@ static ending within_surface(const surface *f, vec p)
 		const rb_vec3 here = p_->vertices[v];
 		const rb_vec3 along = rb_vec3_sub(p_->vertices[w], here);
 		const rb_vec3 in = rb_vec3_cross(face->normal, rb_vec3_unit(along, face->normal));
-		const num left = {rb_vec3_dot(in, rb_vec3_sub(seen.at, here)),
-		                  rb_vec3_dot(in, seen.rate)};
+		const num margin = {rb_vec3_dot(in, rb_vec3_sub(seen.at, here)),
+		                    rb_vec3_dot(in, seen.rate)};
 
-		if (left.at < end.left.at)
-			nearer(&end, left, SECOND,
-			       rb_part_of(RB_PART_EDGE, rb_polytope_edge(p_, v, w)));
+		if (margin.at < end.margin.at)
+			limit_ending(&end, margin, SECOND,
+			             rb_part_of(RB_PART_EDGE, rb_polytope_edge(p_, v, w)));
 	}
 	return end;
 }
 
 /*
- * The vector `to` must not have a component along an edge from the corner: else that edge is
- * nearer.
+ * Limits to vectors `to` without a positive component along an edge from the corner, else that edge
+ * is nearer.
  */
-static void within_corner(ending *end, const corner *c, vec to, whose who)
+static void within_corner(ending *end, const corner *c, vec to, side_index owner)
 {
 	const struct rb_polytope *p = c->of->core->polytope;
 	const rb_vec3 z = {0, 0, 1};
 
 	if (kind_of(c->part) == RB_PART_MANTLE) {
-		const num along = dot(way_of(c->of, z), to);
+		const num along = dot(vector_of(c->of, z), to);
 
-		nearer(end, index_of(c->part) == 1 ? along : (num){-along.at, -along.rate}, who, 0);
+		limit_ending(end, index_of(c->part) == 1 ? along : (num){-along.at, -along.rate},
+		             owner, 0);
 		return;
 	}
 	const int v = index_of(c->part);
@@ -147,13 +148,14 @@ static void within_corner(ending *end, const corner *c, vec to, whose who)
 			continue;
 		const int other = edge[0] == v ? edge[1] : edge[0];
 		const rb_vec3 d = rb_vec3_unit(rb_vec3_sub(p->vertices[other], p->vertices[v]), z);
-		const num along = dot(way_of(c->of, d), to);
+		const num along = dot(vector_of(c->of, d), to);
 
-		nearer(end, (num){-along.at, -along.rate}, who, rb_part_of(RB_PART_EDGE, k));
+		limit_ending(end, (num){-along.at, -along.rate}, owner,
+		             rb_part_of(RB_PART_EDGE, k));
 	}
 }
 
-/* ---- what meets what ---- */
+/* ---- contacts by kinds of feature ---- */
 
 /* A point x of one core, with a radius, over a surface of the other. */
 static void over_surface(struct rb_feature_point *out, vec x, double radius, const surface *f)
@@ -161,14 +163,14 @@ static void over_surface(struct rb_feature_point *out, vec x, double radius, con
 	const num height = dot(f->normal, minus(x, f->point));
 	const ending end = within_surface(f, x);
 
-	put(out, (num){height.at - radius - f->radius, height.rate}, negative(f->normal),
-	    plus_constant(x, -radius, f->normal), &end);
+	set_point(out, (num){height.at - radius - f->radius, height.rate}, negative(f->normal),
+	          plus_constant(x, -radius, f->normal), &end);
 }
 
 /*
- * A direction in the body's axes without its component along the cylinder's axis. Projected in the
- * world, rounding of that component would be a share of a small tilt and lift the rim's lowest
- * point off the end's plane.
+ * A direction in the body's axes without its component along the cylinder's axis. If projected in
+ * world axes, the rounding of that component would be a share of a small tilt and lift the rim's
+ * lowest point off the end's plane.
  */
 static vec across_axis(const side *s, vec way)
 {
@@ -179,10 +181,10 @@ static vec across_axis(const side *s, vec way)
 	return (vec){{at.x, at.y, 0}, {rate.x, rate.y, 0}};
 }
 
-/* A direction that moves in the body's axes, in world axes with its full rate. */
-static vec carried_by(const side *s, vec local)
+/* A direction that moves in the body's axes, in world axes with its total rate. */
+static vec in_world_axes(const side *s, vec local)
 {
-	const vec way = way_of(s, local.at);
+	const vec way = vector_of(s, local.at);
 
 	return (vec){way.at, rb_vec3_add(way.rate, rb_mat3_apply(&s->turn, local.rate))};
 }
@@ -190,9 +192,9 @@ static vec carried_by(const side *s, vec local)
 /* Sine below which a tilt is rounding and has no direction. */
 static const double flat_sine = 16 * DBL_EPSILON;
 /*
- * Sine of a tilt that is no more than what integration leaves of orientations: where a rim comes
- * to lie flat, or tilts from there, the direction of what is left may be any, and its half says
- * which was meant.
+ * Sine of a tilt within what integration leaves of orientations: when a rim comes to lie flat, or
+ * tilts from there, the direction of the remaining tilt is arbitrary, and `half` decides which was
+ * meant.
  */
 static const double landed_sine = 1e-11;
 
@@ -219,7 +221,7 @@ static bool rim_point(const side *s, rb_part part, const surface *f, bool is_a, 
 	const bool low = mantle ? index == 2 : index & 1;
 	const int quarter = mantle ? 0 : index >> 1;
 	const rb_core *core = s->core;
-	const vec u = way_of(s, (rb_vec3){0, 0, 1});
+	const vec u = vector_of(s, (rb_vec3){0, 0, 1});
 	const vec centre = point_of(s,
 	                            (rb_vec3){0, 0, low ? -core->half_height : core->half_height});
 	vec out;
@@ -229,24 +231,24 @@ static bool rim_point(const side *s, rb_part part, const surface *f, bool is_a, 
 		return false;
 	const bool halved = rb_vec3_max_abs(s->half) > 0;
 	if (quarter == 0 && halved) {
-		out = carried_by(s, on_half(s, across_axis(s, negative(f->normal))));
+		out = in_world_axes(s, on_half(s, across_axis(s, negative(f->normal))));
 	} else if (halved) {
-		out = way_of(s,
-		             quarter == 1 ? s->half : rb_vec3_cross((rb_vec3){0, 0, 1}, s->half));
+		out = vector_of(s, quarter == 1 ? s->half
+		                                : rb_vec3_cross((rb_vec3){0, 0, 1}, s->half));
 	} else if (quarter == 0) {
 		if (!direction(across_axis(s, negative(f->normal)), &out, &length) ||
 		    length.at < flat_sine)
 			return false;
-		out = carried_by(s, out);
+		out = in_world_axes(s, out);
 	} else {
 		/*
 		 * counted as in geom/patch_overlap: from an axis of the other body, about the
 		 * normal from a to b
 		 */
 		const vec n = (low ? 1 : 0) == (is_a ? 1 : 0) ? negative(u) : u;
-		vec axis = way_of(f->of, (rb_vec3){1, 0, 0});
+		vec axis = vector_of(f->of, (rb_vec3){1, 0, 0});
 		if (fabs(rb_vec3_dot(axis.at, f->normal.at)) > 0.8)
-			axis = way_of(f->of, (rb_vec3){0, 1, 0});
+			axis = vector_of(f->of, (rb_vec3){0, 1, 0});
 		if (!direction(reject(axis, n), &out, &length))
 			return false;
 		if (quarter % 2 == 0)
@@ -277,13 +279,15 @@ static bool on_surface(struct rb_feature_point *out, const side *s, rb_part part
 	return false;
 }
 
-/* Sine of the angle between two edges above which the normal across both has digits enough. */
+/*
+ * Sine of the angle between two edges above which the cross product is accurate enough as a normal.
+ */
 static const double oblique_sine = 1e-3;
 
-/* And below which there is none. */
+/* Below this sine two edges have no normal of their own. */
 static const double parallel_sine = 1e-7;
 
-/* Two lines: nearest points along the normal across both, or along the given normal of a face. */
+/* Two lines: nearest points along the common normal, or along the given normal of a face. */
 static bool across_lines(struct rb_feature_point *out, const line *a, const line *b,
                          const vec *given)
 {
@@ -300,8 +304,8 @@ static bool across_lines(struct rb_feature_point *out, const line *a, const line
 		n = *given;
 	} else if (given) {
 		/*
-		 * both in the face: this is its normal; where one leaves it, the cross product
-		 * still is theirs
+		 * both lie in the face: its normal and the cross product agree; if one leaves the
+		 * face, the cross product remains right
 		 */
 		if (rb_vec3_dot(n.at, given->at) < 0)
 			n = negative(n);
@@ -309,8 +313,8 @@ static bool across_lines(struct rb_feature_point *out, const line *a, const line
 		if (sine.at < parallel_sine)
 			return false;
 		/*
-		 * round lines are apart by their radii; a flat's outward side is in its plane,
-		 * which says nothing of a normal across it
+		 * round lines are separated by their radii; the outward direction of a flat
+		 * polytope is in its plane and does not tell the sense of a normal across it
 		 */
 		double sense = rb_vec3_dot(n.at, r.at);
 		if (!(a->radius + b->radius > 0))
@@ -321,7 +325,7 @@ static bool across_lines(struct rb_feature_point *out, const line *a, const line
 	const num square = dot(m, m);
 	const num s = quotient(dot(cross(r, b->along), m), square);
 	const num t = quotient(dot(cross(r, a->along), m), square);
-	/* a given normal is across one of them only: feet on both lines */
+	/* a given normal is perpendicular to one of them only: take both foot points */
 	const vec from_a = given && !oblique ? plus(a->from, s, a->along) : a->from;
 	const vec from_b = given && !oblique ? plus(b->from, t, b->along) : b->from;
 	const num separation = dot(n, minus(from_b, from_a));
@@ -331,8 +335,8 @@ static bool across_lines(struct rb_feature_point *out, const line *a, const line
 
 	within_line(&end, a, s, FIRST);
 	within_line(&end, b, t, SECOND);
-	put(out, (num){separation.at - a->radius - b->radius, separation.rate}, n,
-	    plus_constant(on_a, 0.5, minus(on_b, on_a)), &end);
+	set_point(out, (num){separation.at - a->radius - b->radius, separation.rate}, n,
+	          plus_constant(on_a, 0.5, minus(on_b, on_a)), &end);
 	return true;
 }
 
@@ -347,8 +351,8 @@ static bool between_points(struct rb_feature_point *out, vec from, double radius
 		return false;
 	const vec on_a = plus_constant(from, radius_a, n), on_b = plus_constant(to, -radius_b, n);
 
-	put(out, (num){separation.at - radius_a - radius_b, separation.rate}, n,
-	    plus_constant(on_a, 0.5, minus(on_b, on_a)), end);
+	set_point(out, (num){separation.at - radius_a - radius_b, separation.rate}, n,
+	          plus_constant(on_a, 0.5, minus(on_b, on_a)), end);
 	return true;
 }
 
@@ -384,7 +388,7 @@ static bool corner_to_rim(struct rb_feature_point *out, const corner *c, const s
 	if (core->kind != RB_CORE_CYLINDER || index_of(part) > 1)
 		return false;
 	const double half = index_of(part) ? -core->half_height : core->half_height;
-	const vec u = way_of(s, (rb_vec3){0, 0, half < 0 ? -1 : 1});
+	const vec u = vector_of(s, (rb_vec3){0, 0, half < 0 ? -1 : 1});
 	const vec centre = point_of(s, (rb_vec3){0, 0, half});
 	const vec d = minus(c->at, centre);
 	const num along = dot(d, u);
@@ -395,16 +399,16 @@ static bool corner_to_rim(struct rb_feature_point *out, const corner *c, const s
 	if (!direction(reject(d, u), &way, &radial))
 		return false;
 	const vec foot = plus_constant(centre, core->round, way);
-	nearer(&end, along, SECOND, rb_part_of(RB_PART_MANTLE, 0));
-	nearer(&end, (num){radial.at - core->round, radial.rate}, SECOND,
-	       rb_part_of(RB_PART_END, index_of(part)));
+	limit_ending(&end, along, SECOND, rb_part_of(RB_PART_MANTLE, 0));
+	limit_ending(&end, (num){radial.at - core->round, radial.rate}, SECOND,
+	             rb_part_of(RB_PART_END, index_of(part)));
 	within_corner(&end, c, minus(foot, c->at), FIRST);
 	return between_points(out, c->at, c->radius, foot, core->radius, &end);
 }
 
 /*
- * Contact of two features, the first with the corner or rim; the normal points from it. `is_a`: it
- * is a's.
+ * Contact of two features, of which the first is the corner or rim; the normal points from it.
+ * `is_a`: it is a's.
  */
 static bool contact_in_order(struct rb_feature_point *out, const side *a, rb_part part_a,
                              const side *b, rb_part part_b, bool is_a)
@@ -433,7 +437,9 @@ static int faces_at_edges(const struct rb_polytope *p)
 	return p->face_count > 0 ? 2 : 0;
 }
 
-/* Which face at an edge is perpendicular to n within the depth, or the slope: 0, 1; -1: none. */
+/*
+ * Which face at an edge (0, 1; -1: none) is perpendicular to n within the depth, m, or the slope.
+ */
 static int face_across(const side *s, rb_part part, rb_vec3 n, double depth, double slope)
 {
 	const rb_core *core = s->core;
@@ -476,7 +482,7 @@ static bool marked_normal(const side *a, const side *b, uint64_t key, vec *n)
 	if (kind_of(part) != RB_PART_EDGE || s->core->kind != RB_CORE_POLYTOPE ||
 	    index_of(part) >= p->edge_count || faces_at_edges(p) == 0)
 		return false;
-	*n = way_of(s, p->faces[p->flanks[index_of(part)][mark & SECOND_FACE ? 1 : 0]].normal);
+	*n = vector_of(s, p->faces[p->flanks[index_of(part)][mark & SECOND_FACE ? 1 : 0]].normal);
 	if (!of_a)
 		*n = negative(*n);
 	return true;
@@ -505,7 +511,7 @@ bool rb_feature_contact(struct rb_feature_point *out, const struct rb_feature_si
 	return across_lines(out, &edge_a, &edge_b, marked ? &n : NULL);
 }
 
-/* Direction in the rim's plane that its lowest point is in, or will be in a moment. */
+/* Direction in the rim's plane of its lowest point, or of the point that will be lowest. */
 static bool half_of(const side *rim, rb_part part, const side *flat, rb_part other, rb_vec3 *half)
 {
 	const rb_vec3 none = {0, 0, 0};
@@ -534,7 +540,7 @@ bool rb_feature_half(const struct rb_feature_side *a, const struct rb_feature_si
 /* ---- a flat rim ---- */
 
 enum { LOWEST = 0, AHEAD = 1, ASIDE = 2, QUARTERS = 4 };
-/* Lever in ulp of the lengths below which a centre of mass is over the middle of an end. */
+/* Lever arm, ulp of the lengths, below which a centre of mass is over the middle of an end. */
 enum { LEVER_ULP = 64 };
 
 /* True for a quarter of a rim. */
@@ -546,7 +552,7 @@ static bool is_quarter(rb_part part)
 }
 
 /*
- * True if the rim comes to lie flat on the surface or tilts from there; sets the first contact
+ * True if the rim comes to lie flat on the surface, or tilts from there; sets the first contact
  * point.
  */
 static bool landing_of(const side *rim, rb_part part, const side *flat, rb_part other,
@@ -560,23 +566,22 @@ static bool landing_of(const side *rim, rb_part part, const side *flat, rb_part 
 	    !surface_of(flat, other, &f))
 		return false;
 	const double half = index_of(part) & 1 ? -rim->core->half_height : rim->core->half_height;
-	/*
-	 * the lowest point, with its rate, is where the surface's normal goes in the rim's own axes
-	 */
+	/* the motion of the surface's normal in the rim's own axes moves the lowest point */
 	const rb_vec3 rate = across_axis(rim, negative(f.normal)).rate;
-	const vec end = point_of(rim, (rb_vec3){0, 0, half}), centre = seen_from(flat, end);
+	const vec end = point_of(rim, (rb_vec3){0, 0, half}), centre = in_body_axes(flat, end);
 	const rb_vec3 comes = rb_mat3_apply(&flat->turn, centre.rate);
 	const rb_vec3 slip = rb_vec3_reject(comes, f.normal.at);
 	const rb_vec3 off = rb_vec3_sub(fall->middle, end.at);
 	const rb_vec3 lever = rb_vec3_reject(off, f.normal.at);
 	const bool slips = rb_vec3_length(slip) > least;
-	const bool leans = rb_vec3_length(lever) >
-	                   LEVER_ULP * DBL_EPSILON * (rim->core->round + rb_vec3_length(off));
+	const bool is_off_centre = rb_vec3_length(lever) >
+	                           LEVER_ULP * DBL_EPSILON *
+	                                   (rim->core->round + rb_vec3_length(off));
 
 	out->turns = 2 * rim->core->round * rb_vec3_length(rate) > least;
-	out->way = rb_vec3_unit(
+	out->direction = rb_vec3_unit(
 		out->turns ? rate : across_axis(rim, (vec){slips ? slip : lever, none}).at, none);
-	return out->turns || (rb_vec3_dot(comes, f.normal.at) < -least && (slips || leans));
+	return out->turns || (rb_vec3_dot(comes, f.normal.at) < -least && (slips || is_off_centre));
 }
 
 bool rb_feature_landing(const struct rb_feature_side *a, const struct rb_feature_side *b,
@@ -588,7 +593,7 @@ bool rb_feature_landing(const struct rb_feature_side *a, const struct rb_feature
 	       landing_of(b, part_b, a, part_a, fall, out);
 }
 
-/* The key with another place on the rim. */
+/* The key with another position on the rim. */
 static uint64_t with_place(uint64_t key, int place)
 {
 	rb_part part[2] = {(rb_part)(key >> 32), (rb_part)key};
@@ -638,8 +643,9 @@ bool rb_feature_flat_rim(const struct rb_feature_side *a, const struct rb_featur
 /* ---- names ---- */
 
 /*
- * Marks a key of two lines with the face that they lie in, if there is one. Lines too parallel for
- * a normal of their own have that of a face which is as near to them as they are to each other.
+ * Marks a key of two lines with the face in which they lie, if there is one. Lines too parallel to
+ * have a normal of their own use that of a face which is as close to both as they are to each
+ * other.
  */
 static uint64_t in_face(const side *a, const side *b, uint64_t key, rb_vec3 n, double depth)
 {
@@ -664,8 +670,8 @@ static uint64_t in_face(const side *a, const side *b, uint64_t key, rb_vec3 n, d
 	return key | (mark | (face == 1 ? SECOND_FACE : 0)) << RB_CONTACT_KEY_MARK;
 }
 
-/* Which of the two crossings of a rim with a line is at `place`. */
-static rb_part which_of_two(const side *disc, rb_part rim, const line *other, rb_vec3 place)
+/* The rim's key with the crossing with a line that is at `place`. */
+static rb_part name_crossing(const side *disc, rb_part rim, const line *other, rb_vec3 place)
 {
 	const double half = index_of(rim) & 1 ? -disc->core->half_height : disc->core->half_height;
 	const rb_vec3 centre = point_of(disc, (rb_vec3){0, 0, half}).at;
@@ -675,8 +681,11 @@ static rb_part which_of_two(const side *disc, rb_part rim, const line *other, rb
 	                  (index_of(rim) & 1) | (beyond ? SECOND_CROSSING : FIRST_CROSSING) << 1);
 }
 
-/* A rim continues by its nearest point; a counted quarter does not. False for the latter. */
-static bool roll_on(rb_part *part)
+/*
+ * Replaces a rim's position by its nearest point, as which it continues; false for a counted
+ * quarter, which does not continue.
+ */
+static bool drop_quarter(rb_part *part)
 {
 	const int place = index_of(*part) >> 1;
 
@@ -687,7 +696,7 @@ static bool roll_on(rb_part *part)
 }
 
 /* Radius of a corner or line, m; 0 for sharp ones and others. */
-static double roundness(const side *s, rb_part part)
+static double rounding_radius(const side *s, rb_part part)
 {
 	if (kind_of(part) == RB_PART_MANTLE)
 		return s->core->round;
@@ -716,11 +725,11 @@ uint64_t rb_feature_beyond(const struct rb_feature_side *sa, const struct rb_fea
 	if (p->next == 0 || mark != 0)
 		return 0;
 	*(p->next_is_b ? &b : &a) = p->next;
-	if (!roll_on(&a) || !roll_on(&b))
+	if (!drop_quarter(&a) || !drop_quarter(&b))
 		return 0;
 	/* two sharp features have no closed form */
 	if ((is_corner(a) || is_corner(b)) && !is_flat(a) && !is_flat(b) &&
-	    !(roundness(sa, a) + roundness(sb, b) > 0))
+	    !(rounding_radius(sa, a) + rounding_radius(sb, b) > 0))
 		return 0;
 	return (uint64_t)a << 32 | b;
 }
@@ -733,8 +742,8 @@ uint64_t rb_feature_name(const struct rb_feature_side *a, const struct rb_featur
 	line other;
 
 	if (kind_of(part_a) == RB_PART_RIM && line_of(b, part_b, &other))
-		part_a = which_of_two(a, part_a, &other, p->on_a);
+		part_a = name_crossing(a, part_a, &other, p->on_a);
 	else if (kind_of(part_b) == RB_PART_RIM && line_of(a, part_a, &other))
-		part_b = which_of_two(b, part_b, &other, p->on_b);
+		part_b = name_crossing(b, part_b, &other, p->on_b);
 	return in_face(a, b, (uint64_t)part_a << 32 | part_b, manifold->normal, depth);
 }

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One contact point of two convex parts by the features that meet there: gap, normal, point and how
- * they change, as smooth functions of where the parts are. Closed forms, no search. Pure functions
- * of values.
+ * One contact point of two convex parts by the features that touch there: gap, normal, point and
+ * their rates, as smooth functions of the parts' poses. Closed forms, no search. Pure functions of
+ * values.
  *
- *   corner, end of a segment, rim  on a face, an end, a plane   the normal is the face's
- *   edge, mantle  across an edge, a mantle     the normal is across both, or that
- *                                  of the face in which
- *                                                               they lie (rb_feature_name)
- *   round corner  on an edge, mantle, rim, or another corner: the normal follows
- *                                  from one to the other
+ *   corner, end of a segment, rim        the normal is that of the surface
+ *     on a face, end or plane
+ *   edge or mantle across                the normal is perpendicular to both, or that of the face
+ *     an edge or mantle                  in which they lie (rb_feature_name)
+ *   round corner on an edge, mantle,     the normal points from one to the other
+ *     rim or another corner
  *
- * Rims on edges, mantles and rims have none: Newton's method, from a place near them. Sharp corners
- * on corners and edges are not known here.
+ * Rims on edges, mantles and rims have no closed form: Newton's method from a nearby point. Sharp
+ * corners on corners and edges are not supported here.
  */
 #ifndef RB_LOCATED_FEATURE_H
 #define RB_LOCATED_FEATURE_H
@@ -21,68 +21,72 @@
 #include "located/feature_side.h"
 #include "geom/manifold.h"
 
-/* Of a manifold's key. False: no closed form, *out is not set. */
+/* The contact point named by a manifold's key. False: no closed form, *out is not set. */
 bool rb_feature_contact(struct rb_feature_point *out, const struct rb_feature_side *a,
                         const struct rb_feature_side *b, uint64_t key);
 
 /*
- * The way to the point of a rim that lies lowest over a surface, across its axis, in its core's
- * axes; of one that lies flat within rounding, to that which will. False: the key names no such
- * point. A rim that comes to lie flat, and goes on, has its lowest point on the other side at once;
- * with this as the side's `half`, the point stays where it was, and what has come to be below it is
- * another one.
+ * The direction to the lowest point of a rim over a surface, perpendicular to the rim's axis, in
+ * its core's axes; for a rim that is flat within rounding, to the point that will be lowest. False:
+ * the key names no such point. When a rim passes through the flat position, its lowest point jumps
+ * to the opposite side; with this as the side's `half` the point stays on its half, and the new
+ * lowest point is another contact.
  */
 bool rb_feature_half(const struct rb_feature_side *a, const struct rb_feature_side *b, uint64_t key,
                      rb_vec3 *half);
 
 /*
- * Of one of a flat rim's quarters that lie on a surface, how it lands: which point of the rim is
- * first. If it turns by more than `least`, m/s between opposite points, that which closes fastest;
- * else, if it closes and slips by more than that, that which slips ahead of the others, about which
- * friction turns it; else, if it closes, that nearest to `middle`, the centre of mass, which takes
- * the load first. False: it does none of these, and all quarters are alike.
+ * How a flat rim lands: the first contact point of the rim of a quarter that lies on a surface. If
+ * the rim turns faster than `least` (m/s between opposite points), the point that closes fastest;
+ * else, if it closes and slips faster than that, the foremost point in the direction of slip, about
+ * which friction turns it; else, if it closes, the point nearest to `middle`, which takes the load
+ * first. False: none of these, all quarters are alike.
  */
 struct rb_feature_fall {
 	uint64_t key;
 	double least;   /* m/s */
-	rb_vec3 middle; /* m, as the sides are: of the mass of both, as far as they yield */
+	rb_vec3 middle; /* m, from the sides' reference: weighted mean of both centres of mass */
 };
 struct rb_feature_rim {
-	rb_vec3 way; /* to that point, as in rb_feature_half */
+	rb_vec3 direction; /* to that point, as in rb_feature_half */
 	bool turns;
 };
 bool rb_feature_landing(const struct rb_feature_side *a, const struct rb_feature_side *b,
                         const struct rb_feature_fall *fall, struct rb_feature_rim *out);
 /*
- * The key of that point, or of one a quarter turn on, where the side's `half` is the way; of those
- * across, where it is -way.
+ * The key of that point or, with `aside`, of one a quarter turn on, if the side's `half` is
+ * `direction`; of the opposite points if it is -direction.
  */
 uint64_t rb_feature_of_rim(const struct rb_feature_rim *rim, uint64_t quarter, bool aside);
 
-/* Of one of a flat rim's quarters that lie on a surface: the rim. False: it is none. */
+/*
+ * True if the key names a quarter of a flat rim; and the rim of such a quarter on a surface (false:
+ * it names none).
+ */
 bool rb_feature_is_quarter(uint64_t key);
 bool rb_feature_flat_rim(const struct rb_feature_side *a, const struct rb_feature_side *b,
                          uint64_t key, struct rb_feature_flat_rim *out);
 
 /*
- * The features that take over where those of the key end next, as a manifold's key; 0: to be
- * searched for.
+ * The features that take over beyond the nearest end of the key's, as a manifold's key; 0: a search
+ * must find them.
  */
 uint64_t rb_feature_beyond(const struct rb_feature_side *a, const struct rb_feature_side *b,
                            uint64_t key, const struct rb_feature_point *p);
 
 /*
- * The same of two rims, or a rim and an edge or mantle, which have no closed form: from a place
- * near the point, seen from the reference, by Newton's method; the rates by the implicit function.
- * False: it is none of these, or does not converge.
+ * The contact point of two rims, or of a rim and an edge or mantle, which have no closed form: by
+ * Newton's method from a point `near` it, relative to the reference; rates by the implicit function
+ * theorem. False: other features, or no convergence.
  */
 bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_side *a,
                        const struct rb_feature_side *b, uint64_t key, rb_vec3 near);
 
 /*
- * The key of a point of a manifold of these two, of that `depth`, m, made such that features alone
- * say where it is: with a mark where two edges cross within a face: whose, and which of the two
- * faces at its edge; and of a rim and an edge or mantle, which meet twice, which of the two it is.
+ * The key of a point of the parts' manifold of that `depth`, m, extended so that features alone
+ * determine the point: by a mark if two edges cross within a face (whose, and which of the two
+ * faces at its edge), and, for a rim and an edge or mantle, which cross twice, by the number of the
+ * crossing.
  */
 uint64_t rb_feature_name(const struct rb_feature_side *a, const struct rb_feature_side *b,
                          const rb_manifold *manifold, int point, double depth);

@@ -7,11 +7,11 @@
 #include "located/feature.h"
 #include "located/feature_inside.h"
 
-/* A line or a circle: its point at a parameter (m; radians), and two derivatives by it. */
+/* A line or a circle: its point at a parameter (m; radians), and its first two derivatives. */
 typedef struct {
 	bool round;
 	line straight;
-	vec centre, x, y; /* of a circle: radii across each other, m */
+	vec centre, x, y; /* of a circle: perpendicular radii, m */
 	vec at, first, second;
 } curve;
 
@@ -27,13 +27,13 @@ static bool curve_of(const side *s, rb_part part, curve *out)
 		return false;
 	const double half = index_of(part) & 1 ? -core->half_height : core->half_height;
 	out->centre = point_of(s, (rb_vec3){0, 0, half});
-	out->x = way_of(s, (rb_vec3){core->round, 0, 0});
-	out->y = way_of(s, (rb_vec3){0, core->round, 0});
+	out->x = vector_of(s, (rb_vec3){core->round, 0, 0});
+	out->y = vector_of(s, (rb_vec3){0, core->round, 0});
 	out->straight.of = s;
 	return true;
 }
 
-/* Parameter of the point nearest to a place. */
+/* Parameter of the point nearest to a position. */
 static double nearest_on(const curve *c, rb_vec3 near)
 {
 	if (!c->round)
@@ -43,7 +43,7 @@ static double nearest_on(const curve *c, rb_vec3 near)
 }
 
 /* Evaluates the curve at parameter s. */
-static void go_to(curve *c, double s)
+static void evaluate(curve *c, double s)
 {
 	const vec none = {{0, 0, 0}, {0, 0, 0}};
 
@@ -60,8 +60,10 @@ static void go_to(curve *c, double s)
 	c->second = negative(out);
 }
 
-/* Rate of a point of a moving curve whose parameter changes too. */
-static vec carried(vec p, double rate, vec by)
+/*
+ * A point of a moving curve with its total rate; `rate`: of the parameter, `by`: derivative by it.
+ */
+static vec with_parameter_rate(vec p, double rate, vec by)
 {
 	p.rate = rb_vec3_add_scaled(p.rate, rate, by.at);
 	return p;
@@ -72,28 +74,28 @@ static vec carried(vec p, double rate, vec by)
  * by the parameters.
  */
 typedef struct {
-	double left[2], rate[2], m[2][2], whole;
+	double residual[2], rate[2], m[2][2], determinant;
 } foot_point;
 
 static foot_point foot_of(const curve *a, const curve *b)
 {
 	const vec r = minus(b->at, a->at);
 	const num on_a = dot(r, a->first), on_b = dot(r, b->first);
-	foot_point f = {.left = {on_a.at, on_b.at}, .rate = {on_a.rate, on_b.rate}};
+	foot_point f = {.residual = {on_a.at, on_b.at}, .rate = {on_a.rate, on_b.rate}};
 
 	f.m[0][0] = rb_vec3_dot(r.at, a->second.at) - rb_vec3_dot(a->first.at, a->first.at);
 	f.m[0][1] = rb_vec3_dot(b->first.at, a->first.at);
 	f.m[1][0] = -f.m[0][1];
 	f.m[1][1] = rb_vec3_dot(r.at, b->second.at) + rb_vec3_dot(b->first.at, b->first.at);
-	f.whole = f.m[0][0] * f.m[1][1] - f.m[0][1] * f.m[1][0];
+	f.determinant = f.m[0][0] * f.m[1][1] - f.m[0][1] * f.m[1][0];
 	return f;
 }
 
 /* Solves the 2 x 2 system by Cramer's rule. */
 static void solve(const foot_point *f, const double right[2], double out[2])
 {
-	out[0] = (right[0] * f->m[1][1] - right[1] * f->m[0][1]) / f->whole;
-	out[1] = (right[1] * f->m[0][0] - right[0] * f->m[1][0]) / f->whole;
+	out[0] = (right[0] * f->m[1][1] - right[1] * f->m[0][1]) / f->determinant;
+	out[1] = (right[1] * f->m[0][0] - right[0] * f->m[1][0]) / f->determinant;
 }
 
 /* Outward direction at the curve. */
@@ -105,20 +107,22 @@ static rb_vec3 outward_of(const curve *c)
 }
 
 /*
- * Ends of validity: of a line, its ends and where its faces take over, as far out as the other's
- * surface; of a rim, the components of the outward normal along the end's and the mantle's.
+ * Limits of validity: of a line, its ends, and where its faces take over at the distance of the
+ * other's surface; of a rim, the components of the outward normal along those of the end and the
+ * mantle.
  */
-static void within_curve(ending *end, const curve *c, const curve *other, num s, vec n, whose who)
+static void within_curve(ending *end, const curve *c, const curve *other, num s, vec n,
+                         side_index owner)
 {
 	const vec none = {{0, 0, 0}, {0, 0, 0}};
 
 	if (!c->round) {
-		within_line(end, &c->straight, s, who);
+		within_line(end, &c->straight, s, owner);
 		within_borders(end, &c->straight,
-		               plus_constant(none, rb_vec3_length(other->x.at), n), who);
+		               plus_constant(none, rb_vec3_length(other->x.at), n), owner);
 		return;
 	}
-	const vec at = carried(c->at, s.rate, c->first);
+	const vec at = with_parameter_rate(c->at, s.rate, c->first);
 	const vec radial = minus(at, c->centre);
 	vec u = cross(c->x, c->y);
 	if (rb_vec3_dot(u.at, rb_vec3_sub(c->centre.at, c->straight.of->at)) < 0)
@@ -126,13 +130,13 @@ static void within_curve(ending *end, const curve *c, const curve *other, num s,
 	const double per = 1 / rb_vec3_length(radial.at);
 	const num on_end = dot(n, u), on_mantle = dot(n, radial);
 
-	nearer(end, (num){on_end.at * per, on_end.rate * per}, who, 0);
-	nearer(end, on_mantle, who, 0);
+	limit_ending(end, (num){on_end.at * per, on_end.rate * per}, owner, 0);
+	limit_ending(end, on_mantle, owner, 0);
 }
 
 /*
- * Parameter on the line near which it crosses a circle: points of both have the circle's radius
- * from its centre; a mantle's radius is taken off the distance.
+ * Parameter near which a line crosses a circle, from the distance of the circle's centre, less a
+ * mantle's radius.
  */
 static double crossing_of(const curve *circle, rb_part rim, const line *other)
 {
@@ -162,11 +166,12 @@ static double share_of(const curve c[2], const double step[2], const double s[2]
 }
 
 /*
- * True if one of them is a mantle and steps are no more than what rounding of the residuals makes
- * of them, which is more where the curves all but touch along their ways. An edge may lie in a face
- * with the rim then, and its normal, which the curves would not say, is known to a search.
+ * True if one curve is a mantle and the steps are within what rounding of the residuals causes,
+ * which is more where the curves are nearly tangent. For an edge, which may then lie in a face with
+ * the rim, the curves do not determine the normal, and a search must.
  */
-static bool is_rounding(const curve c[2], const foot_point *f, const double step[2], double size)
+static bool is_within_rounding(const curve c[2], const foot_point *f, const double step[2],
+                               double size)
 {
 	const double left[2] = {rb_vec3_length(c[0].first.at), rb_vec3_length(c[1].first.at)};
 	bool small = is_mantle(&c[0]) || is_mantle(&c[1]);
@@ -175,11 +180,11 @@ static bool is_rounding(const curve c[2], const foot_point *f, const double step
 		small = small && fabs(step[k]) <= 4 * DBL_EPSILON * size *
 		                                          (left[k] * fabs(f->m[1 - k][1 - k]) +
 		                                           left[1 - k] * fabs(f->m[k][1 - k])) /
-		                                          fabs(f->whole);
+		                                          fabs(f->determinant);
 	return small;
 }
 
-/* Start of Newton's method: the crossing that the names say, else the place. */
+/* Start of Newton's method: the named crossing, else the point nearest to `near`. */
 static void start_near(const curve c[2], const rb_part part[2], rb_vec3 near, double s[2])
 {
 	for (int k = 0; k < 2; k++) {
@@ -217,17 +222,17 @@ bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_sid
 	start_near(c, part, near, s);
 	const int rounds = is_mantle(on_a) || is_mantle(on_b) ? ROUNDS_MANTLE : ROUNDS;
 	for (int k = 0; k < rounds; k++) {
-		go_to(on_a, s[0]);
-		go_to(on_b, s[1]);
+		evaluate(on_a, s[0]);
+		evaluate(on_b, s[1]);
 		foot = foot_of(on_a, on_b);
-		if (!(fabs(foot.whole) > 0))
+		if (!(fabs(foot.determinant) > 0))
 			return false;
-		solve(&foot, foot.left, step);
+		solve(&foot, foot.residual, step);
 		s[0] -= step[0];
 		s[1] -= step[1];
 		const double share = share_of(c, step, s, size);
 		if (share <= 4 * DBL_EPSILON ||
-		    (share > 0.5 * before && is_rounding(c, &foot, step, size)))
+		    (share > 0.5 * before && is_within_rounding(c, &foot, step, size)))
 			break;
 		before = share;
 		if (k + 1 == rounds)
@@ -236,10 +241,10 @@ bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_sid
 	solve(&foot, foot.rate, rate);
 	rate[0] = -rate[0];
 	rate[1] = -rate[1];
-	const vec at_a = carried(on_a->at, rate[0], on_a->first);
-	const vec at_b = carried(on_b->at, rate[1], on_b->first);
-	const vec m = cross(carried(on_a->first, rate[0], on_a->second),
-	                    carried(on_b->first, rate[1], on_b->second));
+	const vec at_a = with_parameter_rate(on_a->at, rate[0], on_a->first);
+	const vec at_b = with_parameter_rate(on_b->at, rate[1], on_b->first);
+	const vec m = cross(with_parameter_rate(on_a->first, rate[0], on_a->second),
+	                    with_parameter_rate(on_b->first, rate[1], on_b->second));
 	if (!direction(m, &n, &sine) ||
 	    sine.at < 1e-6 * rb_vec3_length(on_a->first.at) * rb_vec3_length(on_b->first.at))
 		return false;
@@ -252,7 +257,7 @@ bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_sid
 	const vec surface_b = plus_constant(at_b, -radius_b, n);
 	within_curve(&end, on_a, on_b, (num){s[0], rate[0]}, n, FIRST);
 	within_curve(&end, on_b, on_a, (num){s[1], rate[1]}, negative(n), SECOND);
-	put(out, (num){separation.at - radius_a - radius_b, separation.rate}, n,
-	    plus_constant(surface_a, 0.5, minus(surface_b, surface_a)), &end);
+	set_point(out, (num){separation.at - radius_a - radius_b, separation.rate}, n,
+	          plus_constant(surface_a, 0.5, minus(surface_b, surface_a)), &end);
 	return true;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Inside located/feature: values that go with their derivatives in time, so that each formula is
- * written once; points, directions and lines of a part in motion.
+ * Private to located/feature: values with their time derivatives, so that each formula is written
+ * once; points, directions and lines of a part in motion.
  */
 #ifndef RB_LOCATED_FEATURE_INSIDE_H
 #define RB_LOCATED_FEATURE_INSIDE_H
@@ -11,7 +11,7 @@
 
 #include <float.h>
 
-/* Where a rim meets a line: see geom/patch. */
+/* Numbers of the crossings of a rim with a line: see geom/patch. */
 enum { FIRST_CROSSING = 5, SECOND_CROSSING = 6 };
 
 typedef struct {
@@ -72,7 +72,7 @@ static inline num quotient(num a, num b)
 	return (num){q, (a.rate - q * b.rate) / b.at};
 }
 
-/* Its length, and its direction; a length of zero has none, and gives false. */
+/* Length and direction of a vector; false if the length is zero, which has no direction. */
 static inline bool direction(vec a, vec *unit, num *length)
 {
 	const double size = rb_vec3_length(a.at);
@@ -98,7 +98,7 @@ static inline int index_of(rb_part part)
 	return (int)(part & 0xffffff);
 }
 
-static inline vec way_of(const side *s, rb_vec3 local)
+static inline vec vector_of(const side *s, rb_vec3 local)
 {
 	const rb_vec3 at = rb_mat3_apply(&s->turn, local);
 
@@ -107,13 +107,13 @@ static inline vec way_of(const side *s, rb_vec3 local)
 
 static inline vec point_of(const side *s, rb_vec3 local)
 {
-	const vec arm = way_of(s, local);
+	const vec arm = vector_of(s, local);
 
 	return (vec){rb_vec3_add(s->at, arm.at), rb_vec3_add(s->velocity, arm.rate)};
 }
 
-/* Seen from the body: its own coordinates. */
-static inline vec seen_from(const side *s, vec p)
+/* Position and velocity in the body's own axes. */
+static inline vec in_body_axes(const side *s, vec p)
 {
 	const rb_vec3 d = rb_vec3_sub(p.at, s->at);
 	const rb_vec3 v = rb_vec3_sub(rb_vec3_sub(p.rate, s->velocity), rb_vec3_cross(s->spin, d));
@@ -136,7 +136,7 @@ static inline bool line_of(const side *s, rb_part part, line *out)
 	out->of = s;
 	if (kind_of(part) == RB_PART_MANTLE && core->kind == RB_CORE_CYLINDER) {
 		out->from = point_of(s, (rb_vec3){0, 0, -core->half_height});
-		out->along = way_of(s, z);
+		out->along = vector_of(s, z);
 		out->length = 2 * core->half_height;
 		out->radius = core->round;
 		return true;
@@ -150,48 +150,47 @@ static inline bool line_of(const side *s, rb_part part, line *out)
 	const rb_vec3 d = rb_vec3_sub(core->polytope->vertices[edge[1]], p);
 
 	out->from = point_of(s, p);
-	out->along = way_of(s, rb_vec3_unit(d, z));
+	out->along = vector_of(s, rb_vec3_unit(d, z));
 	out->length = rb_vec3_length(d);
 	out->radius = core->radius;
 	return true;
 }
 
 /* Which of the two bodies' features ends. */
-typedef enum { FIRST, SECOND } whose;
+typedef enum { FIRST, SECOND } side_index;
 
 /*
- * How far a point is from the nearest end of its features, and what takes over there for one of
- * them; 0: not known.
+ * Distance of a point from the nearest end of its features, and the feature beyond it; 0: unknown.
  */
 typedef struct {
-	num left;
-	whose who;
+	num margin;
+	side_index owner;
 	rb_part part;
 } ending;
 
 static const ending endless = {{(double)INFINITY, 0}, FIRST, 0};
 
-static inline void nearer(ending *end, num left, whose who, rb_part part)
+static inline void limit_ending(ending *end, num margin, side_index owner, rb_part part)
 {
-	if (left.at < end->left.at)
-		*end = (ending){left, who, part};
+	if (margin.at < end->margin.at)
+		*end = (ending){margin, owner, part};
 }
 
-/* Of a line, the way to its ends. */
-static inline void within_line(ending *end, const line *e, num along, whose who)
+/* Distance along a line to its ends. */
+static inline void within_line(ending *end, const line *e, num along, side_index owner)
 {
 	rb_part part[2] = {rb_part_of(RB_PART_RIM, 1), rb_part_of(RB_PART_RIM, 0)};
 
 	for (int k = 0; k < 2 && e->of->core->kind == RB_CORE_POLYTOPE; k++)
 		part[k] = rb_part_of(RB_PART_VERTEX, e->of->core->polytope->edges[e->index][k]);
-	nearer(end, along, who, part[0]);
-	nearer(end, (num){e->length - along.at, -along.rate}, who, part[1]);
+	limit_ending(end, along, owner, part[0]);
+	limit_ending(end, (num){e->length - along.at, -along.rate}, owner, part[1]);
 }
 
 /*
- * Where an edge is outermost: in the directions that have nothing along these, in its body's axes,
- * below zero; how many. Along each a face begins there that is nearer to what lies beyond. A
- * segment alone has none.
+ * Region of directions in which an edge is nearest: those with no positive component along these
+ * borders, in its body's axes; returns their number. Beyond each border a face is nearer. A mere
+ * segment has none.
  */
 static inline int borders_of(const line *e, rb_vec3 border[2])
 {
@@ -200,7 +199,7 @@ static inline int borders_of(const line *e, rb_vec3 border[2])
 	if (e->of->core->kind != RB_CORE_POLYTOPE || p->face_count == 0)
 		return 0;
 	if (p->face_count ==
-	    2) { /* a flat has two arcs an edge: from its normal to outward, and on */
+	    2) { /* a flat polytope has two arcs per edge: from its normal to outward, and on */
 		border[0] = p->arcs[2 * e->index].inner[0];
 		return 1;
 	}
@@ -209,8 +208,8 @@ static inline int borders_of(const line *e, rb_vec3 border[2])
 	return 2;
 }
 
-/* What is in this direction from an edge, m, must be nearer to it than to its faces. */
-static inline void within_borders(ending *end, const line *e, vec to, whose who)
+/* Limits to directions `to`, m, from an edge in which the edge is nearer than its faces. */
+static inline void within_borders(ending *end, const line *e, vec to, side_index owner)
 {
 	rb_vec3 border[2];
 	const int count = borders_of(e, border);
@@ -218,28 +217,30 @@ static inline void within_borders(ending *end, const line *e, vec to, whose who)
 	for (int k = 0; k < count; k++) {
 		int face = e->of->core->polytope->flanks[e->index][k];
 
-		if (count == 1) /* of a flat's two, that on the side where it goes */
-			face = rb_vec3_dot(way_of(e->of, e->of->core->polytope->faces[0].normal).at,
-			                   to.at) < 0;
-		nearer(end, dot(way_of(e->of, border[k]), to), who, rb_part_of(RB_PART_FACE, face));
+		if (count == 1) /* of a flat's two faces, that on the side of `to` */
+			face = rb_vec3_dot(
+				       vector_of(e->of, e->of->core->polytope->faces[0].normal).at,
+				       to.at) < 0;
+		limit_ending(end, dot(vector_of(e->of, border[k]), to), owner,
+		             rb_part_of(RB_PART_FACE, face));
 	}
 }
 
-static inline void put(struct rb_feature_point *out, num gap, vec normal, vec point,
-                       const ending *end)
+static inline void set_point(struct rb_feature_point *out, num gap, vec normal, vec point,
+                             const ending *end)
 {
 	*out = (struct rb_feature_point){.gap = gap.at,
 	                                 .normal = normal.at,
 	                                 .normal_rate = normal.rate,
 	                                 .point = point.at,
 	                                 .point_rate = point.rate,
-	                                 .inside = end->left.at,
-	                                 .inside_rate = end->left.rate,
+	                                 .inside = end->margin.at,
+	                                 .inside_rate = end->margin.rate,
 	                                 .next = end->part,
-	                                 .next_is_b = end->who == SECOND};
+	                                 .next_is_b = end->owner == SECOND};
 }
 
-/* Which way is out at the middle of an edge: from the middle of its body. */
+/* Outward direction at the middle of an edge: from the middle of its body. */
 static inline rb_vec3 outward(const line *e)
 {
 	const rb_core *core = e->of->core;

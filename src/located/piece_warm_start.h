@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a body leaves with the piece that it goes from, for the one that it goes to at the same
- * moment: what rounding has left of its place and velocities, as long as these are the same, and
- * how its rates were, which is where the integrator begins to look for those to come. Holds within
- * one event: no checkpoint has it.
+ * State carried from a body's old piece to its next one at the same time: rounding remainders of
+ * position and velocities, valid while these are unchanged, and the old piece's coefficients, from
+ * which the integrator extrapolates its initial guess. Valid within one event, so it is not saved
+ * in checkpoints.
  */
 #ifndef RB_LOCATED_PIECE_WARM_START_H
 #define RB_LOCATED_PIECE_WARM_START_H
@@ -13,21 +13,21 @@
 enum { RB_PIECE_WARM_START_ROWS = 13 };
 
 struct rb_piece_warm_start {
-	uint64_t moment;                   /* l->moment; 0: nothing */
-	double origin_s, length_s, left_s; /* of the piece; when it was left */
-	rb_vec3 position, left_out;        /* as of the pose then, which they belong to */
+	uint64_t moment;                   /* l->moment at which it was left; 0: never */
+	double origin_s, length_s, left_s; /* of the piece; time at which it was left */
+	rb_vec3 position, left_out; /* of the pose then: position and its rounding remainder */
 	double value[RB_PIECE_WARM_START_ROWS],
-		rest[RB_PIECE_WARM_START_ROWS]; /* of the piece then */
+		rest[RB_PIECE_WARM_START_ROWS]; /* rows of the piece then, and their remainders */
 	double coefficient[RB_GAUSS_NODES][RB_PIECE_WARM_START_ROWS];
 };
 
-/* Room for what bodies on pieces have, l->piece and this; false: no memory. */
+/* Reserves l->piece and l->past; false: no memory. */
 bool rb_piece_warm_start_reserve(struct rb_located *l);
 
-/* The body leaves its piece, if it is on one and has not left it at this moment already. */
+/* Keeps the state of a body's piece, unless it is on none or was kept at this moment already. */
 void rb_piece_warm_start_keep(const struct rb_located *l, int i, double t);
 
-/* What it has left at this moment; NULL: nothing. */
+/* The state kept at this moment; NULL: none. */
 const struct rb_piece_warm_start *rb_piece_warm_start_at(const struct rb_located *l, int i,
                                                          double t);
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The next event of one body. Most of the time of a gas is spent here, so spheres on parabolas of
- * equal acceleration have a path of their own: the relative motion is straight, two pairs at a time
- * are sieved by a branch-free test (SIMD), and only the few that may collide are solved. Everything
- * else goes through pair_contacts or approach.
+ * The next event of one body. A gas spends most of its time here, so spheres on parabolas of equal
+ * acceleration have a fast path: their relative motion is straight, a branch-free SIMD test filters
+ * two pairs at a time, and only the few that may collide are solved. All others use pair_contacts
+ * or approach.
  */
 #include "located/predict.h"
 
@@ -16,29 +16,29 @@
 #include "math/decay.h"
 #include "math/quartic.h"
 
-/* Bodies from which on arrays exceed the caches and prefetching pays. */
-enum { MANY = 4096 };
+/* Number of bodies from which arrays exceed the caches, so that prefetching pays. */
+enum { PREFETCH_BODIES = 4096 };
 
-/* The body whose next event is sought; read once. */
-struct seer {
+/* The search for a body's next event. */
+struct search {
 	struct rb_located *l;
 	int i, except;
 	double now, until;
 	double radius;
-	bool plain;   /* a sphere about its centre on a parabola */
-	bool general; /* filters or driven bodies: pairs are tested one by one */
-	bool quick;   /* also under gravity alone, without filters */
+	bool plain;   /* a centred sphere on a parabola */
+	bool general; /* collision filters or driven bodies exist: pairs are tested one by one */
+	bool quick;   /* plain, under gravity alone, without filters */
 	bool falls;   /* it has an acceleration by constant forces */
-	double decay; /* 1/s: at which it slows down by linear drag */
-	bool follows; /* it is on a piece, near `parabola` */
+	double decay; /* 1/s: rate of linear drag */
+	bool follows; /* it is on a piece, approximated by `parabola` */
 	struct rb_parabola parabola;
 	rb_vec3 position, velocity, acceleration; /* now */
-	double reach, speed; /* largest coordinate or radius; largest component */
+	double reach, speed; /* m: largest coordinate or radius; m/s: largest component */
 	int touching;
 	struct rb_next next;
 };
 
-/* fmax is a library call without -ffinite-math-only, which shows here. */
+/* fmax is a library call without -ffinite-math-only, which costs time here. */
 static inline double larger(double a, double b)
 {
 	return a > b ? a : b;
@@ -49,14 +49,14 @@ static inline double largest(rb_vec3 a)
 	return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z)));
 }
 
-/* Seconds from now on, of tau of math/decay where the body slows down. */
-static inline double seconds(const struct seer *s, double tau)
+/* Seconds from now, for the transformed time tau of math/decay if the body has drag. */
+static inline double seconds(const struct search *s, double tau)
 {
 	return s->decay > 0 ? rb_decay_time(s->decay, tau) : tau;
 }
 
-/* Keeps the earliest touch. */
-static inline void see(struct seer *s, int j, double t, bool again)
+/* Keeps a touch if it is the earliest. */
+static inline void add_touch(struct search *s, int j, double t, bool again)
 {
 	if (t >= s->next.touch_s)
 		return;
@@ -65,8 +65,10 @@ static inline void see(struct seer *s, int j, double t, bool again)
 	s->next.again = again;
 }
 
-/* A sphere at x moving with v at the same moment, acceleration and decay: touches, or a root. */
-static inline void see_flight(struct seer *s, int j, rb_vec3 x, rb_vec3 v, double radius)
+/*
+ * Touch with a sphere at x moving with v now, of equal acceleration and decay: now, or at a root.
+ */
+static inline void add_flight(struct search *s, int j, rb_vec3 x, rb_vec3 v, double radius)
 {
 	const struct rb_located *l = s->l;
 	const rb_vec3 d = rb_vec3_sub(x, s->position), w = rb_vec3_sub(v, s->velocity);
@@ -84,13 +86,13 @@ static inline void see_flight(struct seer *s, int j, rb_vec3 x, rb_vec3 v, doubl
 				s->touching++;
 			if (-b > noise * sum && !rb_event_set_held(l, s->i, j) &&
 			    rb_contact_point_approaches(l, s->i, j, s->now))
-				see(s, j, s->now, false);
+				add_touch(s, j, s->now, false);
 			return;
 		}
 	}
 	/*
-	 * no touch before c / (-2 b), which may be later than one already known; slowing down makes
-	 * it later still
+	 * no touch before c / (-2 b), which may be later than one already known; drag makes it
+	 * later still
 	 */
 	if (!(b < 0) || c * (1 - 1e-9) > -2 * b * (s->next.touch_s - s->now))
 		return;
@@ -98,7 +100,7 @@ static inline void see_flight(struct seer *s, int j, rb_vec3 x, rb_vec3 v, doubl
 		const double tau = rb_touch_time(d, w, sum);
 
 		if (isfinite(tau))
-			see(s, j, s->now + seconds(s, tau), false);
+			add_touch(s, j, s->now + seconds(s, tau), false);
 		return;
 	}
 	const double square = rb_vec3_dot(w, w);
@@ -112,11 +114,11 @@ static inline void see_flight(struct seer *s, int j, rb_vec3 x, rb_vec3 v, doubl
 		if (discriminant < 0)
 			return;
 	}
-	see(s, j, s->now + seconds(s, c / (sqrt(discriminant) - b)), false);
+	add_touch(s, j, s->now + seconds(s, c / (sqrt(discriminant) - b)), false);
 }
 
-/* A pair of spheres under the same acceleration; false: it is none. */
-static bool see_sphere(struct seer *s, int j)
+/* Touch of a pair of spheres under the same acceleration; false: it is no such pair. */
+static bool add_sphere(struct search *s, int j)
 {
 	const struct rb_located *l = s->l;
 	const struct rb_arc *arc = &l->arc[j];
@@ -126,7 +128,7 @@ static bool see_sphere(struct seer *s, int j)
 	const bool quick = s->quick && arc->plain_radius > 0;
 	if (!quick && l->model->shape[j].kind != RB_SHAPE_SPHERE)
 		return false;
-	/* a plain sphere falls as this one does: the rest of its arc is not read */
+	/* a plain sphere has the same acceleration: the rest of its arc is not read */
 	const rb_vec3 a = quick ? s->acceleration : arc->acceleration;
 	if (a.x != s->acceleration.x || a.y != s->acceleration.y || a.z != s->acceleration.z)
 		return false;
@@ -143,7 +145,7 @@ static bool see_sphere(struct seer *s, int j)
 		                       rb_vec3_add_scaled(arc->velocity, 0.5 * age, a));
 	}
 
-	see_flight(s, j, x, v, quick ? arc->plain_radius : l->model->shape[j].radius);
+	add_flight(s, j, x, v, quick ? arc->plain_radius : l->model->shape[j].radius);
 	return true;
 }
 
@@ -184,18 +186,18 @@ static inline two dot(struct two_vec a, struct two_vec b)
 	return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/* 0 where both slow down alike, else NAN. */
-static inline double of_decay(const struct seer *s, const struct rb_arc *arc)
+/* 0 if both have the same drag, else NAN. */
+static inline double decay_mismatch(const struct search *s, const struct rb_arc *arc)
 {
 	return arc->decay == s->decay ? 0 : (double)NAN;
 }
 
 /*
- * Keeps the candidates that see_sphere must examine: those that are near or will come close, and
- * all that are no plain spheres. Branch-free, since the outcome is random.
+ * Keeps the candidates that add_sphere must examine: those that are near or will come close, and
+ * all that are not plain spheres. Branch-free, since the outcome is unpredictable.
  */
-static inline __attribute__((always_inline)) int sift(const struct seer *s, int *near, int count,
-                                                      bool falls, bool slows)
+static inline __attribute__((always_inline)) int filter_near(const struct search *s, int *near,
+                                                             int count, bool falls, bool slows)
 {
 	const struct rb_arc *arcs = s->l->arc;
 	const struct two_vec here = pair_of(s->position, s->position);
@@ -227,7 +229,7 @@ static inline __attribute__((always_inline)) int sift(const struct seer *s, int 
 		const struct two_vec w = minus(v, mine);
 		two sum = both(s->radius) + (two){first->plain_radius, second->plain_radius};
 		if (slows)
-			sum += (two){of_decay(s, first), of_decay(s, second)};
+			sum += (two){decay_mismatch(s, first), decay_mismatch(s, second)};
 		const two square = sum * sum, b = dot(d, w), c = dot(d, d) - square;
 		/* false for NaN radii; 1e-290: squares of smaller numbers underflow */
 		const __typeof__(b < c) is_far =
@@ -246,8 +248,8 @@ static inline __attribute__((always_inline)) int sift(const struct seer *s, int 
 	return kept;
 }
 
-/* Sieves the candidates; those on pieces are kept in front. */
-static int sift_near(const struct seer *s, int *near, int count)
+/* Filters the candidates; those on pieces are kept in front. */
+static int filter_candidates(const struct search *s, int *near, int count)
 {
 	const struct rb_located *l = s->l;
 
@@ -262,18 +264,20 @@ static int sift_near(const struct seer *s, int *near, int count)
 			near[odd++] = j;
 		}
 	}
-	for (int k = 0; l->n >= MANY && k < count; k++)
+	for (int k = 0; l->n >= PREFETCH_BODIES && k < count; k++)
 		__builtin_prefetch(&l->arc[near[k]]);
 	near += odd;
 	count -= odd;
 	if (l->decays)
-		return odd + sift(s, near, count, true, true);
-	return odd +
-	       (s->falls ? sift(s, near, count, true, false) : sift(s, near, count, false, false));
+		return odd + filter_near(s, near, count, true, true);
+	return odd + (s->falls ? filter_near(s, near, count, true, false)
+	                       : filter_near(s, near, count, false, false));
 }
 
-/* A plane at rest against a sphere in flight that is not near it; false: not such a pair. */
-static bool see_plane(struct seer *s, int j)
+/*
+ * Touch of a sphere in flight with a plane at rest that it is not near; false: it is no such pair.
+ */
+static bool add_plane(struct search *s, int j)
 {
 	const struct rb_located *l = s->l;
 	const rb_vec3 n = l->plane_normal[j - l->n];
@@ -291,41 +295,41 @@ static bool see_plane(struct seer *s, int j)
 	const double t = s->now + (rate < 0 ? 2 * gap / (sqrt(discriminant) - rate)
 	                                    : (rate + sqrt(discriminant)) / -external);
 	if (t <= s->until)
-		see(s, j, t, false);
+		add_touch(s, j, t, false);
 	return true;
 }
 
-static void see_body(struct seer *s, int j);
+static void add_body(struct search *s, int j);
 
-/* Earliest of the fixed planes without gravity, found without branches. */
-struct first_fixed {
-	double near; /* m: at least see_plane's band, since |v . n| < 2 x the largest component */
+/* Earliest touch with a plane at rest, without gravity, found without branches. */
+struct first_plane {
+	double near; /* m: at least add_plane's band, since |v . n| < 2 x the largest component */
 	double t;
 	int which;
 };
 
-static inline void see_one_fixed(struct seer *s, struct first_fixed *first, int j, double gap,
+static inline void add_one_plane(struct search *s, struct first_plane *first, int j, double gap,
                                  double rate)
 {
 	if (!(gap > first->near) || s->l->model->shape[j].kind != RB_SHAPE_PLANE) {
-		see_body(s, j);
+		add_body(s, j);
 		return;
 	}
-	const double t = s->now + gap / (rate < 0 ? -rate : 0); /* infinite where it parts */
+	const double t = s->now + gap / (rate < 0 ? -rate : 0); /* infinite if it separates */
 
 	first->which = t < first->t ? j : first->which;
 	first->t = t < first->t ? t : first->t;
 }
 
-/* All fixed bodies, two at a time, for a sphere without acceleration. */
-static void see_fixed(struct seer *s)
+/* Touches with all static bodies, two at a time, of a sphere without acceleration. */
+static void add_planes(struct search *s)
 {
 	const struct rb_located *l = s->l;
 	const int count = l->model->static_count;
 	const rb_vec3 *points = l->model->position + l->n;
 	const struct two_vec here = pair_of(s->position, s->position);
 	const struct two_vec mine = pair_of(s->velocity, s->velocity);
-	struct first_fixed first = {DBL_EPSILON * (16 * s->reach + 8 * s->now * s->speed), HUGE_VAL,
+	struct first_plane first = {DBL_EPSILON * (16 * s->reach + 8 * s->now * s->speed), HUGE_VAL,
 	                            -1};
 
 	for (int k = 0; k < count; k += 2) {
@@ -335,20 +339,20 @@ static void see_fixed(struct seer *s)
 		                both(s->radius);
 		const two rate = dot(mine, n);
 
-		see_one_fixed(s, &first, l->n + k, gap[0], rate[0]);
+		add_one_plane(s, &first, l->n + k, gap[0], rate[0]);
 		if (next > k)
-			see_one_fixed(s, &first, l->n + next, gap[1], rate[1]);
+			add_one_plane(s, &first, l->n + next, gap[1], rate[1]);
 	}
 	if (s->decay > 0)
 		first.t = s->now + seconds(s, first.t - s->now);
 	if (first.t <= s->until)
-		see(s, first.which, first.t, false);
+		add_touch(s, first.which, first.t, false);
 }
 
-/* As multiplications: one candidate whose touch has no closed form. */
+/* Work, in multiplications, of a candidate whose touch has no closed form. */
 enum { SEARCH_WORK = 1 << 13 };
 
-static bool is_interrupted(struct seer *s)
+static bool is_interrupted(struct search *s)
 {
 	if (!rb_interrupt_after(&s->l->world->interrupt, SEARCH_WORK))
 		return false;
@@ -361,15 +365,15 @@ static bool in_contact(const struct rb_located *l, int i)
 	return i < l->n && l->cluster_of[i] >= 0 && l->cluster[l->cluster_of[i]].held_count > 0;
 }
 
-/* One candidate, by the cheapest test that applies. */
-static void see_body(struct seer *s, int j)
+/* Touch with one candidate, by the cheapest test that applies. */
+static void add_body(struct search *s, int j)
 {
 	const struct rb_located *l = s->l;
 	struct rb_approach flight = {0};
 
-	if (!s->general && j < l->n ? see_sphere(s, j)
+	if (!s->general && j < l->n ? add_sphere(s, j)
 	                            : j >= l->n && l->model->shape[j].kind == RB_SHAPE_PLANE &&
-	                                      !s->general && see_plane(s, j))
+	                                      !s->general && add_plane(s, j))
 		return;
 	if (!rb_pair_can_touch(l, s->i, j) || rb_event_set_held(l, s->i, j) || is_interrupted(s))
 		return;
@@ -384,7 +388,7 @@ static void see_body(struct seer *s, int j)
 
 		s->l->products += found.products;
 		s->touching += found.touching && s->except != j;
-		see(s, j, found.touch_s, found.again);
+		add_touch(s, j, found.touch_s, found.again);
 		return;
 	}
 	if (s->except != j &&
@@ -397,11 +401,11 @@ static void see_body(struct seer *s, int j)
 	const double t = rb_pair_contact_time(l, s->i, j, s->now, until, &flight);
 	if (rb_crowd_counts_spheres(l) || in_contact(l, s->i) || in_contact(l, j))
 		s->l->products += flight.products;
-	see(s, j, t, flight.again);
+	add_touch(s, j, t, flight.again);
 }
 
-/* Position, velocity and acceleration of the body now. */
-static inline void find_self(struct seer *s, const struct rb_located *l, int i, double now)
+/* Reads position, velocity and acceleration of the body now. */
+static inline void read_state(struct search *s, const struct rb_located *l, int i, double now)
 {
 	const struct rb_arc *arc = &l->arc[i];
 
@@ -429,7 +433,7 @@ static inline void find_self(struct seer *s, const struct rb_located *l, int i, 
 }
 
 /* Prepares the search for body i. */
-static inline void open(struct seer *s, struct rb_located *l, int i, double now, int except)
+static inline void begin(struct search *s, struct rb_located *l, int i, double now, int except)
 {
 	s->l = l;
 	s->i = i;
@@ -442,7 +446,7 @@ static inline void open(struct seer *s, struct rb_located *l, int i, double now,
 	s->plain = s->quick || (l->model->shape[i].kind == RB_SHAPE_SPHERE &&
 	                        !rb_located_on_piece(l, i) && !l->model->center_of_mass);
 	s->radius = s->quick ? l->arc[i].plain_radius : l->model->shape[i].radius;
-	find_self(s, l, i, now);
+	read_state(s, l, i, now);
 	s->falls = largest(s->acceleration) > 0;
 	s->follows = rb_located_on_piece(l, i);
 	if (s->follows)
@@ -462,10 +466,10 @@ static rb_vec3 accelerations_max(const struct rb_piece_of *p)
 }
 
 /*
- * When a body on a piece may leave its cell. The end of a driven body's piece is an event of its
- * own, that of others one of their cluster.
+ * Time at which a body on a piece may leave its cell. The end of a driven body's piece is an event
+ * of its own, that of others one of their cluster.
  */
-static void next_wall_of_piece(struct seer *s)
+static void next_wall_of_piece(struct search *s)
 {
 	const struct rb_located *l = s->l;
 	const struct rb_piece_of *p = &l->piece[s->i];
@@ -480,8 +484,8 @@ static void next_wall_of_piece(struct seer *s)
 	s->next.wall = -1;
 }
 
-/* The same of one that slows down: what it has now, which only fades. */
-static rb_vec3 slowing(const struct seer *s)
+/* The same for a body with drag: its present acceleration, which only decays. */
+static rb_vec3 deceleration_now(const struct search *s)
 {
 	const rb_vec3 a = rb_vec3_add_scaled(s->acceleration, -s->decay, s->velocity);
 
@@ -489,7 +493,7 @@ static rb_vec3 slowing(const struct seer *s)
 }
 
 /* The time at which the body leaves its cell. */
-static void next_wall(struct seer *s)
+static void next_wall(struct search *s)
 {
 	struct rb_located *l = s->l;
 
@@ -497,7 +501,7 @@ static void next_wall(struct seer *s)
 		next_wall_of_piece(s);
 	else if (l->cells && s->decay > 0)
 		s->next.wall_s = s->now + rb_cells_time_inside(l->cells, s->i, s->position,
-		                                               s->velocity, slowing(s),
+		                                               s->velocity, deceleration_now(s),
 		                                               &s->next.wall);
 	else if (l->cells)
 		s->next.wall_s = s->now + rb_cells_leaves(l->cells, s->i, s->position, s->velocity,
@@ -505,7 +509,7 @@ static void next_wall(struct seer *s)
 }
 
 /* Stores the event and puts it into the queue. */
-static void keep(struct seer *s)
+static void store(struct search *s)
 {
 	RB_ASSERT_COSTLY(!(s->next.touch_s < s->now) && !(s->next.wall_s < s->now));
 
@@ -518,11 +522,11 @@ static void keep(struct seer *s)
 }
 
 /*
- * Prefetches what the events of body i will read. Of many bodies most of that lies in slow memory;
- * it is requested while earlier events are handled, in two stages, the second of which needs what
- * the first has brought. Hints only.
+ * Prefetches what the events of body i will read. With many bodies most of it is in slow memory; it
+ * is requested while earlier events are handled, in two stages, the second of which needs the
+ * results of the first. Hints only.
  */
-static void ask_for(const struct rb_located *l, int i)
+static void prefetch_body(const struct rb_located *l, int i)
 {
 	__builtin_prefetch(&l->arc[i]);
 	__builtin_prefetch(&l->arc[i].acceleration);
@@ -536,7 +540,7 @@ static void ask_for(const struct rb_located *l, int i)
 		rb_cells_prefetch(l->cells, i);
 }
 
-static void look_ahead(const struct rb_located *l)
+static void prefetch_next(const struct rb_located *l)
 {
 	enum { NEXT_END = 3 };
 	const int later = rb_queue_later(l->queue);
@@ -551,62 +555,62 @@ static void look_ahead(const struct rb_located *l)
 		if (l->cells)
 			rb_cells_prefetch_near(l->cells, i);
 		if (j >= 0 && j < l->n)
-			ask_for(l, j);
+			prefetch_body(l, j);
 	}
 	if (later >= 0 && later < l->n)
-		ask_for(l, later);
+		prefetch_body(l, later);
 }
 
 int rb_predict(struct rb_located *l, int i, double now, int except)
 {
-	struct seer s;
+	struct search s;
 
 	RB_ASSERT_COSTLY(rb_located_moves(l, i));
 	RB_ASSERT_COSTLY(now >= l->arc[i].anchor_s);
-	if (l->n >= MANY)
-		look_ahead(l);
+	if (l->n >= PREFETCH_BODIES)
+		prefetch_next(l);
 	if (l->model->features & RB_FEATURE_CONTACT)
-		open(&s, l, i, now, except);
-	else /* the end of a driven body's piece is all that may come */
-		s = (struct seer){.l = l, .i = i, .now = now};
+		begin(&s, l, i, now, except);
+	else /* the only possible event is the end of a driven body's piece */
+		s = (struct search){.l = l, .i = i, .now = now};
 	s.next = (struct rb_next){.touch_s = HUGE_VAL, .partner = -1, .wall_s = HUGE_VAL};
 	next_wall(&s);
 	if (l->model->features & RB_FEATURE_CONTACT) {
 		int near = rb_event_set_near(l, i);
 
 		if (s.quick)
-			near = sift_near(&s, l->near, near);
+			near = filter_candidates(&s, l->near, near);
 		for (int k = 0; k < near; k++)
-			see_body(&s, l->near[k]);
+			add_body(&s, l->near[k]);
 		if (s.quick && !s.falls)
-			see_fixed(&s);
+			add_planes(&s);
 		for (int j = l->n; j < l->n + l->model->static_count && !(s.quick && !s.falls); j++)
-			see_body(&s, j);
+			add_body(&s, j);
 	}
-	keep(&s);
+	store(&s);
 	return s.touching;
 }
 
 void rb_predict_wall(struct rb_located *l, int i, double now)
 {
-	struct seer s;
+	struct search s;
 
 	RB_ASSERT_COSTLY(rb_located_moves(l, i));
 	RB_ASSERT_COSTLY(l->cells != NULL);
-	if (l->n >= MANY)
-		look_ahead(l);
-	open(&s, l, i, now, -1);
+	if (l->n >= PREFETCH_BODIES)
+		prefetch_next(l);
+	begin(&s, l, i, now, -1);
 	s.next = l->next[i];
 	const bool goes = (!rb_located_on_piece(l, i) && !(s.decay > 0)) ||
 	                  rb_cells_is_at_wall(l->cells, i, s.next.wall, s.position);
 	int count = goes ? rb_cells_cross(l->cells, i, s.next.wall, l->near) : 0;
 
 	if (s.quick)
-		count = sift_near(&s, l->near, count);
+		count = filter_candidates(&s, l->near, count);
 	for (int k = 0; k < count; k++) {
 		const int partner = s.next.partner;
 
-		see_body(&s, l->near[k]);
+		add_body(&s, l->near[k]);
 		if (s.next.partner != partner && s.next.partner < l->n)
 			s.next.generation = l->generation[s.next.partner];
 	}

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A calendar with a heap for the present. Days are equally long and hold lists without order; a
- * body whose event is today, or was to be earlier, is in the heap; what lies beyond the last day is
- * in one more list. When the heap runs out, the next day that holds anything is poured into it;
- * when the days run out, new ones are laid out over what is left, as long as the median of the
- * times left asks for. So a body set to a later time costs the same however many there are (Brown,
- * "Calendar queues", CACM 31:1220 (1988); the heap for the present is from Paul, "A complexity O(1)
- * priority queue for event driven molecular dynamics simulations", J. Comput. Phys. 221:615
- * (2007)), and lengths of days that do not fit cost a heap's logarithm at most. Measured with the
- * hold model at 4,000 and at 100,000 bodies: two thirds of the time of a winner tree, a third of
- * that of a heap of two or four children.
+ * A calendar queue with a heap for the present. Days are equally long and hold unordered lists;
+ * events of today or earlier are in the heap, those beyond the last day in one more list. When the
+ * heap is empty, the next day that has events is moved into it; when the days run out, new ones are
+ * laid out over the remaining events, with a length that follows from the median of their times. So
+ * setting a later time costs the same for any number of bodies (Brown, "Calendar queues", CACM
+ * 31:1220 (1988); the heap for the present is from Paul, "A complexity O(1) priority queue for
+ * event driven molecular dynamics simulations", J. Comput. Phys. 221:615 (2007)), and unsuitable
+ * lengths of days cost a heap's logarithm at most. Measured with the hold model at 4,000 and at
+ * 100,000 bodies: two thirds of the time of a winner tree, a third of that of a heap of two or four
+ * children.
  *
- * The order is right whatever the days are: which day a time falls on never decreases with time,
- * whatever the rounding, and equal times fall on one day.
+ * The order is right for any length of days: the day of a time never decreases with the time,
+ * despite rounding, and equal times fall on one day.
  */
 #include "located/queue.h"
 
@@ -25,14 +25,14 @@
 
 enum {
 	NOWHERE = -1,  /* `day` of a body without event */
-	TODAY = -2,    /* `day` of a body in the heap; next is then its place there */
-	HEAP_MAX = 64, /* up to here the heap is as good as a calendar */
+	TODAY = -2,    /* `day` of a body in the heap; `next` is then its index there */
+	HEAP_MAX = 64, /* number of events up to which the heap is as good as a calendar */
 	SAMPLES = 63,
 };
 
 static const double never = (double)INFINITY;
 
-/* Events that a day is made to hold: fewer, and empty days cost; more, and the heap does. */
+/* Mean number of events per day: with fewer, empty days cost time, with more, the heap does. */
 static const double day_load = 8.0;
 
 /* A body's event and where it is kept. */
@@ -51,14 +51,13 @@ struct entry {
 struct rb_queue {
 	struct slot *slots; /* by body */
 	struct entry *heap;
-	int32_t *head; /* first body of each day; of what lies beyond: at [day_count] */
+	int32_t *head; /* first body of each day; at [day_count], of the times beyond */
 	int32_t *gathered;
 	int32_t count, heap_count, finite;
 	int32_t day_count, today;
-	int32_t later,
-		later_day;   /* for hints: a body, -1: none; how far days have been gone through */
-	int64_t sets;        /* since days were laid out */
-	double start, per_s; /* days per second; 0: every day is today */
+	int32_t later, later_day; /* for hints: next body, -1: none; last day visited */
+	int64_t sets;             /* calls of rb_queue_set since days were laid out */
+	double start, per_s;      /* days per second; 0: every day is today */
 };
 
 /* Order of events: time, then body. */
@@ -88,7 +87,7 @@ static void heap_up(struct rb_queue *queue, int32_t at, struct entry entry)
 	heap_put(queue, at, entry);
 }
 
-/* Places an entry at `at`, or below or above it. */
+/* Places an entry at `at`, below or above it. */
 static void heap_restore(struct rb_queue *queue, int32_t at, struct entry entry)
 {
 	for (;;) {
@@ -151,7 +150,10 @@ static void list_remove(struct rb_queue *queue, int32_t body)
 		queue->slots[slot->next].prev = slot->prev;
 }
 
-/* Day of a time: TODAY for what is not later; NaN, from days of no length, is TODAY too. */
+/*
+ * Day of a time: TODAY for times that are not later; NaN, which days without length give, is TODAY
+ * too.
+ */
 static int32_t day_of(const struct rb_queue *queue, double time)
 {
 	const double day = (time - queue->start) * queue->per_s;
@@ -161,7 +163,7 @@ static int32_t day_of(const struct rb_queue *queue, double time)
 	return day < (double)queue->day_count ? (int32_t)day : queue->day_count;
 }
 
-/* Puts a body where its time belongs. */
+/* Puts a body into the heap or list of its time. */
 static void add(struct rb_queue *queue, int32_t body)
 {
 	const int32_t day = day_of(queue, queue->slots[body].time);
@@ -181,7 +183,7 @@ static int32_t gather_list(struct rb_queue *queue, int32_t day, int32_t count)
 	return count;
 }
 
-/* Median of a sample of waiting times from `start`; their mean where more than half are zero. */
+/* Median of a sample of waiting times from `start`; their mean if more than half are zero. */
 static double typical_wait(const struct rb_queue *queue, int32_t count, double start)
 {
 	double wait[SAMPLES], sum = 0;
@@ -201,8 +203,8 @@ static double typical_wait(const struct rb_queue *queue, int32_t count, double s
 }
 
 /*
- * Lays out new days over all events. Costs as much as there are events and days, so it is rare: see
- * its callers.
+ * Lays out new days over all events. The cost is proportional to the number of events and days, so
+ * it is rare: see its callers.
  */
 static void lay_out(struct rb_queue *queue)
 {
@@ -225,7 +227,7 @@ static void lay_out(struct rb_queue *queue)
 	queue->per_s = 0;
 	if (count > HEAP_MAX) {
 		/*
-		 * of n waits that are exponential with mean T, the first come at intervals T / n, T
+		 * of n exponential waiting times with mean T, the first come at intervals T / n; T
 		 * = median / ln 2
 		 */
 		queue->per_s = count * M_LN2 / (typical_wait(queue, count, start) * day_load);
@@ -240,8 +242,8 @@ static void lay_out(struct rb_queue *queue)
 }
 
 /*
- * Pours the next day that holds anything into the empty heap. New days are laid out after half of
- * the events or more were set to other times, which pays for it.
+ * Moves the next day that has events into the empty heap. New days are laid out after at least half
+ * of the events were set to other times, which amortizes the cost.
  */
 static void next_day(struct rb_queue *queue)
 {
@@ -326,8 +328,8 @@ int rb_queue_later(struct rb_queue *queue)
 		queue->later = queue->head[++queue->later_day];
 	} else {
 		/*
-		 * may have gone elsewhere meanwhile: then it leads to somebody else, or to a place
-		 * in the heap
+		 * the body may have been moved meanwhile: then this is another body, or an index of
+		 * the heap
 		 */
 		queue->later = queue->slots[body].next;
 	}

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which of n bodies has the earliest event: an indexed priority queue with one time per body.
+ * The earliest event of n bodies: an indexed priority queue with one time per body.
  *
  * Ties are broken by the body's number, so that the order does not depend on history. Owned by one
  * thread.
@@ -12,7 +12,7 @@
 
 struct rb_queue;
 
-/* All times are INFINITY to begin with. */
+/* Initially all times are INFINITY. */
 RB_CHECKED enum rb_status rb_queue_create(struct rb_queue **queue, int body_count,
                                           struct rb_error *err);
 void rb_queue_destroy(struct rb_queue *queue); /* NULL is fine */
@@ -25,9 +25,9 @@ double rb_queue_time(const struct rb_queue *queue, int body);
 int rb_queue_first(const struct rb_queue *queue, double *time_s);
 
 /*
- * Hints that change nothing, for those who fetch what they will need. Whose event may come soon: k
- * = 1, 2, .., the sooner the smaller k, roughly; -1: nobody. Whose may come after those: another
- * one with every call, until there is none for the time being: -1. And: this body's time will be
+ * Hints for prefetching, without effect on results. rb_queue_soon: the body whose event comes about
+ * k-th soonest, k = 1, 2, ...; -1: none. rb_queue_later: a body with an event after those, another
+ * one with each call until there is none for now, -1. rb_queue_prefetch: this body's time will be
  * set soon.
  */
 int rb_queue_soon(const struct rb_queue *queue, int k);

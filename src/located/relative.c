@@ -72,7 +72,7 @@ bool rb_relative_began_far(const struct rb_located *l, int a, int b, double unti
 	                                        rb_vec3_max_abs(l->piece[b].base));
 }
 
-/* The square of the distance is a polynomial of degree 16 in time: so many points determine it. */
+/* The squared distance is a polynomial of degree 16 in time, which this many points determine. */
 enum { POINTS = 18 };
 /*
  * Zeros of the Chebyshev polynomial of that degree: cos(pi (2 j + 1)/36); the others mirror these.
@@ -82,7 +82,7 @@ static const double zeros[POINTS / 2] = {
 	0.81915204428899180, 0.70710678118654752, 0.57357643635104610,
 	0.42261826174069944, 0.25881904510252076, 0.08715574274765817};
 
-/* Square of the distance less that of `least`, m^2, at a part of the piece. */
+/* Squared distance less that of `least`, m^2, at a fraction of the piece. */
 static double excess(const rb_vec3 coefficient[RB_GAUSS_NODES], rb_vec3 d, double part,
                      double least)
 {
@@ -142,7 +142,7 @@ struct rb_parabola rb_relative_parabola(const struct rb_located *l, int i, doubl
 	if (i >= l->n)
 		return (struct rb_parabola){l->model->position[i], none, none, 0, 0};
 	if (rb_arc_decay(l, i) > 0) {
-		/* what is left of it is between all of this and nothing */
+		/* it decays from this value towards zero: half of it is within half of it */
 		const rb_vec3 a = rb_vec3_scale(0.5, rb_arc_acceleration(l, i, from_s));
 
 		return (struct rb_parabola){rb_arc_position(l, i, from_s),
@@ -163,7 +163,7 @@ struct rb_parabola rb_relative_parabola(const struct rb_located *l, int i, doubl
 	                                       rb_vec3_add_scaled(v, 0.5 * age, a));
 	rb_vec3 off = none;
 
-	/* the first coefficient is the mean, and of the others |P_k| <= 1 */
+	/* the first coefficient is the mean; for the others |P_k| <= 1 */
 	for (int k = 1; k < RB_GAUSS_NODES; k++) {
 		c += piece->n;
 		off = rb_vec3_add(off, (rb_vec3){fabs(c[0]), fabs(c[1]), fabs(c[2])});
@@ -172,14 +172,14 @@ struct rb_parabola rb_relative_parabola(const struct rb_located *l, int i, doubl
 	                            per_s * rb_vec3_length(off), age};
 }
 
-/* How far a body may be from its parabola up to h seconds later, m. */
-static double strays(const struct rb_parabola *p, double h)
+/* Bound on the distance of a body from its parabola up to h seconds later, m. */
+static double deviation_max(const struct rb_parabola *p, double h)
 {
 	return 0.5 * p->off * (p->age + h) * (p->age + h);
 }
 
-/* 1e-12 here and below is far above the rounding of positions, speeds and time. */
-static const double roundings = 1e-12;
+/* Far above the rounding of positions, speeds and time. */
+static const double rounding_share = 1e-12;
 
 bool rb_relative_stay_separated(const struct rb_parabola *a, const struct rb_parabola *b, double h,
                                 double least)
@@ -193,12 +193,12 @@ bool rb_relative_stay_separated(const struct rb_parabola *a, const struct rb_par
 
 	if (closing > 0)
 		s = closing < square * h ? closing / square : h;
-	const double margin = least + 0.5 * h * h * rb_vec3_length(bend) + strays(a, h) +
-	                      strays(b, h);
+	const double margin = least + 0.5 * h * h * rb_vec3_length(bend) + deviation_max(a, h) +
+	                      deviation_max(b, h);
 
 	return rb_vec3_length(rb_vec3_add_scaled(d, s, w)) >
-	       1.001 * margin + roundings * (rb_vec3_max_abs(a->position) +
-	                                     rb_vec3_max_abs(b->position) + s * sqrt(square));
+	       1.001 * margin + rounding_share * (rb_vec3_max_abs(a->position) +
+	                                          rb_vec3_max_abs(b->position) + s * sqrt(square));
 }
 
 bool rb_relative_remain_above(const struct rb_parabola *a, rb_vec3 point, rb_vec3 n, double h,
@@ -207,9 +207,9 @@ bool rb_relative_remain_above(const struct rb_parabola *a, rb_vec3 point, rb_vec
 	const double gap = rb_vec3_dot(rb_vec3_sub(a->position, point), n);
 	const double change = h * rb_vec3_dot(a->velocity, n);
 	const double margin = least + 0.5 * h * h * fabs(rb_vec3_dot(a->acceleration, n)) +
-	                      strays(a, h);
+	                      deviation_max(a, h);
 
 	return gap + fmin(change, 0) >
-	       1.001 * margin + roundings * (rb_vec3_max_abs(a->position) + rb_vec3_max_abs(point) +
-	                                     fabs(change));
+	       1.001 * margin + rounding_share * (rb_vec3_max_abs(a->position) +
+	                                          rb_vec3_max_abs(point) + fabs(change));
 }
