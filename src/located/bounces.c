@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "located/event_set.h"
 
-/* Share of its time by which a flight of a series may come down early or late. */
+/* Share of its duration by which a flight of a series may end early or late. */
 static const double disturbed_share = 0.25;
 /* Rounding of a gap, in ulp of the size, and of a time. */
 enum { GAP_ULP = 2, TIME_ULP = 4 };
@@ -15,7 +15,7 @@ double rb_bounces_closing(const struct rb_located *l, const struct rb_contact_po
 {
 	const struct rb_held *held = rb_event_set_held_like(l, m);
 
-	if (held) /* what its force has balanced */
+	if (held) /* the acceleration that its force has balanced */
 		return fabs(rb_vec3_dot(held->force, m->normal)) *
 		       (l->model->inverse_mass[m->a] + l->model->inverse_mass[m->b]);
 	return -rb_contact_point_bend(l, m, t);
@@ -33,7 +33,7 @@ void rb_bounces_note(struct rb_located *l, const struct rb_contact_point *m, dou
 	RB_ASSERT(m->a < l->n && u > 0 && closing > 0 && e > 0 && e < 1);
 	const double change = follows ? late / was : 0;
 	const double limit = t + flight / (1 - e) + flight * change * e * e / (1 - e * e * e);
-	/* each bounce moves the next ones: the sum of their shares, twice of what follows */
+	/* each bounce shifts the following ones: the sum of their shares, twice that of the next */
 	const double gap = GAP_ULP * DBL_EPSILON * rb_contact_point_size(l, m);
 	const double error = follows ? (flight * fabs(change) + 2 * gap / (u * (1 - e))) / (1 - e) +
 	                                       TIME_ULP * DBL_EPSILON * t

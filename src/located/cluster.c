@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Clusters are bodies in lasting contact, integrated together. They live in a growing array with a
- * free list, so that indices stay valid; a cluster's index is its place in the event queue.
+ * Clusters are bodies in lasting contact, integrated together. They are kept in a growing array
+ * with a free list, so that indices stay valid; the index is also that in the event queue.
  */
 #include "located/cluster.h"
 

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* The room of clusters: taking, giving back, growing their lists. */
+/* Memory of clusters: allocation, release, growth of their lists. Simulator's thread. */
 #ifndef RB_LOCATED_CLUSTER_H
 #define RB_LOCATED_CLUSTER_H
 
 #include "located/located.h"
 
 /*
- * An unused cluster with room for so many; -1 when memory is out. Its members are told so in
- * cluster_of.
+ * Takes an unused cluster with room for these numbers, and sets cluster_of of its members; returns
+ * its index, -1: no memory.
  */
 int rb_cluster_take(struct rb_located *l, const int *member, int member_count, int held_count);
-/* Its members are in no cluster any more. */
+/* Frees a cluster; its members are in none afterwards. */
 void rb_cluster_drop(struct rb_located *l, int cluster);
 void rb_cluster_release_all(struct rb_located *l);
 

@@ -13,10 +13,10 @@
 #include "located/joint_rows.h"
 #include "located/pair_contacts.h"
 
-/* Bodies from which on cells pay. */
+/* Number of bodies from which cells pay. */
 enum { CELLS_FROM = 48 };
 
-/* A zeroed row, at least one element; sets *failed when memory is out. */
+/* A zeroed array of at least one element; sets *failed if there is no memory. */
 static void *row(size_t count, size_t size, bool *failed)
 {
 	void *const block = rb_memory_take(count > 0 ? count : 1, size);
@@ -25,7 +25,7 @@ static void *row(size_t count, size_t size, bool *failed)
 	return block;
 }
 
-/* True if the orientation acts on nothing: then a fast spin needs no short pieces. */
+/* True if nothing depends on the orientation: then a fast spin does not shorten pieces. */
 static bool is_unfelt(const struct rb_located *l, int i)
 {
 	const struct rb_model *model = l->model;
@@ -35,7 +35,7 @@ static bool is_unfelt(const struct rb_located *l, int i)
 	       !rb_external_turns_with(l, i) && !rb_joint_rows_hold(l, i);
 }
 
-/* Allocates and initialises everything by body. */
+/* Allocates and initialises all arrays by body. */
 static bool make_rows(struct rb_located *l)
 {
 	const size_t n = (size_t)l->n;
@@ -123,7 +123,7 @@ enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world
 	l->arena = &world->arena[0];
 	l->end_s = world->model->duration_s;
 	l->decays = rb_external_drag_is_linear(l->model);
-	/* what neither touches nor is joined has no crowds: it is followed at any cost */
+	/* without contacts and joints there are no crowds: located at any cost */
 	l->world_max = rb_located_can_be_stepped(l) && (l->model->features &
 	                                                (RB_FEATURE_CONTACT | RB_FEATURE_JOINTS))
 	                       ? rb_crowd_world_max(l)

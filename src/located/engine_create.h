@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* The located method's state, made and given back. Owned by the world; simulator thread only. */
+/*
+ * Creation and destruction of the located method's state. Owned by the world; simulator's thread
+ * only.
+ */
 #ifndef RB_LOCATED_ENGINE_CREATE_H
 #define RB_LOCATED_ENGINE_CREATE_H
 
 #include "located/located.h"
 #include "model/descriptor.h"
 
-/* From the world's state, which is that of its start. The first advance makes arcs and predicts. */
+/* Creates it from the world's state at the start. The first advance makes arcs and predicts. */
 RB_CHECKED enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world,
                                            struct rb_error *err);
 void rb_engine_destroy(struct rb_located *l); /* NULL is fine */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * External forces by a table of features: each row adds a force and a torque, and says whether it
- * is constant for a body, so that it flies on a parabola; otherwise it needs the integrator. With
- * `parts` the contributions are also kept by cause, for the ledger and questions.
+ * External forces by a table of features: each row adds a force and a torque, and tells whether it
+ * is constant for a body, which then flies on a parabola; otherwise it needs the integrator. With
+ * `parts` the contributions are also kept by cause, for the ledger and for reports.
  */
 #include "located/external_force.h"
 
@@ -12,16 +12,16 @@
 
 #include "base/memory.h"
 
-/* One force on one body at one moment. */
+/* Forces on one body at one time. */
 struct load {
 	struct rb_located *l;
 	int i;
 	const struct rb_pose *pose;
 	const struct rb_force_query *view;
 	rb_vec3 force, torque; /* N; N m about the centre of mass: sums */
-	rb_vec3 acceleration;  /* m/s^2: what is the same for bodies of any mass */
+	rb_vec3 acceleration;  /* m/s^2: contributions that do not depend on the mass */
 	enum rb_external_cause cause;
-	struct rb_external_parts *parts; /* NULL: nobody asks */
+	struct rb_external_parts *parts; /* NULL: not wanted */
 };
 
 typedef void load_function(struct load *load);
@@ -67,8 +67,8 @@ static void gravity_force(struct load *load)
 	add_force(load, load->l->model->scene->world.gravity_force);
 }
 
-/* Stated forces that act at the moment. */
-static void applied(struct load *load)
+/* Forces of the scene that act at the time. */
+static void scene_forces(struct load *load)
 {
 	const struct rb_model *model = load->l->model;
 	const struct rb_body_def *body = &model->scene->bodies[model->id_of[load->i]];
@@ -87,7 +87,7 @@ static void applied(struct load *load)
 }
 
 /* Constant if in world axes at the centre of mass; anything else depends on the orientation. */
-static bool applied_constant(const struct rb_located *l, int i, double t)
+static bool scene_forces_constant(const struct rb_located *l, int i, double t)
 {
 	const struct rb_scene *scene = l->model->scene;
 	const struct rb_body_def *body = &scene->bodies[l->model->id_of[i]];
@@ -105,7 +105,7 @@ static bool applied_constant(const struct rb_located *l, int i, double t)
 	return true;
 }
 
-static void pushed(struct load *load)
+static void callback_forces(struct load *load)
 {
 	const struct rb_world *world = load->l->world;
 
@@ -116,7 +116,7 @@ static void pushed(struct load *load)
 }
 
 /* Constant unless there is a torque on a body with unequal moments. */
-static bool pushed_constant(const struct rb_located *l, int i, double t)
+static bool callback_forces_constant(const struct rb_located *l, int i, double t)
 {
 	(void)t;
 	return !l->top || l->top_body[i].kind == RB_TOP_CONSTANT ||
@@ -125,7 +125,7 @@ static bool pushed_constant(const struct rb_located *l, int i, double t)
 
 /* ---- force elements ---- */
 
-/* Pose of the end of an element: of the query where it has one, else of the arc. */
+/* Pose of the end of an element: of the query if it has one, else of the arc. */
 static struct rb_pose pose_of(const struct rb_element_query *query, int j)
 {
 	const struct rb_element_view *at = query->user;
@@ -142,7 +142,10 @@ struct rb_element_query rb_external_query(const struct rb_element_view *at)
 		.model = at->l->model, .time_s = at->view->time_s, .pose = pose_of, .user = at};
 }
 
-/* Cause of an element's force. The ledger enters elements with ends or a potential elsewhere. */
+/*
+ * Cause of an element's force. The ledger enters elements with ends, or with a potential,
+ * elsewhere.
+ */
 static enum rb_external_cause cause_of(const struct rb_element_kind *kind)
 {
 	if (kind->ends)
@@ -252,7 +255,7 @@ static void gravitation(struct load *load)
 {
 	struct rb_located *l = load->l;
 
-	if (!load->view->attracted) /* a single body is asked for */
+	if (!load->view->attracted) /* the force on a single body is wanted */
 		rb_external_attract(l, load->view);
 	const rb_vec3 a = rb_gravitation_found(&l->gravitation, load->i);
 
@@ -274,8 +277,8 @@ static const struct {
 	constant_function *is_constant;
 } rows[] = {
 	{RB_FEATURE_GRAVITY_FORCE, RB_EXTERNAL_UNIFORM, gravity_force, always},
-	{RB_FEATURE_FORCES, RB_EXTERNAL_STATED, applied, applied_constant},
-	{RB_FEATURE_PUSHES, RB_EXTERNAL_CALLBACKS, pushed, pushed_constant},
+	{RB_FEATURE_FORCES, RB_EXTERNAL_STATED, scene_forces, scene_forces_constant},
+	{RB_FEATURE_PUSHES, RB_EXTERNAL_CALLBACKS, callback_forces, callback_forces_constant},
 	{RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_ELEMENTS, RB_EXTERNAL_SPRINGS,
          add_elements, elements_constant},
 	{RB_FEATURE_FIELD, RB_EXTERNAL_STATED, field, never},
@@ -329,7 +332,7 @@ void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pos
 		                                                pose->orientation, pose->spin));
 }
 
-/* Whether forces that need these features are. */
+/* True if the forces that need these features are constant. */
 static bool are_constant(const struct rb_located *l, int i, double t, rb_features features)
 {
 	for (int k = 0; k < ROWS; k++)
@@ -408,7 +411,7 @@ bool rb_external_is_constant_at_rest(const struct rb_located *l, int i, double t
 	RB_ASSERT_COSTLY(rb_located_moves(l, i));
 	if (!rb_located_gravitates(l))
 		return rb_external_is_constant(l, i, t);
-	/* what the ledger has of standing bodies are forces of centres alone */
+	/* the ledger of bodies at rest includes gravitation of fixed centres only */
 	if (!model->attracts_by_mass && model->attractor_count > model->center_count)
 		return false;
 	return !has_driven_center(model) &&

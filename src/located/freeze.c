@@ -27,7 +27,7 @@ static struct rb_limits limits_of(const struct rb_located *l)
 {
 	struct rb_limits limits = rb_limits_of(l->model);
 
-	/* never more clusters than bodies */
+	/* there are never more clusters than bodies */
 	limits.high[RB_LIMIT_NEXT_FREE] = l->n;
 	limits.high[RB_LIMIT_SWITCH] = l->switch_count;
 	return limits;
@@ -41,7 +41,7 @@ static bool fits(const struct rb_located *l, int i)
 	const double radius = l->arc[i].plain_radius;
 	const int walls = l->cells ? rb_cells_wall_count(l->cells, i) : 0;
 
-	/* before the start zero; after steps have taken over, of the arc before */
+	/* zero before the start; after steps have taken over, of the last arc */
 	if (!isnan(radius) && !(radius == l->model->shape[i].radius) &&
 	    !(radius == 0 && !l->started))
 		return false;
@@ -49,14 +49,14 @@ static bool fits(const struct rb_located *l, int i)
 		return false;
 	if (isfinite(next->touch_s) && (next->partner < 0 || next->partner == i))
 		return false;
-	/* of a driven body it may be the end of its piece */
+	/* for a driven body it may be the end of its piece */
 	if (l->cells && l->started && isfinite(next->wall_s) && next->wall < 0 &&
 	    !rb_located_driven(l, i))
 		return false;
 	return next->wall < (walls > 0 ? walls : 1);
 }
 
-/* The rest of a top follows from what is listed. */
+/* Other fields of a top follow from those that are packed. */
 static void pack_bodies(struct rb_located *l, struct rb_pack *pack)
 {
 	const struct rb_limits limits = limits_of(l);
@@ -83,7 +83,7 @@ static void pack_bodies(struct rb_located *l, struct rb_pack *pack)
 	}
 }
 
-/* Their cluster's piece, or their own where they are driven, must have been loaded. */
+/* The cluster's piece, or a driven body's own, must have been loaded. */
 static void pack_piece(struct rb_located *l, int i, struct rb_pack *pack)
 {
 	struct rb_piece_of *const own = &l->piece[i];
@@ -112,7 +112,7 @@ static void pack_piece(struct rb_located *l, int i, struct rb_pack *pack)
 	(void)rb_pack_check(pack, !on || own->piece.n > 0, "a driven body without a piece");
 }
 
-/* After the clusters. */
+/* Call after pack_clusters. */
 static void pack_pieces(struct rb_located *l, struct rb_pack *pack)
 {
 	bool any = l->piece != NULL;
@@ -133,7 +133,7 @@ static void pack_pieces(struct rb_located *l, struct rb_pack *pack)
 
 /* ---- clusters ---- */
 
-/* What stands first in its block. */
+/* The first part of its block. */
 static void pack_cluster_piece(struct rb_located *l, struct rb_cluster *c, struct rb_pack *pack)
 {
 	const int n = c->member_count * rb_located_row(l);
@@ -172,7 +172,7 @@ static void pack_held(struct rb_located *l, struct rb_cluster *c, struct rb_pack
 		                    "a contact of a body with itself");
 }
 
-/* What has a length of its own, of one that is used. */
+/* Arrays of a cluster that is used. */
 static void pack_cluster(struct rb_located *l, int cluster, struct rb_pack *pack)
 {
 	struct rb_cluster *const c = &l->cluster[cluster];
@@ -195,7 +195,7 @@ static void pack_cluster(struct rb_located *l, int cluster, struct rb_pack *pack
 		pack_cluster_piece(l, c, pack);
 }
 
-/* The list of unused ones ends, and holds nobody else. */
+/* Checks that the list of free clusters ends and contains only unused ones. */
 static void check_free(struct rb_located *l, struct rb_pack *pack)
 {
 	int left = l->cluster_count, k = l->cluster_free;
@@ -233,7 +233,7 @@ static void pack_clusters(struct rb_located *l, struct rb_pack *pack)
 		check_free(l, pack);
 }
 
-/* ---- what comes next ---- */
+/* ---- events ---- */
 
 static void pack_queue(struct rb_located *l, struct rb_pack *pack)
 {
@@ -244,7 +244,7 @@ static void pack_queue(struct rb_located *l, struct rb_pack *pack)
 		if (pack->loading && !pack->failed)
 			rb_queue_set(l->queue, i, time_s);
 	}
-	/* events of clusters that are not there */
+	/* events of clusters that do not exist */
 	for (int k = 0; pack->loading && k < l->n && !pack->failed; k++)
 		(void)rb_pack_check(pack,
 		                    isinf(rb_queue_time(l->queue, l->n + k)) ||
@@ -268,8 +268,8 @@ static void pack_merges(struct rb_located *l, struct rb_pack *pack)
 }
 
 /*
- * By hand is what has a length of its own, what several objects share (pieces), and what follows
- * from the rest: the queue's order, members of cells.
+ * Packed by hand: arrays, state shared by several objects (pieces), and derived state: the order of
+ * the queue, members of cells.
  */
 void rb_freeze_pack(struct rb_located *l, struct rb_pack *pack)
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All of the located method that decides the future, to bytes and back: the same bits follow as if
- * nothing had been.
+ * Packs all state of the located method that determines its future: a run continued from it gives
+ * the same bits as one that was not interrupted. Simulator's thread.
  *
- * What is foreseen is kept as it is: foreseen again from another moment, it could come out one
- * rounding apart.
+ * Predictions are saved as they are: predicted again from another time, they could differ by
+ * rounding.
  */
 #ifndef RB_LOCATED_FREEZE_H
 #define RB_LOCATED_FREEZE_H
@@ -13,7 +13,7 @@
 #include "located/located.h"
 
 /*
- * Between frames. Loading: into one that was just made for the same model; of no use after a
+ * Call between frames. Loading requires a new object of the same model, which is unusable after a
  * failure.
  */
 void rb_freeze_pack(struct rb_located *l, struct rb_pack *pack);

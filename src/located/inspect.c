@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Contacts and overlaps at a moment, for frames, questions and checkpoints; nothing of the run
- * changes.
+ * Contacts and overlaps at a time, for frames, reports and checkpoints; the simulation's state does
+ * not change.
  */
 #include "located/inspect.h"
 
@@ -9,7 +9,7 @@
 #include "located/integrate.h"
 #include "located/convex_contact.h"
 
-/* Appends a held contact with that force. */
+/* Appends a held contact with a given force. */
 static void add_contact(struct rb_located *l, struct rb_contacts *contacts,
                         const struct rb_held *held, double t, rb_vec3 force)
 {
@@ -33,15 +33,15 @@ static void add_contact(struct rb_located *l, struct rb_contacts *contacts,
 }
 
 /*
- * Contacts of a cluster. With `force` they are evaluated at this moment, since they change along
- * the piece; else those of its beginning are reported.
+ * Adds the contacts of a cluster. With `force` the forces are computed for time t, since they
+ * change along the piece; else those at its beginning are reported.
  */
 static void add_cluster(struct rb_located *l, struct rb_contacts *contacts, int cluster, double t,
                         rb_vec3 *force)
 {
 	const struct rb_cluster *c = &l->cluster[cluster];
 	const bool carries = c->used && (c->held_count > 0 || l->model->joints);
-	/* of one at rest the forces of contacts are known, those of joints are not */
+	/* at rest, the forces of contacts are known, but those of joints are not */
 	const bool rests = c->at_rest && !c->integrated && l->model->joints;
 	const bool found = force && carries && (c->integrated || rests) && !c->has_jumped &&
 	                   rb_integrate_forces(l, cluster, t, force);
@@ -94,7 +94,7 @@ enum rb_status rb_inspect_forces(struct rb_located *l, double t, struct rb_conta
 	return status;
 }
 
-/* Gap of a pair, m; of several points the deepest. */
+/* Gap of a pair, m: that of its deepest point. */
 static double gap_at(const struct rb_located *l, int i, int j, double t)
 {
 	if (!rb_pair_has_features(l, i, j))
@@ -106,10 +106,11 @@ static double gap_at(const struct rb_located *l, int i, int j, double t)
 }
 
 /*
- * Updates the deepest overlap by the pair i, j. Spheres apart from spheres and planes are dismissed
- * first.
+ * Updates the deepest overlap with the pair i, j. Separated spheres, and spheres above planes, are
+ * dismissed first.
  */
-static void deeper(const struct rb_located *l, double t, int i, int j, double *deepest, int pair[2])
+static void update_deepest(const struct rb_located *l, double t, int i, int j, double *deepest,
+                           int pair[2])
 {
 	const struct rb_model *model = l->model;
 
@@ -156,8 +157,8 @@ bool rb_inspect_is_at_rest(const struct rb_located *l, int i)
 	       rb_vec3_max_abs(l->arc[i].acceleration) == 0 && rb_vec3_max_abs(spin) == 0;
 }
 
-/* Who has rested since the last time. */
-static void see_rest(struct rb_located *l)
+/* Updates which bodies have been at rest since the last call. */
+static void update_rest(struct rb_located *l)
 {
 	for (int i = 0; i < l->n; i++) {
 		struct rb_inspected *const of = &l->inspected[i];
@@ -174,7 +175,7 @@ static bool has_rested(const struct rb_located *l, int j)
 	return j >= l->n || l->inspected[j].rests;
 }
 
-/* The deepest overlap of a body with those after it. */
+/* Finds the deepest overlap of a body with those of higher index. */
 static void inspect_body(struct rb_located *l, double t, int i)
 {
 	struct rb_inspected *const of = &l->inspected[i];
@@ -185,9 +186,9 @@ static void inspect_body(struct rb_located *l, double t, int i)
 
 	for (int k = 0; k < near; k++)
 		if (l->near[k] > i && !(known && has_rested(l, l->near[k])))
-			deeper(l, t, i, l->near[k], &deepest, pair);
+			update_deepest(l, t, i, l->near[k], &deepest, pair);
 	for (int j = l->n; j < l->n + l->model->static_count && !known; j++)
-		deeper(l, t, i, j, &deepest, pair);
+		update_deepest(l, t, i, j, &deepest, pair);
 	of->depth = deepest;
 	of->with = pair[1];
 }
@@ -198,7 +199,7 @@ double rb_inspect_overlap(struct rb_located *l, double t, int *a, int *b)
 	int pair[2] = {-1, -1};
 
 	RB_ASSERT(t >= l->now_s);
-	see_rest(l);
+	update_rest(l);
 	for (int i = 0; i < l->n; i++) {
 		inspect_body(l, t, i);
 		if (l->inspected[i].depth > deepest) {

@@ -46,7 +46,7 @@ static enum rb_status validate_held(const struct rb_located *l, int cluster,
 		return RB_FAIL(err, RB_ERR_BUG, "the contact of bodies %d and %d has no force",
 		               held->a, held->b);
 	const double slip = rb_vec3_length(held->slip);
-	/* without friction nobody needs its direction */
+	/* without friction its direction is not used */
 	if (held->slipping && !(fabs(slip - 1) <= unit_error) &&
 	    !(slip == 0 && held->friction == 0))
 		return RB_FAIL(err, RB_ERR_BUG, "the slip of bodies %d and %d has the length %.17g",

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What holds of the located method's state between events: every body in one cluster at most,
- * contacts named and sorted, nobody's event in the past, nothing left of what scratch held.
+ * Invariants of the located method's state between events: each body is in at most one cluster,
+ * contacts are named and sorted, no event is in the past, scratch is empty.
  *
- * Pure functions; simulator thread. RB_ERR_BUG says what does not hold.
+ * Pure functions; simulator's thread. The message of RB_ERR_BUG names the violated one.
  */
 #ifndef RB_LOCATED_LOCATED_INVARIANTS_H
 #define RB_LOCATED_LOCATED_INVARIANTS_H

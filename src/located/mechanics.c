@@ -19,7 +19,10 @@ struct rb_solver_contact rb_mechanics_contact(const struct rb_located *l,
 
 	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	RB_ASSERT_COSTLY(fabs(rb_vec3_length(m->normal) - 1) < 1e-6);
-	/* d/dt of the points' relative velocity, and of the normal that it is seen along */
+	/*
+	 * time derivatives of the points' relative velocity, and of the normal that it is measured
+	 * along
+	 */
 	c.bias = rb_vec3_sub(rb_vec3_cross(m->pose_b.spin, m->rate_b),
 	                     rb_vec3_cross(m->pose_a.spin, m->rate_a));
 	c.bias = rb_vec3_add_scaled(c.bias, rb_vec3_dot(m->velocity, m->normal_rate), m->normal);
@@ -95,7 +98,7 @@ struct rb_mechanics_change rb_mechanics_change(const struct rb_located *l, int i
 	return change;
 }
 
-/* Place of a body; -1: it has none, for it does not yield. */
+/* Index of a body in the set; -1: a fixed one. */
 static int place_of(const struct rb_located *l, int body)
 {
 	return body < l->n ? l->place[body] : -1;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Forces and accelerations at a moment, on demand. Where motion is located the engine itself is
- * asked; where it is stepped, a second engine that never runs serves as the evaluator of external
- * forces, so that both methods report by the same functions. Contact forces before the first step
- * are found by a world of its own that takes that step.
+ * Forces and accelerations at a time, on demand. While motion is located the engine itself computes
+ * them; while it is stepped, a second engine that never runs evaluates external forces, so that
+ * both methods report by the same functions. Contact forces before the first step come from a
+ * separate world that takes that step.
  */
 #include "method/loads.h"
 
@@ -25,18 +25,18 @@
 #include "world/joint_state.h"
 
 struct rb_loads {
-	bool known; /* the rows below are of `moment` */
+	bool known; /* the arrays below are those of `moment` */
 	uint64_t moment;
-	rb_vec3 *force, *torque;     /* of contacts and joints, by index, static bodies too */
+	rb_vec3 *force, *torque;     /* of contacts and joints, by index, also of static bodies */
 	struct rb_contacts contacts; /* scratch */
 	struct rb_located *
 		/*
-		 * owned: the engine that evaluates external forces where nothing is located; NULL
+		 * owned: the engine that evaluates external forces while none is located; NULL
 		 * until needed
 		 */
 		observer;
-	struct rb_pose *pose;            /* [bodies], of all where nothing is located */
-	struct rb_external_parts *parts; /* [bodies] of which one row is used */
+	struct rb_pose *pose;            /* [bodies], of all while motion is stepped */
+	struct rb_external_parts *parts; /* [bodies], of which one row is used */
 };
 
 static void release(struct rb_loads *loads)
@@ -57,7 +57,7 @@ void rb_loads_destroy(struct rb_loads *loads)
 	rb_memory_free(loads);
 }
 
-/* Allocates on the first question. */
+/* Allocates on the first call. */
 static enum rb_status create(struct rb_world *world, struct rb_error *err)
 {
 	const size_t n = (size_t)world->model->body_count;
@@ -101,7 +101,7 @@ static void add(rb_vec3 *to, double sign, rb_vec3 more)
 	*to = rb_vec3_add_scaled(*to, sign, more);
 }
 
-/* Adds what a joint exerts: on a the opposite of that on b, at the same point. */
+/* Adds the load of a joint: on a the opposite of that on b, at the same point. */
 static void gather_joint(struct rb_loads *loads, const struct rb_world *world, int k)
 {
 	const struct rb_joint *joint = &world->model->joints->joint[k];
@@ -150,10 +150,11 @@ static void gather(struct rb_loads *loads, const struct rb_world *world)
 }
 
 /*
- * Forces of located contacts at the state's moment. The engine's own error and status are put back:
- * a question must not fail the run.
+ * Forces of located contacts at the state's time. The engine's own error and status are restored: a
+ * report must not fail the run.
  */
-static enum rb_status polls(struct rb_located *l, struct rb_contacts *to, struct rb_error *err)
+static enum rb_status inspect_located(struct rb_located *l, struct rb_contacts *to,
+                                      struct rb_error *err)
 {
 	struct rb_error *const before = l->err;
 	const enum rb_status was = l->status;
@@ -166,9 +167,9 @@ static enum rb_status polls(struct rb_located *l, struct rb_contacts *to, struct
 	return status;
 }
 
-/* Contacts as the world keeps them. */
-static enum rb_status copy(struct rb_contacts *to, const struct rb_world *world,
-                           struct rb_error *err)
+/* Contacts and joint loads as the world keeps them. */
+static enum rb_status copy_kept(struct rb_contacts *to, const struct rb_world *world,
+                                struct rb_error *err)
 {
 	to->count = 0;
 	for (int k = 0; world->joint_load && world->stepped && k < world->model->joints->count;
@@ -182,7 +183,7 @@ static enum rb_status copy(struct rb_contacts *to, const struct rb_world *world,
 	return rb_contacts_join(to, world->has_shown ? &world->shown : &world->contacts, err);
 }
 
-/* The first step of another world, for the forces at the start. */
+/* Takes the first step of another world, for the forces at the start. */
 static enum rb_status first_step(struct rb_world *other, struct rb_error *err)
 {
 	const struct rb_model *model = other->model;
@@ -195,10 +196,10 @@ static enum rb_status first_step(struct rb_world *other, struct rb_error *err)
 }
 
 /*
- * Contacts and joints before the first step: those of another world with the same state and no
- * callbacks. Where its step fails for physical reasons there are none.
+ * Forces of contacts and joints before the first step: those of another world with the same state
+ * and no callbacks. If its step fails for physical reasons there are none.
  */
-static enum rb_status try_beginning(struct rb_world *world, struct rb_error *err)
+static enum rb_status find_initial(struct rb_world *world, struct rb_error *err)
 {
 	struct rb_contacts *to = &world->loads->contacts;
 	const struct rb_world_options options = {.threads = 1, .keep_contacts = true};
@@ -213,11 +214,11 @@ static enum rb_status try_beginning(struct rb_world *world, struct rb_error *err
 	if (other->located)
 		status = rb_engine_advance(other->located, other->state.time_s, err);
 	if (status == RB_OK && is_located(other)) {
-		status = polls(other->located, to, err);
+		status = inspect_located(other->located, to, err);
 	} else if (status == RB_OK) {
 		status = first_step(other, err);
 		if (status == RB_OK)
-			status = copy(to, other, err);
+			status = copy_kept(to, other, err);
 	}
 	if (world->joint_load)
 		memcpy(world->joint_load, other->joint_load,
@@ -245,7 +246,7 @@ static enum rb_status place_all(struct rb_world *world, struct rb_error *err)
 	return RB_OK;
 }
 
-/* Attraction on all bodies at this moment. */
+/* Computes the attraction on all bodies at this time. */
 static void attract(struct rb_world *world)
 {
 	struct rb_loads *loads = world->loads;
@@ -256,7 +257,7 @@ static void attract(struct rb_world *world)
 	rb_external_attract(l, &view);
 }
 
-/* Brings contacts and poses to this moment, once for all bodies. */
+/* Updates contacts and poses to this time, once for all bodies. */
 static enum rb_status refresh(struct rb_world *world, struct rb_error *err)
 {
 	struct rb_loads *loads = world->loads;
@@ -267,11 +268,11 @@ static enum rb_status refresh(struct rb_world *world, struct rb_error *err)
 	const bool begins = !world->begun &&
 	                    (world->model->features & (RB_FEATURE_CONTACT | RB_FEATURE_JOINTS));
 	if (is_located(world))
-		status = polls(world->located, &loads->contacts, err);
+		status = inspect_located(world->located, &loads->contacts, err);
 	else if (begins)
-		status = try_beginning(world, err);
+		status = find_initial(world, err);
 	else
-		status = copy(&loads->contacts, world, err);
+		status = copy_kept(&loads->contacts, world, err);
 	if (status == RB_OK && !is_located(world))
 		status = place_all(world, err);
 	if (status != RB_OK)
@@ -284,11 +285,11 @@ static enum rb_status refresh(struct rb_world *world, struct rb_error *err)
 	return RB_OK;
 }
 
-/* ---- all else ---- */
+/* ---- external forces ---- */
 
 /*
- * The engine through which located/external_force sees the world: the running one, whose arcs hold
- * all poses, or the evaluator with the poses of the state.
+ * The engine with which located/external_force evaluates: the running one, whose arcs hold all
+ * poses, or the evaluator with the poses of the state.
  */
 static struct rb_located *begin_inspection(struct rb_world *world, int i,
                                            struct rb_force_query *view)
@@ -307,7 +308,7 @@ static struct rb_located *begin_inspection(struct rb_world *world, int i,
 	return l;
 }
 
-/* Takes the body out of the running engine's places again. */
+/* Removes the body from the running engine's set again. */
 static void end_inspection(struct rb_located *l, int i)
 {
 	if (is_located(l->world))
@@ -347,9 +348,8 @@ static enum rb_status external(struct rb_world *world, int i, struct rb_load *lo
 	return status;
 }
 
-/* Attraction of one that does not yield by all others. */
-static void press_by_gravitation(const struct rb_gravitation *gravitation, int i,
-                                 struct rb_load *load)
+/* Adds the attraction of a fixed body by all others. */
+static void add_attraction(const struct rb_gravitation *gravitation, int i, struct rb_load *load)
 {
 	const struct rb_attract *const all = &gravitation->all;
 
@@ -363,7 +363,7 @@ static void press_by_gravitation(const struct rb_gravitation *gravitation, int i
 }
 
 /* Forces of contacts, elements and gravitation on a static or driven body. */
-static void press(struct rb_world *world, int i, struct rb_load *load)
+static void add_fixed_load(struct rb_world *world, int i, struct rb_load *load)
 {
 	const struct rb_model *model = world->model;
 	struct rb_located *l = is_located(world) ? world->located : world->loads->observer;
@@ -376,7 +376,7 @@ static void press(struct rb_world *world, int i, struct rb_load *load)
 	load->force = world->loads->force[i];
 	load->torque = world->loads->torque[i];
 	if (rb_located_gravitates(l))
-		press_by_gravitation(&l->gravitation, i, load);
+		add_attraction(&l->gravitation, i, load);
 	for (int k = 0; k < model->element_list_count; k++) {
 		const struct rb_elements *elements = &model->elements[k];
 		struct rb_wrench on;
@@ -393,7 +393,7 @@ static void press(struct rb_world *world, int i, struct rb_load *load)
 }
 
 /* Puts a driven body on the piece of its motion that begins at `t`. */
-static enum rb_status lead_on(struct rb_located *l, int i, double t, struct rb_error *err)
+static enum rb_status start_piece(struct rb_located *l, int i, double t, struct rb_error *err)
 {
 	rb_driven_release(l);
 	l->driven = NULL;
@@ -418,7 +418,7 @@ enum rb_status rb_loads_start_driven(struct rb_world *world, struct rb_error *er
 	for (int i = 0; i < model->body_count; i++) {
 		const struct rb_body_def *def = &model->scene->bodies[model->id_of[i]];
 
-		if (!model->driven[i] || lead_on(l, i, t, &own) != RB_OK)
+		if (!model->driven[i] || start_piece(l, i, t, &own) != RB_OK)
 			continue;
 		if (!def->motion_gives_velocity)
 			rb_vec3_to(world->state.velocity + 3 * (size_t)i, rb_arc_velocity(l, i, t));
@@ -446,14 +446,14 @@ enum rb_status rb_world_load(struct rb_world *world, int id, struct rb_load *loa
 	const bool driven = i < model->body_count && model->driven && model->driven[i];
 	if (i < model->body_count && !driven)
 		return external(world, i, load, err);
-	press(world, i, load);
+	add_fixed_load(world, i, load);
 	if (!driven)
 		return RB_OK;
 	const double t = world->state.time_s;
 	struct rb_located *l = is_located(world) ? world->located : world->loads->observer;
 
 	if (!is_located(world))
-		status = lead_on(l, i, t, err);
+		status = start_piece(l, i, t, err);
 	if (status != RB_OK)
 		return status;
 	load->acceleration = rb_arc_acceleration(l, i, t);

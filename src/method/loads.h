@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What acts on bodies at a moment, for who asks: nothing of it exists until then, and nothing of
- * the run changes.
+ * Forces on bodies and their accelerations at the present time, on demand: nothing is allocated
+ * before the first call, and the simulation's state does not change. Simulator's thread.
  *
- * Forces are those of located/external_force; of contacts those of this very moment where motion is
- * located, else the mean over the step that has ended. Before the first step a world of its own
- * looks what would become of the beginning.
+ * External forces are those of located/external_force. Contact forces are the present ones while
+ * motion is located, else means over the last step. Before the first step they come from a separate
+ * world that takes that step.
  */
 #ifndef RB_METHOD_LOADS_H
 #define RB_METHOD_LOADS_H
@@ -13,8 +13,8 @@
 #include "world/world.h"
 
 /*
- * Velocities that functions of driven bodies do not give are those that lead on from time 0: of
- * what `world` starts with. Where a function does not lead on it says so when the run comes there.
+ * Sets the initial velocities of driven bodies whose functions give none to the derivatives at time
+ * 0. If a function has none there, the run reports it when it gets there.
  */
 RB_CHECKED enum rb_status rb_loads_start_driven(struct rb_world *world, struct rb_error *err);
 

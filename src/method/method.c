@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A frame is run by the scene's method. `auto` locates; where events come too densely or locating
- * fails, the world is taken back to the beginning of the frame (of the step, if there are
- * callbacks, which cannot be undone) and stepped for a number of steps that grows with each
- * failure, before locating is tried again. Exponential back-off bounds the share of time lost to
+ * A frame is run by the scene's method. `auto` locates. If events become too dense, it steps from
+ * there; if locating fails, the world is rolled back to the beginning of the frame (of the step, if
+ * there are callbacks, which cannot be undone) and stepped. The number of steps before the next
+ * attempt to locate grows with each failure: exponential back-off bounds the share of time lost to
  * failed attempts.
  */
 #include "method/method.h"
@@ -28,7 +28,7 @@
 /* Steps between two polls for an interruption within a frame. */
 enum { STEPS_PER_POLL = 1024 };
 
-/* ---- making a world ---- */
+/* ---- creating a world ---- */
 
 /* State at time 0: centres of mass from the shapes' origins. */
 static void start_state(struct rb_world *world)
@@ -71,10 +71,10 @@ static enum rb_status change_to_steps(struct rb_world *world, struct rb_error *e
 }
 
 /*
- * Clears the forces that callbacks applied, which hold for one step, and keeps a copy for questions
+ * Clears the forces that callbacks applied, which last for one step, and keeps a copy for reports
  * after it.
  */
-static void forget_pushes(struct rb_world *world)
+static void clear_pushes(struct rb_world *world)
 {
 	const size_t n = 3 * (size_t)world->model->body_count;
 
@@ -92,7 +92,7 @@ static void forget_pushes(struct rb_world *world)
 
 /*
  * Allocates that copy, and decides whether mean contact forces are kept: any function of the scene
- * may ask for them.
+ * may read them.
  */
 static bool prepare_loads(struct rb_world *world)
 {
@@ -205,7 +205,7 @@ void rb_world_destroy(struct rb_world *world)
  */
 enum { DENSE_STEPS_MAX = 4096 };
 
-static void more_dense_steps(struct rb_world *world)
+static void increase_dense_steps(struct rb_world *world)
 {
 	if (world->dense_steps < DENSE_STEPS_MAX)
 		world->dense_steps = world->dense_steps > 0
@@ -213,16 +213,17 @@ static void more_dense_steps(struct rb_world *world)
 		                             : RB_DENSE_STEPS_FIRST;
 }
 
-/* Nothing has been stepped since locating gave way. */
-static void forget_dense_work(struct rb_world *world)
+/* Clears the counts of work of the present series of steps. */
+static void clear_dense_work(struct rb_world *world)
 {
 	world->dense_work = world->dense_body_steps = 0;
 	world->dense_s = 0;
 }
 
 /*
- * Steps after locating has given way. What was located for RB_DENSE_STEPS_MORE times as long as was
- * stepped before is another crowd: it begins anew.
+ * Begins a series of steps after locating has stopped. If more than RB_DENSE_STEPS_MORE times the
+ * length of the last series was located before, this is another crowd, and the back-off begins
+ * anew.
  */
 static void begin_dense_steps(struct rb_world *world)
 {
@@ -230,14 +231,14 @@ static void begin_dense_steps(struct rb_world *world)
 
 	if (rb_engine_located(world->located) > RB_DENSE_STEPS_MORE * before_s)
 		world->dense_steps = 0;
-	more_dense_steps(world);
+	increase_dense_steps(world);
 	world->dense_left = world->dense_steps;
-	forget_dense_work(world);
+	clear_dense_work(world);
 }
 
 /*
- * Largest acceleration, m/s^2, by gravity, gravity_force, fields and gravitation on any body that
- * is not driven at `t`.
+ * Largest acceleration by gravity, gravity_force, fields and gravitation of any body that is not
+ * driven, m/s^2.
  */
 static enum rb_status largest_external(const struct rb_world *world, double t, double *max,
                                        struct rb_error *err)
@@ -279,9 +280,9 @@ static enum rb_status largest_external(const struct rb_world *world, double t, d
 }
 
 /*
- * Longest step, s, where `auto` steps: an eighth of the time in which a body of the mean size falls
- * by its size. A time_step chosen for locating may be far too long for steps; the smallest body
- * would make all others wait.
+ * Longest step of `auto`, s: an eighth of the time in which a body of the mean size falls by its
+ * size. A time_step chosen for locating may be far too long for steps; the smallest body would
+ * shorten the steps of all others.
  */
 static enum rb_status longest_step(const struct rb_world *world, double t, double *step,
                                    struct rb_error *err)
@@ -298,9 +299,9 @@ static enum rb_status longest_step(const struct rb_world *world, double t, doubl
 	return status;
 }
 
-/* Steps from `start`, which the state is of, to `stop`. */
-static enum rb_status by_step(struct rb_world *world, double start, double stop,
-                              struct rb_error *err)
+/* Steps from `start`, the time of the state, to `stop`. */
+static enum rb_status run_steps(struct rb_world *world, double start, double stop,
+                                struct rb_error *err)
 {
 	double max;
 
@@ -326,14 +327,14 @@ static enum rb_status by_step(struct rb_world *world, double start, double stop,
 			rb_crowd_count_step(world->located, &before, to - from);
 	}
 	if (status == RB_OK)
-		forget_pushes(world);
+		clear_pushes(world);
 	return status;
 }
 
-/* ---- what one method does not come to the end of is done by the other ---- */
+/* ---- changes of method after a failure ---- */
 
-/* Snapshot that the world can be taken back to, besides state and contacts. */
-struct restart {
+/* Snapshot for a rollback of the world, besides state and contacts. */
+struct snapshot {
 	struct rb_counts counts;
 	struct rb_ledger ledger;
 	size_t event_count;
@@ -344,7 +345,7 @@ struct restart {
 	bool is_known;
 };
 
-/* True for `auto` while it locates. */
+/* True for `auto` if the scene can also be stepped. */
 static bool can_change_method(const struct rb_world *world)
 {
 	return rb_model_may_change_method(world->model) && world->located &&
@@ -367,13 +368,13 @@ static enum rb_status copy_contacts(struct rb_contacts *to, const struct rb_cont
 }
 
 /* Takes the snapshot if `known`. */
-static enum rb_status remember(struct rb_world *world, bool known, struct restart *begin,
-                               struct rb_error *err)
+static enum rb_status take_snapshot(struct rb_world *world, bool known, struct snapshot *begin,
+                                    struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
 	enum rb_status status = RB_OK;
 
-	*begin = (struct restart){.is_known = known, .called = world->called};
+	*begin = (struct snapshot){.is_known = known, .called = world->called};
 	if (!begin->is_known)
 		return RB_OK;
 	if (!world->frame_state.block)
@@ -397,11 +398,11 @@ static enum rb_status remember(struct rb_world *world, bool known, struct restar
 }
 
 /*
- * Takes the world back to the snapshot and changes the method: what was located is stepped for a
- * while; what was stepped from its beginning is located.
+ * Rolls the world back to the snapshot and changes the method: an interval that was located is
+ * stepped, with a longer series of steps; one that was stepped from its beginning is located.
  */
-static enum rb_status go_back(struct rb_world *world, const struct restart *begin, int64_t steps,
-                              struct rb_error *err)
+static enum rb_status roll_back(struct rb_world *world, const struct snapshot *begin, int64_t steps,
+                                struct rb_error *err)
 {
 	RB_ASSERT(begin->is_known && world->frame_state.block);
 
@@ -411,7 +412,7 @@ static enum rb_status go_back(struct rb_world *world, const struct restart *begi
 	if (status != RB_OK)
 		return status;
 	rb_state_copy(&world->state, &world->frame_state);
-	world->pushed = true; /* callbacks may have pushed before the snapshot */
+	world->pushed = true; /* callbacks may have applied forces before the snapshot */
 	rb_engine_go_back(world->located);
 	const bool by_steps = world->dense_left > 0;
 	world->frame_counts = begin->counts;
@@ -427,17 +428,17 @@ static enum rb_status go_back(struct rb_world *world, const struct restart *begi
 	world->dense_left = 0;
 	if (begin->dense_left > 0 && by_steps)
 		return RB_OK;
-	more_dense_steps(world);
+	increase_dense_steps(world);
 	while (world->dense_steps < steps && world->dense_steps < DENSE_STEPS_MAX)
 		world->dense_steps *= RB_DENSE_STEPS_MORE;
 	world->dense_left = world->dense_steps > steps ? world->dense_steps : steps;
-	forget_dense_work(world);
+	clear_dense_work(world);
 	return change_to_steps(world, err);
 }
 
-/* Locates from `start` to `stop`, or as far as it comes. */
-static enum rb_status try_located(struct rb_world *world, double start, double stop,
-                                  struct rb_error *err)
+/* Locates from `start` to `stop`, or until the engine stops early. */
+static enum rb_status attempt_located(struct rb_world *world, double start, double stop,
+                                      struct rb_error *err)
 {
 	const bool pushes = world->model->features & RB_FEATURE_PUSHES;
 	enum rb_status status = RB_OK;
@@ -450,7 +451,7 @@ static enum rb_status try_located(struct rb_world *world, double start, double s
 		return status;
 	if (pushes) {
 		rb_state_copy(&world->start, &world->state);
-		forget_pushes(world);
+		clear_pushes(world);
 	}
 	return RB_OK;
 }
@@ -469,7 +470,7 @@ static double grid_moment(const struct grid *grid, int64_t k)
 	                       : grid->end_s;
 }
 
-/* The first of its moments that is not before `t`, which lies in the frame. */
+/* Index of the first time of the grid not before `t`, which lies in the frame. */
 static int64_t grid_from(const struct grid *grid, double t)
 {
 	const double share = (t - grid->begin_s) / (grid->end_s - grid->begin_s);
@@ -482,7 +483,7 @@ static int64_t grid_from(const struct grid *grid, double t)
 	return k;
 }
 
-/* Does a callback's force act in the step to come? */
+/* True if a callback's force acts in the next step. */
 static bool is_pushed(const struct rb_world *world)
 {
 	const size_t n = 3 * (size_t)world->model->body_count;
@@ -496,62 +497,62 @@ static bool is_pushed(const struct rb_world *world)
 }
 
 /*
- * Where motion is located and nobody can ask or push before the frame ends, its steps are one:
- * arcs would be evaluated at each of them for nobody.
+ * True if the frame runs step by step. Located motion without callbacks and their forces runs the
+ * whole frame at once: nothing would use the state at the steps in between.
  */
-static bool goes_by_grid(const struct rb_world *world)
+static bool needs_grid(const struct rb_world *world)
 {
 	return !world->located || world->dense_left > 0 || has_callbacks(world) || is_pushed(world);
 }
 
 /*
- * Locates a step with a snapshot if there are callbacks: a step can be repeated as long as only
+ * Locates a step, with a snapshot if there are callbacks: a step can be repeated as long as only
  * on_step has been called, whose effect is kept.
  */
 static enum rb_status located(struct rb_world *world, const struct grid *grid, double start,
                               double stop, struct rb_error *err)
 {
-	struct restart before;
+	struct snapshot before;
 	const bool tries = !rb_engine_locates(world->located);
-	enum rb_status status = remember(world, can_change_method(world) && has_callbacks(world),
-	                                 &before, err);
+	enum rb_status status = take_snapshot(
+		world, can_change_method(world) && has_callbacks(world), &before, err);
 
 	if (status == RB_OK)
-		status = try_located(world, start, stop, err);
+		status = attempt_located(world, start, stop, err);
 	if (status == RB_OK && before.is_known && rb_engine_locates(world->located))
 		status = rb_engine_check(world->located, err);
 	if (status == RB_ERR_PHYSICS && before.is_known && world->called == before.called) {
-		status = go_back(world, &before, 0, err);
-		return status == RB_OK ? by_step(world, start, stop, err) : status;
+		status = roll_back(world, &before, 0, err);
+		return status == RB_OK ? run_steps(world, start, stop, err) : status;
 	}
 	if (status != RB_OK || rb_engine_locates(world->located))
 		return status;
-	/* too dense to locate: the rest, of which there may be none, and some more, is stepped */
+	/* too dense to locate: the rest of the interval, if any, and further steps are stepped */
 	begin_dense_steps(world);
-	/* an attempt that has failed at once has changed nothing that steps know */
+	/* an attempt that failed at once has changed no state of the steps */
 	if (!tries || !world->stepped || rb_engine_located(world->located) > 0)
 		status = change_to_steps(world, err);
-	/* where nothing has been located, too: the callback of that step has been called */
+	/* also if nothing has been located: the callback of that step has been called */
 	const double now = world->state.time_s;
 	const double next = grid_moment(grid, grid_from(grid, fmax(now, nextafter(start, stop))));
 	if (status == RB_OK && now < next)
-		return by_step(world, now, next, err);
+		return run_steps(world, now, next, err);
 	world->has_shown = false;
-	forget_pushes(world);
+	clear_pushes(world);
 	return status;
 }
 
-/* A step after on_step was called, by the method of the moment. */
-static enum rb_status go(struct rb_world *world, const struct grid *grid, double start, double stop,
-                         struct rb_error *err)
+/* Runs a step with the present method, after on_step. */
+static enum rb_status run_step(struct rb_world *world, const struct grid *grid, double start,
+                               double stop, struct rb_error *err)
 {
 	enum rb_status status;
 
 	if (!world->located || world->dense_left > 0) {
-		/* as many again until a try is due: the last one is solved for it */
+		/* repeated until an attempt is due; the last step before it is solved for it */
 		if (world->located && world->dense_left == 1 && !rb_crowd_may_try(world->located))
 			world->dense_left += world->dense_steps;
-		status = by_step(world, start, stop, err);
+		status = run_steps(world, start, stop, err);
 		if (status == RB_OK && world->located)
 			world->dense_left--;
 		return status;
@@ -559,7 +560,7 @@ static enum rb_status go(struct rb_world *world, const struct grid *grid, double
 	return located(world, grid, start, stop, err);
 }
 
-/* From the grid's k-th moment to a later one, with the callback of a step. */
+/* Runs from the grid's k-th time to a later one, with the step's callback. */
 static enum rb_status step(struct rb_world *world, const struct grid *grid, int64_t k, int64_t to,
                            struct rb_error *err)
 {
@@ -573,7 +574,7 @@ static enum rb_status step(struct rb_world *world, const struct grid *grid, int6
 	RB_ASSERT(!world->in_step);
 	world->begun = world->in_step = true;
 	rb_world_choose_pushes(world);
-	status = go(world, grid, start, stop, err);
+	status = run_step(world, grid, start, stop, err);
 	world->in_step = false;
 	world->moment++;
 	return status;
@@ -593,7 +594,9 @@ int64_t rb_step_count(double interval, double time_step)
 
 int64_t rb_frame_step_count(const struct rb_model *model, double begin, double end)
 {
-	/* the difference of two times has their rounding: a whole interval is known exactly */
+	/*
+	 * the difference of two times has their rounding; that of a whole interval is known exactly
+	 */
 	const double interval = 1 / model->frame_rate;
 	const bool whole = fabs(end - begin - interval) <= 4 * DBL_EPSILON * end;
 
@@ -607,7 +610,7 @@ static enum rb_status run_frame(struct rb_world *world, const struct grid *grid,
 	RB_ASSERT(grid->steps >= 1);
 
 	for (int64_t k = 0; k < grid->steps;) {
-		const int64_t next = goes_by_grid(world) ? k + 1 : grid->steps;
+		const int64_t next = needs_grid(world) ? k + 1 : grid->steps;
 		const enum rb_status status = step(world, grid, k, next, err);
 
 		if (status != RB_OK && status != RB_ERR_INTERRUPT)
@@ -649,16 +652,16 @@ enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
 	const bool by_steps = !world->located || rb_engine_wants_steps(world->located);
 	const struct grid grid = {begin, end,
 	                          by_steps ? rb_frame_step_count(model, begin, end) : 1};
-	struct restart before;
+	struct snapshot before;
 	world->stopped = false;
 	rb_interrupt_begin(&world->interrupt, world->options.stop, world->options.stop_user);
-	enum rb_status status = remember(world, can_change_method(world) && !has_callbacks(world),
-	                                 &before, err);
+	enum rb_status status = take_snapshot(
+		world, can_change_method(world) && !has_callbacks(world), &before, err);
 
 	if (status == RB_OK)
 		status = run_frame(world, &grid, err);
 	if (status == RB_ERR_PHYSICS && before.is_known) {
-		status = go_back(world, &before, grid.steps, err);
+		status = roll_back(world, &before, grid.steps, err);
 		if (status == RB_OK)
 			status = run_frame(world, &grid, err);
 	}

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All methods, a line each (model/descriptor). A new one is a line here, one in enum
- * rb_method_kind, and a folder of its own. Rows of those that locate stand here, for they borrow
- * steps of another method.
+ * All methods, a line each (model/descriptor). A new one needs a line here, one in enum
+ * rb_method_kind, and a folder of its own. Rows of methods that locate are defined here, because
+ * they use the steps of another method.
  */
 #include <string.h>
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sums over bodies in their order in plain double precision: a frame's numbers are for people and
- * tests, and no decision reads them. The ledger's residual is different: it is a difference of
- * large numbers, so potential energies are taken relative to where each body began.
+ * Sums over bodies in their order, in plain double precision: a frame's numbers are for users and
+ * tests, and no decision depends on them. The ledger's residual is a difference of large numbers,
+ * so its potential energies are relative to each body's initial position.
  */
 #include "method/numbers.h"
 
@@ -13,8 +13,8 @@
 #include <string.h>
 
 /*
- * Adds the sizes of the bodies' own momenta to the scales that residuals are compared with, kg m/s
- * and kg m^2/s.
+ * Adds the magnitudes of the bodies' own momenta to the scales with which residuals are compared,
+ * kg m/s and kg m^2/s.
  */
 static void measure_sizes(const struct rb_world *world, struct rb_ledger_values *values)
 {
@@ -33,7 +33,7 @@ static void measure_sizes(const struct rb_world *world, struct rb_ledger_values 
 			continue;
 		const double turning = rb_vec3_length(rb_world_spin_momentum(world, i));
 
-		/* what turns in bearings goes nowhere: momenta of its parts cancel */
+		/* a rotor in bearings has no net momentum: those of its parts cancel */
 		values->momentum_scale[0] += turning / rb_model_reach(model, i);
 		values->momentum_scale[1] += turning;
 	}
@@ -65,7 +65,10 @@ static struct rb_frame_numbers since_start(const struct rb_world *world,
 	return since;
 }
 
-/* True where attraction is what accelerates the whole, and cannot move its centre. */
+/*
+ * True if mutual attraction is the only force on the whole, so that it cannot accelerate its centre
+ * of mass.
+ */
 static bool has_center(const struct rb_model *model)
 {
 	return (model->features & RB_FEATURE_GRAVITATION) && model->attracts_by_mass &&
@@ -94,8 +97,8 @@ static void measure_center(const struct rb_world *world, struct rb_frame_numbers
 }
 
 /*
- * Straight over the columns, since this runs for every recorded frame. Returns the energy of force
- * elements among it, J, which is found once.
+ * Loops straight over the columns, since this runs for every recorded frame. Returns the energy of
+ * force elements among it, J, which is computed once.
  */
 static double measure_bodies(const struct rb_world *world, struct rb_frame_numbers *numbers)
 {
@@ -109,7 +112,7 @@ static double measure_bodies(const struct rb_world *world, struct rb_frame_numbe
 	measure_center(world, numbers);
 	const struct rb_frame_numbers center = *numbers;
 	for (int i = 0; i < model->body_count; i++) {
-		if (model->driven && model->driven[i]) /* has no mass to count with */
+		if (model->driven && model->driven[i]) /* has no mass that counts */
 			continue;
 		const double mass = model->mass[i];
 		const rb_vec3 at = rb_world_row3(state->position, i);
@@ -151,7 +154,7 @@ void rb_numbers_start_ledger(struct rb_world *world)
 	world->ledger.kept = true;
 }
 
-/* Entries and residual at this moment, including those not yet entered (world->open). */
+/* Entries and residual at this time, including those not yet entered (world->open). */
 static void measure_ledger(const struct rb_world *world, struct rb_frame_numbers *numbers,
                            double element_energy)
 {
@@ -161,7 +164,7 @@ static void measure_ledger(const struct rb_world *world, struct rb_frame_numbers
 	rb_ledger_enter(&ledger, &world->open);
 	numbers->has_ledger = true;
 	numbers->ledger = rb_ledger_values(&ledger, &since);
-	/* causes that have cancelled in angular momentum about the origin were not small */
+	/* causes that cancel in angular momentum about the origin are not small */
 	numbers->ledger.momentum_scale[1] += world->model->coordinate_max_m *
 	                                     numbers->ledger.momentum_scale[0];
 	measure_sizes(world, &numbers->ledger);
@@ -218,7 +221,7 @@ struct rb_world_work rb_world_work(const struct rb_world *world)
 		.pair_tests = world->broadphase ? rb_broadphase_tests(world->broadphase) : 0};
 }
 
-/* Columns of a frame; positions are of the shapes' origins. */
+/* Fills the columns of a frame; positions are those of the shapes' origins. */
 static void fill_poses(const struct rb_world *world, struct rb_frame *frame)
 {
 	const struct rb_model *model = world->model;
@@ -240,7 +243,7 @@ static void fill_poses(const struct rb_world *world, struct rb_frame *frame)
 		memcpy(frame->angular_velocity, world->state.spin, 3 * n * sizeof(double));
 }
 
-/* Copies the events since the last frame; false when memory is or was out. */
+/* Copies the events since the last frame; false if there is, or was, no memory. */
 static bool fill_events(struct rb_world *world, struct rb_frame *frame)
 {
 	size_t capacity = (size_t)frame->event_capacity;

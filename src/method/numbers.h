@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Energy, momentum and counts of a moment; sums run over bodies in their order, whatever the
- * threads.
+ * Energy, momentum and counts at a time; sums run over bodies in their order, for any number of
+ * threads. Simulator's thread.
  */
 #ifndef RB_METHOD_NUMBERS_H
 #define RB_METHOD_NUMBERS_H
@@ -9,15 +9,13 @@
 #include "world/world.h"
 
 /*
- * Fills all but the counts. Potential energy is of gravity and gravity_force, zero at the origin.
+ * Fills all but the counts. Potential energy includes that of gravity and gravity_force, zero at
+ * the origin, and of force elements.
  */
 void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *numbers);
-/* The ledger counts from here on. */
+/* Starts the ledger at the present state. */
 void rb_numbers_start_ledger(struct rb_world *world);
-/*
- * Fills the columns of a frame but what acts on bodies, its numbers, events and contacts; counts
- * begin anew.
- */
+/* Fills the columns of a frame except loads, its numbers, events and contacts; counts restart. */
 RB_CHECKED enum rb_status rb_numbers_fill_frame(struct rb_world *world, struct rb_frame *frame,
                                                 struct rb_error *err);
 void rb_numbers_count(struct rb_frame_numbers *numbers, const struct rb_counts *counts,

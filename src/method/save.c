@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-/* Bytes that a body takes beside its state, with its boxes, and on its arc. */
+/* Approximate bytes per body beside its state, for its boxes and its arc. */
 enum { BOX_SIZE = 80, ARC_SIZE = 400 };
 
 static void pack_state(struct rb_state *state, struct rb_pack *pack)
@@ -20,7 +20,9 @@ static void pack_state(struct rb_state *state, struct rb_pack *pack)
 	rb_pack_finite(pack, state->block, state->size_bytes / sizeof(double));
 }
 
-/* Its bodies are checked to come in pairs, in order: faces and edges touch at several points. */
+/*
+ * Checks that pairs are in order; they may repeat, since faces and edges touch at several points.
+ */
 static void pack_contacts(struct rb_world *world, struct rb_contacts *contacts,
                           struct rb_pack *pack)
 {
@@ -45,8 +47,8 @@ static void pack_contacts(struct rb_world *world, struct rb_contacts *contacts,
 }
 
 /*
- * What callbacks are told of the step before: contacts over the whole of it, and what they pushed
- * with.
+ * What callbacks read of the last step: its mean contact forces, and the forces that callbacks
+ * applied in it.
  */
 static void pack_loads(struct rb_world *world, struct rb_pack *pack)
 {
@@ -58,7 +60,7 @@ static void pack_loads(struct rb_world *world, struct rb_pack *pack)
 	if (world->has_held)
 		rb_pack_finite(pack, world->held, 6 * (size_t)world->model->body_count);
 	if (pack->loading) {
-		world->pushed = true; /* the state may hold some */
+		world->pushed = true; /* the state may contain such forces */
 		world->moment++;
 	}
 }
@@ -79,7 +81,7 @@ static void pack_events(struct rb_world *world, struct rb_pack *pack)
 	rb_fields_pack(rb_event_fields(), events->row, count, limits.high, pack);
 }
 
-/* Sizes of what follows: bytes of another scene end here. */
+/* Sizes of what follows, which reject the bytes of another scene. */
 static void pack_sizes(struct rb_world *world, struct rb_pack *pack)
 {
 	uint64_t found[4] = {(uint64_t)world->model->body_count,
@@ -94,13 +96,12 @@ static void pack_sizes(struct rb_world *world, struct rb_pack *pack)
 }
 
 /*
- * What methods keep beside the state, one after the other; pack_sizes says which there are. Another
- * one that starts from what it has found before (impulses, rest) has its place at the end, and its
- * bytes in the guess below.
+ * State of the methods, one after the other; pack_sizes tells which there are. A new method with
+ * state for warm starts (impulses, sleeping) is added at the end, and its bytes to the guess below.
  */
 static void pack_methods(struct rb_world *world, struct rb_pack *pack)
 {
-	/* of each stepper once, in the order of the table */
+	/* each stepper once, in the order of the table */
 	for (int k = 0; k < RB_METHOD_KIND_COUNT && !pack->failed; k++)
 		if (!rb_methods[k]->locates)
 			rb_methods[k]->steps->pack(world, pack);
@@ -137,7 +138,7 @@ enum rb_status rb_world_pack(struct rb_world *world, struct rb_pack *pack, struc
 		world->begun = world->state.frame > 0;
 	if (!pack->failed)
 		rb_joint_states_pack(world, pack);
-	/* what changes that a callback makes are told from */
+	/* the state with which a callback's changes are compared */
 	if (world->state.push && !pack->failed)
 		pack_state(&world->start, pack);
 	rb_fields_pack(rb_world_fields(), world, 1, NULL, pack);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All of a world that decides its future, to bytes and back (base/pack).
+ * Packs all state of a world that determines its future (base/pack). Simulator's thread.
  *
- * Between frames, after the frame was filled. Loading: into a world that was just made for the same
- * model with the same options, threads apart. A world that failed to load is only to be destroyed.
+ * Call between frames, after the frame was filled. Loading requires a new world of the same model
+ * with the same options, except threads. A world that failed to load can only be destroyed.
  */
 #ifndef RB_METHOD_SAVE_H
 #define RB_METHOD_SAVE_H
@@ -12,7 +12,7 @@
 
 #include "base/pack.h"
 
-/* About how many bytes that will be, for room to be found beforehand. */
+/* Approximate number of bytes, for allocating them beforehand. */
 size_t rb_world_pack_guess(const struct rb_world *world);
 /* RB_ERR_INPUT: the bytes are not those of such a world; RB_ERR_MEMORY. */
 RB_CHECKED enum rb_status rb_world_pack(struct rb_world *world, struct rb_pack *pack,
