@@ -93,7 +93,7 @@ static void change_to_steps(struct lab *lab, int steps)
 	assert_int_equal(world->dense_left, 0);
 	assert_int_equal(stepper->prepare(world, &lab->error), RB_OK);
 	assert_int_equal(stepper->take_over(world, &lab->error), RB_OK);
-	rb_engine_go_back(world->located);
+	rb_engine_roll_back(world->located);
 	world->dense_left = world->dense_steps = steps;
 	world->dense_work = (uint64_t)1 << 40; /* as much as it takes */
 }
@@ -550,9 +550,9 @@ static void no_attempt_is_made_that_forces_alone_make_too_dear(void **state)
 	memset(world->state.velocity, 0, 3 * BOXES_UP * sizeof(double));
 	memset(world->state.spin, 0, 3 * BOXES_UP * sizeof(double));
 	world->dense_work = (uint64_t)8 * PAID * RB_LOCATED_PRODUCTS;
-	assert_true(rb_crowd_may_try(world->located));
+	assert_true(rb_crowd_may_attempt(world->located));
 	world->state.velocity[3 * (BOXES_UP - 1)] = 1e-9;
-	assert_false(rb_crowd_may_try(world->located));
+	assert_false(rb_crowd_may_attempt(world->located));
 	lab_close(&lab);
 }
 

@@ -674,7 +674,7 @@ static void what_falls_along_a_wall_is_not_sought_step_by_step(void **slot)
 		const struct rb_approach found = rb_approach_find(bench.lab.world->located, 0, 1,
 		                                                  1e-4, 1e-3);
 		/* that is some 1e5 steps of 6e-9 s, or 50 of 2e-5 s; where rounding of the direction is all that is left, few */
-		assert_false(found.again);
+		assert_false(found.unfinished);
 		assert_true(found.touch_s > 1e-3);
 		assert_true(found.products < 40 * (uint64_t)RB_LOCATED_SEARCH);
 		bench_close(&bench);

@@ -414,7 +414,7 @@ static void a_way_back_may_be_as_short_as_numbers_are(void **state)
 	add_motor(&lab, hinge(), 50);
 	seal(&lab, &path);
 	frame(&lab);
-	rb_follow_go_back(lab.world->located, 0, 0.0625, 1e-200, -1e-198);
+	rb_follow_begin_return(lab.world->located, 0, 0.0625, 1e-200, -1e-198);
 	assert_near(rb_follow_end(lab.world->located, 0, 0.0625), 0.0825, 1e-15);
 	lab_log_close(&path.log);
 	lab_close(&lab);

@@ -138,5 +138,5 @@ double rb_located_pace(const struct rb_located *l)
 	                            : PACE_RUN * (PACE_BODY * (double)l->n + PACE_WORLD) / l->end_s;
 
 	/* speeds only estimate the cost of steps, but steps taken were counted */
-	return (double)rb_located_worth(l) * fmin(paid, rb_crowd_stepped_pace(l));
+	return (double)rb_crowd_limit_factor(l) * fmin(paid, rb_crowd_stepped_pace(l));
 }

@@ -773,7 +773,7 @@ static void search(struct search_state *c, double from, double until, struct rb_
 		t += s;
 	}
 	found->touch_s = t;
-	found->again = true;
+	found->unfinished = true;
 }
 
 struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, double from,

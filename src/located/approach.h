@@ -11,11 +11,11 @@
 
 struct rb_approach {
 	/*
-	 * INFINITY: none; else not before the time asked for; with `again`, where the search must
-	 * continue
+	 * INFINITY: none; else not before the time asked for; with `unfinished`, the time at which
+	 * the search must continue
 	 */
 	double touch_s;
-	bool again;
+	bool unfinished;
 	bool touching;     /* they touch at the beginning */
 	uint64_t products; /* cost of the search: see RB_LOCATED_PRODUCTS */
 };

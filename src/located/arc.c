@@ -85,7 +85,7 @@ static void set_rotation(const struct rb_located *l, int i, double t, struct rb_
 		double q[4];
 
 		pose->spin = rb_arc_piece_vector(p, RB_PIECE_SPIN, t);
-		if (l->unfelt[i]) {
+		if (l->orientation_unused[i]) {
 			pose->orientation = rb_turn_through(&p->piece, p->first + RB_PIECE_SPIN,
 			                                    rb_quat_from(begin), t - p->origin_s);
 			return;
@@ -176,7 +176,7 @@ void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *
 		l->top[i] = rb_top_start(&l->top_body[i], pose->orientation, pose->spin, turning);
 }
 
-void rb_arc_slow(struct rb_located *l, int i, double decay)
+void rb_arc_set_drag(struct rb_located *l, int i, double decay)
 {
 	RB_ASSERT_COSTLY(rb_located_moves(l, i) && !rb_located_on_piece(l, i));
 	RB_ASSERT_COSTLY(decay == 0 || (decay > 0 && l->decays));

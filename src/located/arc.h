@@ -81,13 +81,13 @@ static inline double rb_arc_decay(const struct rb_located *l, int i)
 
 /*
  * Starts a new arc at this pose: a parabola, rotating freely with an additional angular
- * acceleration `turning`, rad/s^2. rb_arc_slow then adds linear drag of rate `decay`;
+ * acceleration `turning`, rad/s^2. rb_arc_set_drag then adds linear drag of rate `decay`;
  * `acceleration` is that by constant forces.
  */
 void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *pose,
                    rb_vec3 acceleration, rb_vec3 turning);
 
-void rb_arc_slow(struct rb_located *l, int i, double decay);
+void rb_arc_set_drag(struct rb_located *l, int i, double decay);
 
 /* Writes the body's row of the world's state as of `t`. */
 void rb_arc_store(const struct rb_located *l, int i, double t);

@@ -13,12 +13,12 @@ enum { GAP_ULP = 2, TIME_ULP = 4 };
 
 double rb_bounces_closing(const struct rb_located *l, const struct rb_contact_point *m, double t)
 {
-	const struct rb_held *held = rb_event_set_held_like(l, m);
+	const struct rb_held *held = rb_event_set_continued(l, m);
 
 	if (held) /* the acceleration that its force has balanced */
 		return fabs(rb_vec3_dot(held->force, m->normal)) *
 		       (l->model->inverse_mass[m->a] + l->model->inverse_mass[m->b]);
-	return -rb_contact_point_bend(l, m, t);
+	return -rb_contact_point_gap_acceleration(l, m, t);
 }
 
 void rb_bounces_note(struct rb_located *l, const struct rb_contact_point *m, double t, double u,

@@ -26,7 +26,7 @@ enum rb_closing rb_closing_of(const struct rb_located *l, const struct rb_touch_
 		                           rb_vec3_length(all[k].arm_a) +
 		                   rb_vec3_dot(pair->pose_b.spin, pair->pose_b.spin) *
 		                           rb_vec3_length(all[k].arm_b);
-		const double bend = rb_contact_point_bend(l, &all[k], pair->t);
+		const double bend = rb_contact_point_gap_acceleration(l, &all[k], pair->t);
 		const double least = 64 * DBL_EPSILON * max;
 
 		if (bend <= least && found != RB_CLOSING_BEGINS)

@@ -77,7 +77,7 @@ double rb_contact_point_noise(const struct rb_located *l, const struct rb_contac
 bool rb_contact_point_passes(const struct rb_located *l, const struct rb_contact_point *m, double t)
 {
 	const double rate = rb_vec3_dot(m->velocity, m->normal),
-		     bend = rb_contact_point_bend(l, m, t);
+		     bend = rb_contact_point_gap_acceleration(l, m, t);
 
 	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	return rate < -rb_contact_point_noise(l, m) && bend > 0 &&
@@ -132,7 +132,8 @@ static double bend_of_features(const struct rb_located *l, const struct rb_conta
 	return rb_vec3_dot(rb_vec3_sub(b, a), m->normal) + rb_vec3_dot(m->velocity, m->normal_rate);
 }
 
-double rb_contact_point_bend(const struct rb_located *l, const struct rb_contact_point *m, double t)
+double rb_contact_point_gap_acceleration(const struct rb_located *l,
+                                         const struct rb_contact_point *m, double t)
 {
 	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	if (rb_pair_has_features(l, m->a, m->b))

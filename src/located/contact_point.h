@@ -73,8 +73,8 @@ double rb_contact_point_noise(const struct rb_located *l, const struct rb_contac
  * Second derivative of the gap, m/s^2, with the accelerations of the arcs at `t` and the poses of
  * the contact point.
  */
-double rb_contact_point_bend(const struct rb_located *l, const struct rb_contact_point *m,
-                             double t);
+double rb_contact_point_gap_acceleration(const struct rb_located *l,
+                                         const struct rb_contact_point *m, double t);
 
 /*
  * True if the bodies only pass each other: the approach reverses by itself before the overlap

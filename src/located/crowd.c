@@ -19,13 +19,14 @@ enum { WORLD_BODY = 2, WORLD_MORE = 256 };
 
 uint64_t rb_crowd_world_max(const struct rb_located *l)
 {
-	return rb_located_worth(l) * (WORLD_BODY * (uint64_t)l->n + WORLD_MORE);
+	return rb_crowd_limit_factor(l) * (WORLD_BODY * (uint64_t)l->n + WORLD_MORE);
 }
 
 static uint64_t crowd_max(const struct rb_located *l, int bodies)
 {
-	return rb_located_worth(l) * (CROWD_BODY * (uint64_t)bodies + CROWD_MORE +
-	                              CROWD_SHARE / (uint64_t)bodies + FEW_SHARE / (uint64_t)l->n);
+	return rb_crowd_limit_factor(l) *
+	       (CROWD_BODY * (uint64_t)bodies + CROWD_MORE + CROWD_SHARE / (uint64_t)bodies +
+	        FEW_SHARE / (uint64_t)l->n);
 }
 
 /* True if the body has a rim, on which a search finds the nearest point. */
@@ -180,7 +181,7 @@ static uint64_t forces_cost(const struct rb_located *l)
 	return sum;
 }
 
-bool rb_crowd_may_try(const struct rb_located *l)
+bool rb_crowd_may_attempt(const struct rb_located *l)
 {
 	if (l->world_max == UINT64_MAX)
 		return true;
@@ -243,7 +244,7 @@ bool rb_crowd_complete(struct rb_located *l)
 	return true;
 }
 
-void rb_crowd_shorten(struct rb_located *l)
+void rb_crowd_compress(struct rb_located *l)
 {
 	for (int i = 0; i < l->n; i++)
 		l->crowd_of[i].parent = root_of(l, i);

@@ -15,7 +15,7 @@
  * is smooth and is often checked for closure after a turn; and for few bodies, whose total cost is
  * small.
  */
-static inline uint64_t rb_located_worth(const struct rb_located *l)
+static inline uint64_t rb_crowd_limit_factor(const struct rb_located *l)
 {
 	enum { MECHANISM = 8, FEW = 32 };
 
@@ -55,7 +55,7 @@ void rb_crowd_count_step(const struct rb_located *l, const struct rb_counts *bef
 double rb_crowd_stepped_pace(const struct rb_located *l);
 
 /* True if the steps taken have cost several times what resolving all contacts would cost. */
-bool rb_crowd_may_try(const struct rb_located *l);
+bool rb_crowd_may_attempt(const struct rb_located *l);
 
 /* Locating begins: every body is a crowd of its own. */
 void rb_crowd_begin(struct rb_located *l);
@@ -70,7 +70,7 @@ RB_CHECKED bool rb_crowd_complete(struct rb_located *l);
  * Makes each body refer to its root: the lengths of paths depend on which roots were looked up, and
  * a checkpoint must not.
  */
-void rb_crowd_shorten(struct rb_located *l);
+void rb_crowd_compress(struct rb_located *l);
 
 /* Joins the crowds of two bodies; fixed ones have none. */
 void rb_crowd_join(struct rb_located *l, int i, int j);

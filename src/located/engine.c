@@ -205,8 +205,8 @@ static void body_event(struct rb_located *l, int i, double t)
 		return;
 	}
 	/* unfinished searches count as well */
-	l->crowd += next->again && l->model->parts;
-	if (next->again ||
+	l->crowd += next->unfinished && l->model->parts;
+	if (next->unfinished ||
 	    (next->partner < l->n && next->generation != l->generation[next->partner])) {
 		rb_predict(l, i, t, -1);
 		return;
@@ -385,7 +385,7 @@ static void predict_closing(struct rb_located *l, double t)
 				continue;
 			l->next[mover].touch_s = t;
 			l->next[mover].partner = other;
-			l->next[mover].again = false;
+			l->next[mover].unfinished = false;
 			l->next[mover].generation = other < l->n ? l->generation[other] : 0;
 			rb_queue_set(l->queue, mover, t);
 		}
@@ -467,8 +467,8 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 /* Takes the contact forces left by the stepped method as initial guesses. */
 static void take_left(struct rb_located *l)
 {
-	l->left.count = 0;
-	if (rb_contacts_join(&l->left, &l->world->contacts, l->err) != RB_OK)
+	l->stepped_contacts.count = 0;
+	if (rb_contacts_join(&l->stepped_contacts, &l->world->contacts, l->err) != RB_OK)
 		l->status = RB_ERR_MEMORY;
 }
 
@@ -509,7 +509,7 @@ static void start(struct rb_located *l, double t)
 		if (!isnan(decay))
 			linear = rb_external_constant(l, i, t, &pose);
 		rb_arc_anchor(l, i, t, &pose, linear, rb_external_turning(l, i));
-		rb_arc_slow(l, i, isnan(decay) ? 0 : decay);
+		rb_arc_set_drag(l, i, isnan(decay) ? 0 : decay);
 	}
 	/* if events are too dense here, the run is left to steps at once */
 	for (int i = 0; i < l->n && l->status == RB_OK && !rb_located_is_dense(l); i++) {
@@ -595,7 +595,7 @@ bool rb_engine_locates(const struct rb_located *l)
 	return l->started;
 }
 
-double rb_engine_located(const struct rb_located *l)
+double rb_engine_located_time(const struct rb_located *l)
 {
 	return l->now_s - l->from_s;
 }
@@ -616,12 +616,12 @@ static void forget_arcs(struct rb_located *l)
 		l->bounces[i] = (struct rb_bounces){.partner = -1, .met_with = -1};
 	l->merge_count = 0;
 	l->switch_next = 0;
-	l->left.count = 0;
+	l->stepped_contacts.count = 0;
 	l->started = false;
 	l->world->open = (struct rb_entries){0};
 }
 
-void rb_engine_go_back(struct rb_located *l)
+void rb_engine_roll_back(struct rb_located *l)
 {
 	l->status = RB_OK;
 	rb_event_set_clear(l);
@@ -668,7 +668,7 @@ static void begin(struct rb_located *l)
 	rb_crowd_begin(l);
 	start(l, world->state.time_s);
 	if (must_give_up(l)) {
-		rb_engine_go_back(l);
+		rb_engine_roll_back(l);
 		world->frame_counts = counts;
 		world->ledger = ledger;
 		world->open = open;
@@ -726,7 +726,7 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	if (!advance_rotations(l, until))
 		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 	advance_clock(l, fmax(l->now_s, until));
-	l->left.count = 0;
+	l->stepped_contacts.count = 0;
 	store_all(l, until);
 	l->world->frame_counts.body_steps += (uint64_t)l->n;
 	if (l->model->features & RB_FEATURE_PUSHES) /* callback forces end with the step */

@@ -33,7 +33,7 @@ RB_CHECKED enum rb_status rb_engine_advance(struct rb_located *l, double until_s
 bool rb_engine_locates(const struct rb_located *l);
 
 /* Simulated time located without steps in between, up to the last event, s. */
-double rb_engine_located(const struct rb_located *l);
+double rb_engine_located_time(const struct rb_located *l);
 
 /* True if callbacks or a change of method need the grid of time_step. */
 bool rb_engine_wants_steps(const struct rb_located *l);
@@ -42,7 +42,7 @@ bool rb_engine_wants_steps(const struct rb_located *l);
  * Discards arcs after the world's state was restored to an earlier time; the next advance begins
  * anew from it.
  */
-void rb_engine_go_back(struct rb_located *l);
+void rb_engine_roll_back(struct rb_located *l);
 
 /* Checks overlaps at the time reached; RB_ERR_PHYSICS names one beyond the tolerance. */
 RB_CHECKED enum rb_status rb_engine_check(struct rb_located *l, struct rb_error *err);

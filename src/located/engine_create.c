@@ -68,7 +68,7 @@ static bool make_rows(struct rb_located *l)
 	if (l->world->state.orientation) {
 		l->top = row(n, sizeof *l->top, &failed);
 		l->top_body = row(n, sizeof *l->top_body, &failed);
-		l->unfelt = row(n, sizeof *l->unfelt, &failed);
+		l->orientation_unused = row(n, sizeof *l->orientation_unused, &failed);
 	}
 	if (failed)
 		return false;
@@ -79,7 +79,7 @@ static bool make_rows(struct rb_located *l)
 		if (!l->top)
 			continue;
 		l->top_body[i] = rb_top_body_of(rb_model_inertia(l->model, i));
-		l->unfelt[i] = is_unfelt(l, i);
+		l->orientation_unused[i] = is_unfelt(l, i);
 	}
 	for (int k = 0; k < l->model->static_count; k++)
 		l->plane_normal[k] = rb_plane_normal(l->model->orientation[l->n + k]);
@@ -132,7 +132,7 @@ enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world
 	l->weight = rb_vec3_length(world->model->scene->world.gravity) +
 	            rb_gravitation_weight(world->model);
 	l->stuck_s = -HUGE_VAL;
-	l->come_a = l->come_b = -1;
+	l->touch_a = l->touch_b = -1;
 	if (!make_rows(l) || !rb_external_switches(l))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the located method");
 	if (status == RB_OK) {
@@ -164,9 +164,9 @@ void rb_engine_destroy(struct rb_located *l)
 	rb_memory_free(l->arc);
 	rb_memory_free(l->top);
 	rb_memory_free(l->top_body);
-	rb_memory_free(l->unfelt);
+	rb_memory_free(l->orientation_unused);
 	rb_memory_free(l->piece);
-	rb_memory_free(l->past);
+	rb_memory_free(l->warm_start);
 	rb_memory_free(l->factors);
 	rb_memory_free(l->generation);
 	rb_memory_free(l->account_s);
@@ -186,6 +186,6 @@ void rb_engine_destroy(struct rb_located *l)
 	rb_memory_free(l->switch_s);
 	rb_gravitation_release(&l->gravitation);
 	rb_memory_free(l->merge);
-	rb_contacts_release(&l->left);
+	rb_contacts_release(&l->stepped_contacts);
 	rb_memory_free(l);
 }

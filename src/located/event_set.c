@@ -106,8 +106,8 @@ bool rb_event_set_touches_another(const struct rb_located *l, int i, int except,
 		const int j = k < near ? l->near[k] : l->n + k - near;
 
 		if (j == except || !rb_pair_can_touch(l, i, j) ||
-		    rb_pair_keeps_off(l, i, j, &here, t, t) ||
-		    rb_contact_point_is_far(l, i, j, t, t))
+		    rb_pair_remains_separated(l, i, j, &here, t, t) ||
+		    rb_pair_is_far(l, i, j, t, t))
 			continue;
 		if (rb_pair_has_features(l, i, j))
 			return true;
@@ -191,7 +191,7 @@ bool rb_event_set_is_slow(const struct rb_located *l, const struct rb_contact_po
 	       fabs(rate) <= creep_rate_share * friction_force;
 }
 
-const struct rb_held *rb_event_set_held_like(const struct rb_located *l,
+const struct rb_held *rb_event_set_continued(const struct rb_located *l,
                                              const struct rb_contact_point *m)
 {
 	const struct rb_held *const first = rb_event_set_held(l, m->a, m->b);
@@ -243,7 +243,8 @@ static int add_named_forces(const struct rb_located *l, const struct rb_contact 
 	const uint64_t rim = all_round ? rb_contact_key_all_round(name->key) : 0;
 	int count = 0;
 
-	for (const struct rb_contact *c = first; c < l->left.row + l->left.count; c++) {
+	for (const struct rb_contact *c = first;
+	     c < l->stepped_contacts.row + l->stepped_contacts.count; c++) {
 		if (c->a != name->a || c->b != name->b)
 			break;
 		if (c->parts != name->parts || (all_round && rim == 0) ||
@@ -261,7 +262,7 @@ bool rb_event_set_left_of(const struct rb_located *l, const struct rb_contact_po
 {
 	const struct rb_contact_name own = rb_contact_name_of(m),
 				     name = rb_contact_name_shared(&own);
-	const struct rb_contact *const first = rb_contacts_first(&l->left, m->a, m->b);
+	const struct rb_contact *const first = rb_contacts_first(&l->stepped_contacts, m->a, m->b);
 	struct rb_contact sum = {.a = m->a};
 
 	if (!first)
@@ -485,9 +486,10 @@ static void inspect_pair(struct rb_located *l, struct pairs *pairs, int i, int j
 {
 	if (!rb_pair_can_touch(l, i, j))
 		return;
-	const bool come = (i == l->come_a && j == l->come_b) || (i == l->come_b && j == l->come_a);
+	const bool come = (i == l->touch_a && j == l->touch_b) ||
+	                  (i == l->touch_b && j == l->touch_a);
 	const bool held = rb_event_set_held(l, i, j) != NULL;
-	if (!come && !held && rb_contact_point_is_far(l, i, j, pairs->t, pairs->t))
+	if (!come && !held && rb_pair_is_far(l, i, j, pairs->t, pairs->t))
 		return;
 	if (!rb_event_set_is_single(l, i, j)) {
 		inspect_points(l, pairs, i < j ? i : j, i < j ? j : i, come);

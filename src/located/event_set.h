@@ -33,7 +33,7 @@ const struct rb_held *rb_event_set_held_end(const struct rb_located *l,
  * The held contact that this point continues, by its features or, where features have ended, by its
  * place; NULL: none.
  */
-const struct rb_held *rb_event_set_held_like(const struct rb_located *l,
+const struct rb_held *rb_event_set_continued(const struct rb_located *l,
                                              const struct rb_contact_point *m);
 
 /* What steps have left of a contact that is not held yet. */

@@ -56,14 +56,14 @@ static bool has_function(const struct rb_located *l, int joint)
 	return rb_follow_has(l, joint) && isnan(l->world->joint[joint].motor_angle);
 }
 
-bool rb_follow_is_back(const struct rb_located *l, int joint)
+bool rb_follow_is_returning(const struct rb_located *l, int joint)
 {
 	return rb_follow_has(l, joint) && !isnan(l->follow[joint].back_s);
 }
 
 bool rb_follow_moves(const struct rb_located *l, int joint)
 {
-	return has_function(l, joint) || rb_follow_is_back(l, joint);
+	return has_function(l, joint) || rb_follow_is_returning(l, joint);
 }
 
 /* Takes the function's next piece, from `from` on; true if its rate differs from the last one's. */
@@ -145,17 +145,17 @@ double rb_follow_end(const struct rb_located *l, int joint, double soon)
 	return end;
 }
 
-void rb_follow_go_back(struct rb_located *l, int joint, double t, double off, double rate)
+void rb_follow_begin_return(struct rb_located *l, int joint, double t, double off, double rate)
 {
 	struct rb_follow *const f = &l->follow[joint];
 
-	RB_ASSERT(rb_follow_comes_back(off, rate));
+	RB_ASSERT(rb_follow_converges(off, rate));
 	f->back_s = t;
 	f->back_off = off;
 	f->back_length_s = -2 * off / rate;
 }
 
-void rb_follow_stray(struct rb_located *l, int joint)
+void rb_follow_end_return(struct rb_located *l, int joint)
 {
 	if (l->follow)
 		l->follow[joint].back_s = (double)NAN;

@@ -54,7 +54,7 @@ static inline bool rb_follow_has(const struct rb_located *l, int joint)
 }
 
 /* True if the joint is returning to its target. */
-bool rb_follow_is_back(const struct rb_located *l, int joint);
+bool rb_follow_is_returning(const struct rb_located *l, int joint);
 
 /* True if the target is a function, or the joint is returning to it. */
 bool rb_follow_moves(const struct rb_located *l, int joint);
@@ -85,15 +85,15 @@ double rb_follow_end(const struct rb_located *l, int joint, double soon);
  * True if an error shrinks at that rate. Compares signs, since the product of two tiny numbers is
  * 0.
  */
-static inline bool rb_follow_comes_back(double off, double rate)
+static inline bool rb_follow_converges(double off, double rate)
 {
 	return (off < 0 && rate > 0) || (off > 0 && rate < 0);
 }
 
 /* Begins a return at t from the error `off` with its rate `rate`, of opposite sign. */
-void rb_follow_go_back(struct rb_located *l, int joint, double t, double off, double rate);
+void rb_follow_begin_return(struct rb_located *l, int joint, double t, double off, double rate);
 
 /* Ends the return, if there is one. */
-void rb_follow_stray(struct rb_located *l, int joint);
+void rb_follow_end_return(struct rb_located *l, int joint);
 
 #endif

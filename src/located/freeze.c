@@ -67,7 +67,7 @@ static void pack_bodies(struct rb_located *l, struct rb_pack *pack)
 	rb_fields_pack(rb_next_fields(), l->next, n, limits.high, pack);
 	rb_fields_pack(rb_bounces_fields(), l->bounces, n, limits.high, pack);
 	if (!pack->loading)
-		rb_crowd_shorten(l);
+		rb_crowd_compress(l);
 	rb_fields_pack(rb_crowd_fields(), l->crowd_of, n, limits.high, pack);
 	if (pack->loading && !pack->failed)
 		(void)rb_pack_check(pack, rb_crowd_complete(l), "crowds without end");

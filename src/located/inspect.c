@@ -130,7 +130,7 @@ static void update_deepest(const struct rb_located *l, double t, int i, int j, d
 	}
 	if (!rb_pair_can_touch(l, i, j))
 		return;
-	if (rb_pair_has_features(l, i, j) && rb_contact_point_is_far(l, i, j, t, t))
+	if (rb_pair_has_features(l, i, j) && rb_pair_is_far(l, i, j, t, t))
 		return;
 	const double gap = gap_at(l, i, j, t);
 	if (-gap > *deepest) {

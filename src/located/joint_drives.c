@@ -207,10 +207,10 @@ static void begin_follow(const struct rb_joint_rows *rows, int which, double t, 
 		*mode = RB_DRIVE_HELD;
 		return;
 	}
-	rb_follow_stray(l, which);
+	rb_follow_end_return(l, which);
 	if (*mode == RB_DRIVE_REACHED && !anew && !rb_joint_drives_stopped(l, which) &&
-	    rb_follow_comes_back(off.value, off.rate)) {
-		rb_follow_go_back(l, which, t, off.value, off.rate);
+	    rb_follow_converges(off.value, off.rate)) {
+		rb_follow_begin_return(l, which, t, off.value, off.rate);
 		*mode = RB_DRIVE_HELD;
 	} else if ((*mode != RB_DRIVE_LOW && *mode != RB_DRIVE_HIGH) || anew ||
 	           rb_joint_off_ends(&off, *mode)) {
@@ -405,7 +405,7 @@ static void part_from_stop(const struct rb_joint_rows *rows, const double *multi
 		return;
 	}
 	*motor = moves > 0 ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
-	rb_follow_stray(l, which);
+	rb_follow_end_return(l, which);
 }
 
 void rb_joint_drives_decide(const struct rb_joint_rows *rows, const double *multiplier, double t)
@@ -422,9 +422,10 @@ void rb_joint_drives_decide(const struct rb_joint_rows *rows, const double *mult
 		                                                           : RB_DRIVE_LOW;
 		if (row->drive != RB_DRIVE_MOTOR)
 			continue;
-		if (rb_follow_has(rows->l, row->joint) && rb_follow_is_back(rows->l, row->joint))
+		if (rb_follow_has(rows->l, row->joint) &&
+		    rb_follow_is_returning(rows->l, row->joint))
 			keep_on(rows, row->joint);
-		rb_follow_stray(rows->l, row->joint);
+		rb_follow_end_return(rows->l, row->joint);
 	}
 	for (int k = 0; k < rows->joint_count; k++)
 		for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++)

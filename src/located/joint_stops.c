@@ -441,7 +441,8 @@ void rb_joint_stops_note(const struct rb_joint_rows *rows, double t)
 		enum rb_event_kind kind;
 
 		for (int drive = 0; drive < RB_JOINT_DRIVES; drive++) {
-			const bool back = drive == RB_DRIVE_MOTOR && rb_follow_is_back(l, which);
+			const bool back = drive == RB_DRIVE_MOTOR &&
+			                  rb_follow_is_returning(l, which);
 
 			if (rb_joint_rows_drive_now(l, which, drive).max > 0 &&
 			    rb_joint_event_notes(state, drive,

@@ -106,7 +106,7 @@ RB_FIELDS_DECLARE(rb_piece_fields);
 	  RB_NONE_UP_TO(RB_LIMIT_ANY_BODY))                                           \
 	X(uint32_t, generation, , "", "the partner's at the prediction", RB_ANY_BITS) \
 	X(int, wall, , "", "for rb_cells_cross; -1: none", RB_WITHIN(-1, INT_MAX))    \
-	X(bool, again, , "", "touch_s is no touch: the search continues then", RB_FLAG)
+	X(bool, unfinished, , "", "touch_s is no touch: the search continues then", RB_FLAG)
 struct rb_next {
 	RB_NEXT_FIELDS(RB_FIELD_MEMBER)
 };
@@ -271,12 +271,12 @@ struct rb_located {
 	struct rb_top *top;           /* [n]; NULL if no body can rotate */
 	struct rb_top_body *top_body; /* [n]; NULL if no body can rotate */
 	bool decays;                  /* drag is linear: free flight has a closed form */
-	bool *unfelt; /* [n]: nothing depends on its orientation; NULL if no body can rotate */
+	bool *orientation_unused;     /* [n]; NULL if no body can rotate */
 	struct rb_piece_of *
 		piece; /* [n]; NULL until a force without a closed form or a driven body needs it */
 	struct rb_piece_warm_start
-		*past;   /* [n]: located/piece_warm_start; NULL until a piece is integrated */
-	uint64_t moment; /* number of the event under way; 0: none */
+		*warm_start; /* [n]: located/piece_warm_start; NULL until a piece is integrated */
+	uint64_t moment;     /* number of the event under way; 0: none */
 	struct rb_driven **driven; /* [n], NULL without driven bodies: located/driven */
 	struct rb_follow *follow;  /* [joints]: located/follow; NULL without motors */
 	uint32_t *generation;
@@ -305,12 +305,12 @@ struct rb_located {
 	int *set;                       /* [n] scratch: bodies that one event involves */
 	int *place;                     /* [n] index of a body in `set`, -1 between uses */
 	int set_count;
-	int come_a, come_b; /* the pair whose touch is being resolved, -1: none */
+	int touch_a, touch_b; /* the pair whose touch is being resolved, -1: none */
 	/*
 	 * owned, sorted by pair: contacts that steps have left. Their forces are initial guesses,
 	 * by name, for points not yet held; emptied at the end of the advance that began with them
 	 */
-	struct rb_contacts left;
+	struct rb_contacts stepped_contacts;
 	struct rb_bounces *bounces; /* [n] by the lower index of the pair */
 	struct rb_merge *merge;
 	int merge_count;

@@ -64,8 +64,8 @@ struct rb_solver_body rb_mechanics_fixed(const struct rb_located *l, int i, doub
 	                               .angular = rb_mechanics_turning(l, i, t)};
 }
 
-rb_vec3 rb_mechanics_answer(const struct rb_located *l, int i, const struct rb_pose *pose,
-                            rb_vec3 arm, rb_vec3 at, rb_vec3 impulse)
+rb_vec3 rb_mechanics_point_response(const struct rb_located *l, int i, const struct rb_pose *pose,
+                                    rb_vec3 arm, rb_vec3 at, rb_vec3 impulse)
 {
 	const struct rb_mechanics_change change = rb_mechanics_change(l, i, pose->orientation, arm,
 	                                                              impulse);

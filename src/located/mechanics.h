@@ -27,8 +27,8 @@ rb_mat3 rb_mechanics_root(const struct rb_located *l, int i, const struct rb_pos
 struct rb_solver_body rb_mechanics_fixed(const struct rb_located *l, int i, double t);
 
 /* Velocity change at the point at `at` of a dynamic body due to an impulse at `arm`. */
-rb_vec3 rb_mechanics_answer(const struct rb_located *l, int i, const struct rb_pose *pose,
-                            rb_vec3 arm, rb_vec3 at, rb_vec3 impulse);
+rb_vec3 rb_mechanics_point_response(const struct rb_located *l, int i, const struct rb_pose *pose,
+                                    rb_vec3 arm, rb_vec3 at, rb_vec3 impulse);
 
 /* Adds K of a dynamic body (constraint/effective_mass) to k, world axes. */
 void rb_mechanics_add_effective_mass(const struct rb_located *l, int i, const struct rb_pose *pose,

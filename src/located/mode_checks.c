@@ -635,7 +635,7 @@ static bool brakes(struct rb_modes *w, int k, const struct rb_joint_off *off, co
 	double needed = -1; /* of the bound, to brake: with all of it, it pushes */
 
 	*mode = RB_DRIVE_HELD;
-	rb_follow_go_back(l, which, w->time_s, off->value, off->rate);
+	rb_follow_begin_return(l, which, w->time_s, off->value, off->rate);
 	const bool good = known && rb_rates_evaluate(w, w->time_s, value);
 	for (int r = 0; r < w->joints.count && good; r++) {
 		const struct rb_joint_row *row = &w->joints.row[r];
@@ -644,7 +644,7 @@ static bool brakes(struct rb_modes *w, int k, const struct rb_joint_off *off, co
 			needed = -now * w->multiplier[r] / rb_joint_rows_bound(&w->joints, row);
 	}
 	*mode = now;
-	rb_follow_stray(l, which);
+	rb_follow_end_return(l, which);
 	const double kept = needed + (needed + 1) * braked / (pushed - braked);
 
 	return needed >= kept + rb_follow_brake * (1 - kept);

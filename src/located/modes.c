@@ -79,7 +79,8 @@ static inline rb_vec3 unit_of(const struct rb_modes *w, int contact, int k)
 /* Acceleration at an arm of a member by a force at another arm. */
 static rb_vec3 answer(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 at, rb_vec3 f)
 {
-	return rb_mechanics_answer(w->l, body, &w->pose[rb_modes_place(w, body)], arm, at, f);
+	return rb_mechanics_point_response(w->l, body, &w->pose[rb_modes_place(w, body)], arm, at,
+	                                   f);
 }
 
 /* Relative acceleration at contact i by a force `f` on b of contact j. */

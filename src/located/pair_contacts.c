@@ -299,8 +299,8 @@ static bool is_above(const struct rb_located *l, int i, int plane, double from, 
 	       1.001 * reach + 1e-12 * (rb_vec3_max_abs(x) + rb_vec3_max_abs(d));
 }
 
-bool rb_pair_keeps_off(const struct rb_located *l, int a, int b, const struct rb_parabola *at_a,
-                       double from, double until)
+bool rb_pair_remains_separated(const struct rb_located *l, int a, int b,
+                               const struct rb_parabola *at_a, double from, double until)
 {
 	const double reach_a = rb_pair_extent(l, a), reach_b = rb_pair_extent(l, b);
 
@@ -314,16 +314,16 @@ bool rb_pair_keeps_off(const struct rb_located *l, int a, int b, const struct rb
 	                                until - from, reach_a);
 }
 
-/* rb_pair_keeps_off for bodies in any order; statics come last. */
+/* rb_pair_remains_separated for bodies in any order; statics come last. */
 static bool keeps_off(const struct rb_located *l, int a, int b, double from, double until)
 {
 	const int first = a < b ? a : b, second = a < b ? b : a;
 	const struct rb_parabola at_first = rb_relative_parabola(l, first, from);
 
-	return rb_pair_keeps_off(l, first, second, &at_first, from, until);
+	return rb_pair_remains_separated(l, first, second, &at_first, from, until);
 }
 
-bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double from, double until)
+bool rb_pair_is_far(const struct rb_located *l, int a, int b, double from, double until)
 {
 	const double sum = rb_pair_extent(l, a) + rb_pair_extent(l, b), h = until - from;
 	const bool on_pieces = rb_located_on_piece(l, a) || rb_located_on_piece(l, b);
@@ -570,8 +570,8 @@ static double extended_on_piece(const struct rb_located *l, const struct rb_cont
 }
 
 /*
- * Conservative advancement from `from` to `until`; INFINITY: no touch. Sets `again` if that is not
- * yet decided at the time returned.
+ * Conservative advancement from `from` to `until`; INFINITY: no touch. Sets `unfinished` if that is
+ * not yet decided at the time returned.
  */
 static double advance(const struct rb_located *l, int a, int b, double from, double until,
                       struct rb_approach *found)
@@ -580,7 +580,7 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 	double t = from, nearest = HUGE_VAL;
 	bool is_relative = false;
 
-	found->again = false;
+	found->unfinished = false;
 	for (int step = 0; step < STEPS_MAX; step++) {
 		const struct rb_contact_point m = rb_contact_point_at(l, a, b, t);
 		const double band = rb_contact_point_band(l, &m, t),
@@ -613,7 +613,7 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 			continue;
 		}
 		if (touches && rate <= noise) {
-			const double acceleration = rb_contact_point_bend(l, &m, t);
+			const double acceleration = rb_contact_point_gap_acceleration(l, &m, t);
 
 			if (acceleration < -64 * DBL_EPSILON * max && t > from)
 				return t;
@@ -641,7 +641,9 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 		}
 		/* separating after contact: by the present acceleration, not the bound */
 		if (touches && rate > noise && max > 0) {
-			const double turns = rate / fmax(-rb_contact_point_bend(l, &m, t), DBL_MIN);
+			const double turns = rate /
+			                     fmax(-rb_contact_point_gap_acceleration(l, &m, t),
+			                          DBL_MIN);
 
 			h = fmax(h, fmin(turns, sqrt(band / max)));
 		}
@@ -652,7 +654,7 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 			return HUGE_VAL;
 		t += h;
 	}
-	found->again = true;
+	found->unfinished = true;
 	return t;
 }
 
@@ -711,7 +713,7 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
 	RB_ASSERT_COSTLY(a != b);
 	RB_ASSERT_COSTLY(until >= from);
-	found->again = false;
+	found->unfinished = false;
 	if (rb_pair_has_features(l, a, b)) {
 		*found = rb_approach_find(l, a, b, from, until);
 		return found->touch_s;

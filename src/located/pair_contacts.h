@@ -19,8 +19,8 @@ double rb_pair_extent(const struct rb_located *l, int i);
  * True if the parabolas of the centres prove that b stays too far from a to touch, between `from`
  * and `until`. a must move; at_a is its parabola at `from`. False: undecided.
  */
-bool rb_pair_keeps_off(const struct rb_located *l, int a, int b, const struct rb_parabola *at_a,
-                       double from, double until);
+bool rb_pair_remains_separated(const struct rb_located *l, int a, int b,
+                               const struct rb_parabola *at_a, double from, double until);
 
 /* The point at which they are nearest to each other. */
 struct rb_contact_point rb_contact_point_at(const struct rb_located *l, int a, int b, double t);
@@ -61,14 +61,14 @@ bool rb_pair_can_touch(const struct rb_located *l, int a, int b);
  * True if they certainly do not touch from `from` to `until`, which is within their pieces. Cheap;
  * considers infinite planes only at rest.
  */
-bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double from, double until);
+bool rb_pair_is_far(const struct rb_located *l, int a, int b, double from, double until);
 
 /*
  * First time in [from, until] at which they touch and approach, INFINITY: none. Closed forms for
  * spheres in flight under the same acceleration, and for a sphere in flight and a plane at rest;
  * else conservative steps that end on the root: the distance of a point to a convex set is convex
  * along a straight line, so with the relative acceleration bounded by A, gap(t + h) >= gap + rate h
- * - A h^2 / 2. In `*found`, `again` is set if the time is no touch but where the search must
+ * - A h^2 / 2. In `*found`, `unfinished` is set if the time is no touch but where the search must
  * continue; `products` is increased by the cost of these steps, or set to that of the search by
  * features.
  */

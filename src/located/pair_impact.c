@@ -174,7 +174,7 @@ static void go_on(struct rb_located *l, int i, double t, const struct rb_pose *p
 	rb_arc_anchor(l, i, t, pose,
 	              decay > 0 ? l->arc[i].acceleration : rb_arc_acceleration(l, i, t),
 	              rb_external_turning(l, i));
-	rb_arc_slow(l, i, decay);
+	rb_arc_set_drag(l, i, decay);
 }
 
 bool rb_pair_impact(struct rb_located *l, int a, int b, double t)

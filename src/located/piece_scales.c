@@ -23,7 +23,8 @@ static double load_of(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 f
 	if (place < 0)
 		return 0;
 	const double moves = w->l->model->inverse_mass[body] * rb_vec3_length(force);
-	const rb_vec3 whole = rb_mechanics_answer(w->l, body, &w->pose[place], arm, arm, force);
+	const rb_vec3 whole = rb_mechanics_point_response(w->l, body, &w->pose[place], arm, arm,
+	                                                  force);
 
 	return fmax(moves, rb_vec3_length(whole));
 }

@@ -12,20 +12,20 @@ bool rb_piece_warm_start_reserve(struct rb_located *l)
 {
 	if (!l->piece)
 		l->piece = rb_memory_take((size_t)l->n, sizeof *l->piece);
-	if (!l->past)
-		l->past = rb_memory_take((size_t)l->n, sizeof *l->past);
-	return l->piece && l->past;
+	if (!l->warm_start)
+		l->warm_start = rb_memory_take((size_t)l->n, sizeof *l->warm_start);
+	return l->piece && l->warm_start;
 }
 
 void rb_piece_warm_start_keep(const struct rb_located *l, int i, double t)
 {
 	const int rows = rb_located_row(l);
 
-	if (!l->past || !rb_located_on_piece(l, i) || rb_located_driven(l, i) ||
+	if (!l->warm_start || !rb_located_on_piece(l, i) || rb_located_driven(l, i) ||
 	    rb_piece_warm_start_at(l, i, t))
 		return;
 	const struct rb_piece_of *p = &l->piece[i];
-	struct rb_piece_warm_start *const past = &l->past[i];
+	struct rb_piece_warm_start *const past = &l->warm_start[i];
 	const double s = t - p->origin_s;
 
 	RB_ASSERT_COSTLY(rows <= RB_PIECE_WARM_START_ROWS);
@@ -51,7 +51,7 @@ void rb_piece_warm_start_keep(const struct rb_located *l, int i, double t)
 const struct rb_piece_warm_start *rb_piece_warm_start_at(const struct rb_located *l, int i,
                                                          double t)
 {
-	const struct rb_piece_warm_start *const past = l->past ? &l->past[i] : NULL;
+	const struct rb_piece_warm_start *const past = l->warm_start ? &l->warm_start[i] : NULL;
 
 	return past && l->moment > 0 && past->moment == l->moment && past->left_s == t ? past
 	                                                                               : NULL;

@@ -21,7 +21,7 @@ struct rb_piece_warm_start {
 	double coefficient[RB_GAUSS_NODES][RB_PIECE_WARM_START_ROWS];
 };
 
-/* Reserves l->piece and l->past; false: no memory. */
+/* Reserves l->piece and l->warm_start; false: no memory. */
 bool rb_piece_warm_start_reserve(struct rb_located *l);
 
 /* Keeps the state of a body's piece, unless it is on none or was kept at this moment already. */

@@ -62,7 +62,7 @@ static inline void add_touch(struct search *s, int j, double t, bool again)
 		return;
 	s->next.touch_s = t;
 	s->next.partner = j;
-	s->next.again = again;
+	s->next.unfinished = again;
 }
 
 /*
@@ -380,19 +380,18 @@ static void add_body(struct search *s, int j)
 	double until = fmin(s->until, s->next.touch_s);
 	if (rb_located_on_piece(l, j))
 		until = fmin(until, l->piece[j].until_s);
-	if ((s->follows && rb_pair_keeps_off(l, s->i, j, &s->parabola, s->now, until)) ||
-	    rb_contact_point_is_far(l, s->i, j, s->now, until))
+	if ((s->follows && rb_pair_remains_separated(l, s->i, j, &s->parabola, s->now, until)) ||
+	    rb_pair_is_far(l, s->i, j, s->now, until))
 		return;
 	if (rb_pair_has_features(l, s->i, j)) {
 		const struct rb_approach found = rb_approach_find(l, s->i, j, s->now, until);
 
 		s->l->products += found.products;
 		s->touching += found.touching && s->except != j;
-		add_touch(s, j, found.touch_s, found.again);
+		add_touch(s, j, found.touch_s, found.unfinished);
 		return;
 	}
-	if (s->except != j &&
-	    !(s->follows && rb_contact_point_is_far(l, s->i, j, s->now, s->now))) {
+	if (s->except != j && !(s->follows && rb_pair_is_far(l, s->i, j, s->now, s->now))) {
 		const struct rb_contact_point m = rb_contact_point_at(l, s->i, j, s->now);
 
 		s->touching += m.gap <= rb_contact_point_band(l, &m, s->now);
@@ -401,7 +400,7 @@ static void add_body(struct search *s, int j)
 	const double t = rb_pair_contact_time(l, s->i, j, s->now, until, &flight);
 	if (rb_crowd_counts_spheres(l) || in_contact(l, s->i) || in_contact(l, j))
 		s->l->products += flight.products;
-	add_touch(s, j, t, flight.again);
+	add_touch(s, j, t, flight.unfinished);
 }
 
 /* Reads position, velocity and acceleration of the body now. */

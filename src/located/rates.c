@@ -320,7 +320,7 @@ void rb_rates_turning(void *user, const double *value, double *rate)
 		const rb_quat half = {0, 0.5 * spin.x, 0.5 * spin.y, 0.5 * spin.z};
 		rb_quat turn = {0, 0, 0, 0};
 
-		if (!w->l->unfelt[w->c->member[k]])
+		if (!w->l->orientation_unused[w->c->member[k]])
 			turn = rb_quat_multiply(half, rb_quat_from(v + RB_PIECE_ORIENTATION));
 		rb_quat_to(rate + (size_t)k * (size_t)w->row + RB_PIECE_ORIENTATION, turn);
 	}

@@ -96,7 +96,7 @@ static bool begin(struct rb_resolution *s)
 	if (l->status != RB_OK)
 		return false;
 	for (int k = 0; k < s->contact_point_count; k++) {
-		const struct rb_held *held = rb_event_set_held_like(l, &s->contact_point[k]);
+		const struct rb_held *held = rb_event_set_continued(l, &s->contact_point[k]);
 
 		s->before[k] = (struct rb_held){.a = -1};
 		if (!held)
@@ -449,7 +449,7 @@ static bool in_closed_form(const struct rb_resolution *s, int part, const struct
 		     rb_joint_rows_hold(l, l->set[k])))
 			return false;
 	for (int k = 0; k < s->contact_point_count; k++) {
-		const struct rb_held *held = rb_event_set_held_like(l, &s->contact_point[k]);
+		const struct rb_held *held = rb_event_set_continued(l, &s->contact_point[k]);
 
 		if (!held || l->cluster_of[dynamic_of(s, k)] != (int)(c - l->cluster))
 			continue;
@@ -601,7 +601,7 @@ static void fly(struct rb_resolution *s, int body)
 	              decay > 0 ? rb_external_constant(l, body, s->t, &s->pose[place])
 	                        : s->linear[place],
 	              rb_external_turning(l, body));
-	rb_arc_slow(l, body, decay);
+	rb_arc_set_drag(l, body, decay);
 }
 
 /* Of the clusters that were: the shortest step length, and the most of `crept`. */

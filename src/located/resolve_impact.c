@@ -247,7 +247,7 @@ static double accumulation(struct impact *s, int k)
 	const double target_velocity = rb_vec3_dot(velocity_after(s, k), c->normal);
 	/* the other end of a rocking body, or another link, lifts without an impulse */
 	const bool took_part = c->approach > 0 || rb_vec3_dot(c->impulse, c->normal) > 0 ||
-	                       rb_event_set_held_like(l, m);
+	                       rb_event_set_continued(l, m);
 	if (!took_part || !(target_velocity > 0))
 		return -1;
 	const double closing = rb_bounces_closing(l, &after, s->t);
@@ -642,8 +642,8 @@ static double collide_once(struct rb_located *l, int a, int b, double t)
 	rb_event_set_add(l, a);
 	rb_event_set_add(l, b);
 	/* a joint's own limit or rope is met by no pair */
-	l->come_a = a == b ? -1 : a;
-	l->come_b = a == b ? -1 : b;
+	l->touch_a = a == b ? -1 : a;
+	l->touch_b = a == b ? -1 : b;
 	s.contact_point_count = rb_event_set_grow(l, t, 0, rb_event_set_touching, &s.contact_point);
 	if (s.contact_point_count < 0 || !build(&s))
 		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for an impact of %d bodies",
@@ -668,5 +668,5 @@ void rb_resolve_impacts(struct rb_located *l, int a, int b, double t)
 		more = l->status == RB_OK &&
 		       !rb_resolve_contacts(l, t, true, slack, round < ROUNDS_MAX ? hit : NULL);
 	}
-	l->come_a = l->come_b = -1;
+	l->touch_a = l->touch_b = -1;
 }

@@ -229,7 +229,7 @@ static void begin_dense_steps(struct rb_world *world)
 {
 	const double before_s = (double)world->dense_steps * world->model->time_step_s;
 
-	if (rb_engine_located(world->located) > RB_DENSE_STEPS_MORE * before_s)
+	if (rb_engine_located_time(world->located) > RB_DENSE_STEPS_MORE * before_s)
 		world->dense_steps = 0;
 	increase_dense_steps(world);
 	world->dense_left = world->dense_steps;
@@ -413,7 +413,7 @@ static enum rb_status roll_back(struct rb_world *world, const struct snapshot *b
 		return status;
 	rb_state_copy(&world->state, &world->frame_state);
 	world->pushed = true; /* callbacks may have applied forces before the snapshot */
-	rb_engine_go_back(world->located);
+	rb_engine_roll_back(world->located);
 	const bool by_steps = world->dense_left > 0;
 	world->frame_counts = begin->counts;
 	world->ledger = begin->ledger;
@@ -530,7 +530,7 @@ static enum rb_status located(struct rb_world *world, const struct grid *grid, d
 	/* too dense to locate: the rest of the interval, if any, and further steps are stepped */
 	begin_dense_steps(world);
 	/* an attempt that failed at once has changed no state of the steps */
-	if (!tries || !world->stepped || rb_engine_located(world->located) > 0)
+	if (!tries || !world->stepped || rb_engine_located_time(world->located) > 0)
 		status = change_to_steps(world, err);
 	/* also if nothing has been located: the callback of that step has been called */
 	const double now = world->state.time_s;
@@ -550,7 +550,8 @@ static enum rb_status run_step(struct rb_world *world, const struct grid *grid, 
 
 	if (!world->located || world->dense_left > 0) {
 		/* repeated until an attempt is due; the last step before it is solved for it */
-		if (world->located && world->dense_left == 1 && !rb_crowd_may_try(world->located))
+		if (world->located && world->dense_left == 1 &&
+		    !rb_crowd_may_attempt(world->located))
 			world->dense_left += world->dense_steps;
 		status = run_steps(world, start, stop, err);
 		if (status == RB_OK && world->located)
