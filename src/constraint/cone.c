@@ -9,20 +9,20 @@
 #include "constraint/exact_sum.h"
 
 enum {
-	WINDOW = 100, /* of directions; of more than MANY rows fewer, for the memory */
+	WINDOW = 100, /* directions kept; fewer above MANY rows, to limit memory */
 	WINDOW_MANY = 40,
 	MANY = 400
 };
 
-/* Multiplications that a product with the matrix takes as long as, about: its sums are exact. */
+/* Work of a product with the matrix per row, in multiplications, about: its sums are exact. */
 enum { PRODUCT_WORK = 1 << 10 };
 
 /*
- * A bound on the largest eigenvalue of the inverse inertia, which is that of R R^T as of R^T R: the
- * former is in the body's axes, so that the bound does not turn with them. Where a solution is one
- * of many, steps decide which.
+ * Bound of the largest eigenvalue of the inverse inertia R^T R, from R R^T, which has the same
+ * ones: that is in the body's axes, so that the bound does not depend on orientation. Where the
+ * solution is not unique, steps decide which one is found.
  */
-static double largest_turn(const struct rb_solver_bodies *bodies, int i)
+static double inverse_inertia_bound(const struct rb_solver_bodies *bodies, int i)
 {
 	double largest = 0;
 
@@ -37,16 +37,16 @@ static double largest_turn(const struct rb_solver_bodies *bodies, int i)
 }
 
 /*
- * What one body adds to the bounds of a row. A body with d rows counts d fold: then the rows'
- * yields together are an upper bound of the whole matrix, and steps of all rows at once converge
- * ("mass splitting", Tonge, Benevolenski, Voroshilov, ACM TOG 31(4):105 (2012)). Eccentric rows,
- * whose normal and tangent meddle, count twice.
+ * Adds a body's part of the bounds of a row. A body with d rows counts d-fold: then the sum of the
+ * rows' inverse effective masses is an upper bound of the whole matrix, and simultaneous steps of
+ * all rows converge ("mass splitting", Tonge, Benevolenski, Voroshilov, ACM TOG 31(4):105 (2012)).
+ * Eccentric rows, whose normal and tangent are coupled, count twice.
  */
 static void add_dynamic(const struct rb_solver_bodies *bodies, int i, rb_vec3 arm, int rows,
                         struct rb_cone_row *row)
 {
 	const struct rb_solver_body *const body = &bodies->body[i];
-	const double spin = largest_turn(bodies, i);
+	const double spin = inverse_inertia_bound(bodies, i);
 
 	if (row->base.couple) {
 		const double square = row->base.arm_a.x * row->base.arm_a.x;
@@ -135,11 +135,11 @@ bool rb_cone_open(struct rb_cone *cone)
 		            first[row->base.b + 1] - first[row->base.b], row);
 		row->bound_n += n;
 		row->bound_t += t;
-		/* friction that follows pushes as well */
+		/* friction proportional to the normal impulse acts, too */
 		if (row->slide && !row->given)
 			row->bound_n *= fmax(1, row->base.friction);
 	}
-	cone->joints = (struct rb_joint_factor){.tried = false};
+	cone->joints = (struct rb_joint_factor){.attempted = false};
 	return take_scratch(cone, largest);
 }
 
@@ -160,7 +160,7 @@ rb_along_across rb_cone_velocity(const struct rb_cone *cone, const struct rb_con
 	return u;
 }
 
-/* Increments of all bodies by impulses on all rows. */
+/* Velocity increments of all bodies by impulses on all rows. */
 void rb_cone_respond(struct rb_cone *cone, const rb_along_across *impulse)
 {
 	cone->iterations++;
@@ -218,7 +218,7 @@ static void commit(struct rb_cone *cone)
 	}
 }
 
-void rb_cone_apply_normal(struct rb_cone *cone, const rb_along_across *impulse)
+void rb_cone_apply(struct rb_cone *cone, const rb_along_across *impulse)
 {
 	rb_cone_respond(cone, impulse);
 	commit(cone);
@@ -230,9 +230,11 @@ void rb_cone_apply_normal(struct rb_cone *cone, const rb_along_across *impulse)
 	}
 }
 
-/* What the increments do to the point of body i at that arm, or to its turning by a lever. */
-static inline rb_vec3 felt_by(const struct rb_cone *cone, const struct rb_constraint *row, int i,
-                              rb_vec3 arm)
+/*
+ * Change of velocity of body i at the arm, or of l times its spin for a couple, by the increments.
+ */
+static inline rb_vec3 change_at(const struct rb_cone *cone, const struct rb_constraint *row, int i,
+                                rb_vec3 arm)
 {
 	if (!(cone->first[i + 1] > cone->first[i]))
 		return (rb_vec3){0, 0, 0};
@@ -241,12 +243,12 @@ static inline rb_vec3 felt_by(const struct rb_cone *cone, const struct rb_constr
 	return rb_vec3_add(cone->linear[i], rb_vec3_cross(cone->angular[i], arm));
 }
 
-rb_along_across rb_cone_felt(const struct rb_cone *cone, const struct rb_cone_row *row)
+rb_along_across rb_cone_row_change(const struct rb_cone *cone, const struct rb_cone_row *row)
 {
 	const struct rb_constraint *const own = &row->base;
 
-	return rb_constraint_split(own, rb_vec3_sub(felt_by(cone, own, own->b, own->arm_b),
-	                                            felt_by(cone, own, own->a, own->arm_a)));
+	return rb_constraint_split(own, rb_vec3_sub(change_at(cone, own, own->b, own->arm_b),
+	                                            change_at(cone, own, own->a, own->arm_a)));
 }
 
 double rb_cone_dot(struct rb_cone *cone, const rb_along_across *a, const rb_along_across *b)
@@ -256,10 +258,6 @@ double rb_cone_dot(struct rb_cone *cone, const rb_along_across *a, const rb_alon
 	return rb_exact_sum(cone->term, cone->row_count);
 }
 
-/*
- * The same in the metric in which a row's step is as large as what it does: rows of heavy and light
- * bodies compare.
- */
 double rb_cone_weighted(struct rb_cone *cone, const rb_along_across *a, const rb_along_across *b)
 {
 	for (int k = 0; k < cone->row_count; k++)

@@ -3,19 +3,19 @@
  * Contacts and other constraints between bodies as one complementarity problem: velocities (or
  * accelerations) and impulses (or forces).
  *
- * For every row, with u the relative velocity of its points plus its bias less its target, what
- * constraint/row says of its set. CONE: u_n >= 0, push >= 0, one of them zero; across the normal no
- * velocity, or friction at the cone against it (`slide`: against `slip`, whatever it is; `given`:
- * the push is what it is, and friction is bounded by it). FREE: u = 0, always closed and sticking.
- * INTERVAL: u_n = 0 while its impulse is between its bounds (`given`: it is what it is). The two
- * leave the problem convex.
+ * Each row satisfies the condition of its set (constraint/row), with u the relative velocity of its
+ * points plus its bias minus its target. CONE: u_n >= 0, p_n >= 0, complementary; no tangential
+ * velocity, or friction at the cone opposite to it (`slide`: opposite to `slip` whatever u is;
+ * `given`: the normal impulse is fixed and bounds friction). FREE: u = 0, always closed and
+ * sticking. INTERVAL: u_n = 0 while its impulse is between its bounds (`given`: it is fixed). FREE
+ * and INTERVAL leave the problem convex.
  *
- * Solved on the bodies' velocities themselves, which only ever get increments, so that they are
- * right also where impulses nearly cancel (a light body between heavy ones). Arithmetic is free of
- * order and of handedness (constraint/exact_sum; nothing is used before all of it is found).
+ * Solved in the bodies' velocities, which only receive increments, so that they are accurate even
+ * where impulses nearly cancel (a light body between heavy ones). The arithmetic does not depend on
+ * order or handedness (constraint/exact_sum; no result is used before all are computed).
  *
- * All arrays are the caller's or from its arena; rb_cone_open fills the scratch, which ends with
- * the arena's mark.
+ * All arrays are the caller's or from its arena; rb_cone_open takes the scratch, which lives until
+ * the arena is reset to its mark.
  */
 #ifndef RB_CONSTRAINT_CONE_H
 #define RB_CONSTRAINT_CONE_H
@@ -27,69 +27,70 @@
 #include "constraint/row.h"
 
 /*
- * What is asked of a row across its normal: the impulse is known; no slip; at the cone; push times
- * `slip`.
+ * Condition of a row across its normal: known impulse; no slip; at the cone; `slip` times the
+ * normal impulse.
  */
-enum rb_cone_apply_friction { RB_CONE_KNOWN, RB_CONE_STICK, RB_CONE_SLIP, RB_CONE_FOLLOW };
+enum rb_cone_friction { RB_CONE_KNOWN, RB_CONE_STICK, RB_CONE_SLIP, RB_CONE_FOLLOW };
 
 struct rb_cone_row {
-	/* not central; impulse in: already in the bodies' velocities; its masses are not read */
+	/* not central; impulse in: already applied to the bodies; effective masses are not read */
 	struct rb_constraint base;
-	/* m/s^2, forces: of u what is not the bodies' accelerations at their points */
+	/* forces: m/s^2, part of u that is not the bodies' accelerations at their points */
 	rb_vec3 bias;
 	rb_vec3 slip; /* slide: a unit vector */
 	bool slide;   /* CONE */
-	bool given;   /* CONE, INTERVAL: the normal impulse is what it is */
+	bool given;   /* CONE, INTERVAL: the normal impulse is fixed */
 	/*
-	 * Impacts, of an INTERVAL [0, inf): a limit or a rope. Below `noise`, m/s, it does not
-	 * approach; out: m/s at its first impact, 0: it had none.
+	 * Impacts, for an INTERVAL [0, inf), a limit or a rope. At a speed below `noise`, m/s, it
+	 * does not approach. `approach`, out: m/s at its first impact, 0: it had none.
 	 */
 	double restitution, noise, approach;
 
 	/* scratch */
-	rb_along_across u;       /* less the target */
-	double bound_n, bound_t; /* 1/kg: bounds that make simultaneous steps safe */
-	double limit;            /* N s: of friction, while it is held fixed */
-	bool closed;             /* the normal impulse is an unknown, u_n = 0 asked for */
-	enum rb_cone_apply_friction friction_impulse;
-	rb_vec3 along; /* slip: direction of the friction that is at its limit */
-	double share;  /* slip: of the friction that was asked for, what the cone allows */
+	rb_along_across u;       /* minus the target */
+	double bound_n, bound_t; /* 1/kg: bounds with which simultaneous steps converge */
+	double limit;            /* N s: bound of friction, while it is held fixed */
+	bool closed;             /* active: the normal impulse is an unknown of u_n = 0 */
+	enum rb_cone_friction friction_impulse;
+	rb_vec3 along; /* slip: direction of the friction at its limit */
+	double share;  /* slip: share of the trial friction that the cone allows */
 };
 
-/* constraint/joint_factor: rows of the lower half of a matrix, from their first columns on: L. */
+/* constraint/joint_factor: the lower triangle L by rows, each from its first non-zero column on. */
 struct rb_joint_factor {
-	bool tried, ready;
-	int count;                   /* unknowns */
-	int *place;                  /* [row_count + body_count]: of each row's first unknown */
-	int *first;                  /* [count]: column that a row reaches back to */
-	size_t *start;               /* [count]: of rows in `value` */
-	double *value, *inverse, *x; /* L; [count]: of D, 0 where a row is left out; [count] */
+	bool attempted, ready;
+	int count;     /* unknowns */
+	int *place;    /* [row_count + body_count]: index of each row's first unknown */
+	int *first;    /* [count]: first non-zero column of a row */
+	size_t *start; /* [count]: start of a row in `value` */
+	double *value, *inverse, *x; /* L; [count]: 1 / D, 0 for a row that is left out; [count] */
 };
 
 struct rb_cone {
-	struct rb_solver_bodies bodies; /* inverse inertias as roots */
+	struct rb_solver_bodies bodies; /* inverse inertias by their roots */
 	int body_count;
 	struct rb_cone_row *row;
 	int row_count;
 	struct rb_arena *arena;
 
 	/* scratch */
-	int *first, *entry; /* [body_count + 1], [2 row_count]: rows of a body, 2 row + side */
+	int *first, *entry; /* [body_count + 1], [2 row_count]: a body's rows as 2 row + side */
 	rb_vec3 *linear, *angular; /* [body_count]: increments */
-	double *term;              /* [6 x largest number of rows of a body, or 4 row_count] */
+	double *term;              /* [the larger of 6 x most rows of a body and 4 row_count] */
 	rb_along_across *change, *residual, *best, *before; /* [row_count] */
 	struct rb_cone_row *faces;                          /* [row_count] */
 	struct rb_solver_body *kept, *snapped;              /* [body_count] */
 	rb_along_across *direction, *image;                 /* [window][row_count] */
 	int window;
 	struct rb_joint_factor joints;
-	rb_along_across *undone, *weighed; /* [row_count], [window][row_count]: once it is ready */
-	bool held; /* friction is bounded by `limit`, not by the cone: then the problem is convex */
-	bool probes;   /* where steps from the guess find no solution, none is wanted */
-	bool gave_way; /* friction was less than the law says, because the law found no solution */
-	double tolerance; /* in the unit of u: what may be left; 0: rounding */
-	long iterations;  /* products with the matrix, so far */
-	long max;         /* of them, after which it ends with what it has; 0: no limit */
+	/* [row_count], [window][row_count]: once `joints` is ready */
+	rb_along_across *preconditioned, *preconditioned_image;
+	bool held;   /* `limit` bounds friction, not the cone: then the problem is convex */
+	bool probes; /* if steps from the guess find no solution, look no further */
+	bool friction_reduced; /* no solution of the law was found */
+	double tolerance;      /* in the unit of u: largest residual; 0: rounding */
+	long iterations;       /* matrix-vector products so far */
+	long max; /* limit of `iterations`, after which the best so far is kept; 0: none */
 	struct rb_interrupt *interrupt; /* borrowed; NULL: none */
 };
 
@@ -100,31 +101,31 @@ static inline bool rb_cone_is_over(const struct rb_cone *cone)
 }
 
 /*
- * False when memory is out. Bodies and rows are filled; may be called again after rows have changed
- * their number.
+ * Prepares a problem whose bodies and rows are filled; may be called again after the number of rows
+ * has changed. False: out of memory.
  */
 bool rb_cone_open(struct rb_cone *cone);
 
-/* Relative velocity of the points of a row, plus its bias, less its target. */
+/* Relative velocity of the points of a row, plus its bias, minus its target. */
 rb_along_across rb_cone_velocity(const struct rb_cone *cone, const struct rb_cone_row *row);
 
 /* Adds impulses to the bodies' velocities and to the rows; `u` of the rows is then out of date. */
-void rb_cone_apply_normal(struct rb_cone *cone, const rb_along_across *impulse);
+void rb_cone_apply(struct rb_cone *cone, const rb_along_across *impulse);
 
-/* sum of a.b over the rows */
+/* Returns the sum of a.b over the rows. */
 double rb_cone_dot(struct rb_cone *cone, const rb_along_across *a, const rb_along_across *b);
 
 /*
- * The same in the metric in which a row's step is as large as what it does: rows of heavy and light
- * bodies compare.
+ * The same, weighted by the rows' bounds: a step counts by the velocity that it changes, so that
+ * rows of heavy and light bodies are comparable.
  */
 double rb_cone_weighted(struct rb_cone *cone, const rb_along_across *a, const rb_along_across *b);
 
 /*
- * Increments of all bodies by impulses on all rows, into cone->linear and angular; and what those
- * do to a row.
+ * Computes the velocity increments of all bodies by impulses on all rows, into cone->linear and
+ * angular; and returns the change of a row's velocity by them.
  */
 void rb_cone_respond(struct rb_cone *cone, const rb_along_across *impulse);
-rb_along_across rb_cone_felt(const struct rb_cone *cone, const struct rb_cone_row *row);
+rb_along_across rb_cone_row_change(const struct rb_cone *cone, const struct rb_cone_row *row);
 
 #endif

@@ -7,22 +7,27 @@
 #include "constraint/joint_factor.h"
 
 enum {
-	WINDOW_SYMMETRIC = 3, /* conjugate residuals need one; the others mend rounding */
-	ROUNDS_GENERAL = 60,  /* where the window is too small; the next Newton step goes on */
-	PATIENCE = 64         /* rounds, before what joints hold is eliminated */
+	WINDOW_SYMMETRIC = 3, /* conjugate residuals need one; the others correct rounding */
+	ROUNDS_GENERAL = 60,  /* if the window is too small; the next Newton step continues */
+	PATIENCE = 64         /* rounds before joints are eliminated */
 };
 
-/* Multiplications of a row in a product of two vectors and a sum, for each of the window, about. */
+/*
+ * Work per row for each direction of the window (a scalar product and an update), in
+ * multiplications, about.
+ */
 enum { ROW_WORK = 32 };
-/* And in a product of the matrix with one: its sums are exact. */
+/* And of a product with the matrix: its sums are exact. */
 enum { PRODUCT_WORK = 1 << 10 };
 
-/* Square of the share of a direction's length by which an image of it is more than rounding. */
-static const double felt_share = 1e-26;
+/*
+ * Square of an image's length, relative to the direction's, above which it is more than rounding.
+ */
+static const double resolved_share = 1e-26;
 
 /*
- * What the linearized function does to a change x of the impulses; what follows in x from its
- * unknowns is completed.
+ * Applies the linearized function to a change x of the impulses; fills the components of x that
+ * follow from its unknowns.
  */
 static void image_of(struct rb_cone *cone, rb_along_across *x, rb_along_across *y)
 {
@@ -31,7 +36,7 @@ static void image_of(struct rb_cone *cone, rb_along_across *x, rb_along_across *
 
 		if (row->friction_impulse == RB_CONE_FOLLOW)
 			x[k].t = rb_vec3_scale(-row->base.friction * x[k].n, row->slip);
-		else /* rounding that grows when small directions are made unit ones */
+		else /* removes rounding, which normalising small directions amplifies */
 			x[k].t = rb_vec3_add_scaled(x[k].t, -rb_vec3_dot(x[k].t, row->base.normal),
 			                            row->base.normal);
 	}
@@ -42,7 +47,7 @@ static void image_of(struct rb_cone *cone, rb_along_across *x, rb_along_across *
 		y[k] = (rb_along_across){0, {0, 0, 0}};
 		if (!row->closed && row->friction_impulse == RB_CONE_KNOWN)
 			continue;
-		const rb_along_across du = rb_cone_felt(cone, row);
+		const rb_along_across du = rb_cone_row_change(cone, row);
 		if (row->closed)
 			y[k].n = du.n / row->bound_n;
 		if (row->friction_impulse == RB_CONE_STICK)
@@ -67,14 +72,14 @@ static void add_scaled(int count, rb_along_across *a, double s, const rb_along_a
 	}
 }
 
-/* What is open on the present faces. */
+/* Unknowns on the present faces. */
 struct faces {
 	int dimension;
 	bool slips;  /* the matrix is not symmetric */
-	bool joints; /* some hold from both sides */
+	bool joints; /* some rows are bilateral */
 };
 
-/* Leaves out of the residual and of `x` what is not open. */
+/* Zeroes x, and the components of the residual that are not unknowns. */
 static struct faces begin_faces(struct rb_cone *cone, rb_along_across *x)
 {
 	struct faces faces = {.dimension = 0};
@@ -98,25 +103,28 @@ static struct faces begin_faces(struct rb_cone *cone, rb_along_across *x)
 }
 
 /*
- * Factors of what joints hold, once for all faces, where they cost no more than `products` with the
- * matrix do; false: there are none.
+ * Factors the joints, once for all faces, if that costs at most as much as `products` with the
+ * matrix; false: not available.
  */
 static bool eliminate_joints(struct rb_cone *cone, int products)
 {
 	const size_t n = (size_t)cone->row_count;
 
-	if (!cone->joints.tried &&
+	if (!cone->joints.attempted &&
 	    rb_joint_factor(cone, (double)products * PRODUCT_WORK * (double)n)) {
-		cone->undone = rb_arena_take(cone->arena, n, sizeof *cone->undone);
-		cone->weighed = rb_arena_take(cone->arena, (size_t)cone->window * n,
-		                              sizeof *cone->weighed);
+		cone->preconditioned = rb_arena_take(cone->arena, n, sizeof *cone->preconditioned);
+		cone->preconditioned_image = rb_arena_take(cone->arena, (size_t)cone->window * n,
+		                                           sizeof *cone->preconditioned_image);
 	}
-	return cone->joints.ready && cone->undone && cone->weighed;
+	return cone->joints.ready && cone->preconditioned && cone->preconditioned_image;
 }
 
-/* What undoes residuals, as far as joints alone do: to `to`, or r itself where none are known. */
-static rb_along_across *undo(const struct rb_cone *cone, bool joints, rb_along_across *r,
-                             rb_along_across *to)
+/*
+ * Applies the preconditioner, the inverse for the joints, to r: into `to`; returns r itself without
+ * one.
+ */
+static rb_along_across *precondition(const struct rb_cone *cone, bool joints, rb_along_across *r,
+                                     rb_along_across *to)
 {
 	if (!joints)
 		return r;
@@ -124,9 +132,9 @@ static rb_along_across *undo(const struct rb_cone *cone, bool joints, rb_along_a
 	return to;
 }
 
-/* What has to do with one direction: itself, its image, and what undoes that (or the image). */
+/* A search direction, its image, and the preconditioned image (or the image itself). */
 struct direction {
-	rb_along_across *p, *q, *undone;
+	rb_along_across *p, *q, *preconditioned;
 };
 
 static struct direction direction_at(const struct rb_cone *cone, bool joints, int round, int window)
@@ -134,15 +142,15 @@ static struct direction direction_at(const struct rb_cone *cone, bool joints, in
 	const size_t at = (size_t)(round % window) * (size_t)cone->row_count;
 
 	return (struct direction){cone->direction + at, cone->image + at,
-	                          (joints ? cone->weighed : cone->image) + at};
+	                          (joints ? cone->preconditioned_image : cone->image) + at};
 }
 
 static void add_direction(int count, struct direction *to, double s, const struct direction *from)
 {
 	add_scaled(count, to->q, s, from->q);
 	add_scaled(count, to->p, s, from->p);
-	if (to->undone != to->q)
-		add_scaled(count, to->undone, s, from->undone);
+	if (to->preconditioned != to->q)
+		add_scaled(count, to->preconditioned, s, from->preconditioned);
 }
 
 static void divide(int count, rb_along_across *a, double size)
@@ -152,8 +160,8 @@ static void divide(int count, rb_along_across *a, double size)
 }
 
 /*
- * The next direction from `d->p`, of unit length and conjugate to those before it. False: it leads
- * nowhere.
+ * Makes d->p the next direction: conjugate to those before it, with an image of unit length. False:
+ * its image vanishes.
  */
 static bool open_direction(struct rb_cone *cone, bool joints, int round, int window,
                            struct direction *d)
@@ -161,39 +169,40 @@ static bool open_direction(struct rb_cone *cone, bool joints, int round, int win
 	const int n = cone->row_count;
 
 	image_of(cone, d->p, d->q);
-	(void)undo(cone, joints, d->q, d->undone);
-	const double whole = rb_cone_weighted(cone, d->q, d->undone);
+	(void)precondition(cone, joints, d->q, d->preconditioned);
+	const double whole = rb_cone_weighted(cone, d->q, d->preconditioned);
 	for (int back = 1; back < window && back <= round; back++) {
 		const struct direction of = direction_at(cone, joints, round - back, window);
 
-		add_direction(n, d, -rb_cone_weighted(cone, d->q, of.undone), &of);
+		add_direction(n, d, -rb_cone_weighted(cone, d->q, of.preconditioned), &of);
 	}
-	const double square = rb_cone_weighted(cone, d->q, d->undone);
+	const double square = rb_cone_weighted(cone, d->q, d->preconditioned);
 	const double length = rb_cone_weighted(cone, d->p, d->p);
-	if (!(square > 1e-22 * whole) || !(square > felt_share * length) || !isfinite(square))
+	if (!(square > 1e-22 * whole) || !(square > resolved_share * length) || !isfinite(square))
 		return false;
 	divide(n, d->p, sqrt(square));
 	divide(n, d->q, sqrt(square));
 	if (joints)
-		divide(n, d->undone, sqrt(square));
+		divide(n, d->preconditioned, sqrt(square));
 	return true;
 }
 
 /*
- * From x and its residual on, until the square of that is `target`: generalized conjugate residuals
- * with a window (Eisenstat, Elman, Schultz, SIAM J. Numer. Anal. 20 (1983) 345), which are
- * conjugate residuals where no contact slips, because the matrix is then symmetric in the weighted
- * product. `joints`: what these hold is eliminated, and the product is the one that belongs to it.
- * False: they did not end.
+ * Continues from x and its residual until the square of the latter is `target`: generalized
+ * conjugate residuals with a window (Eisenstat, Elman, Schultz, SIAM J. Numer. Anal. 20 (1983)
+ * 345), which are conjugate residuals if no contact slips, because the matrix is then symmetric in
+ * the weighted product. `joints`: with the joints' inverse as preconditioner, and the product that
+ * belongs to it. False: not converged.
  */
 static bool search(struct rb_cone *cone, rb_along_across *x, bool joints, int window, int rounds,
                    double target)
 {
 	const int n = cone->row_count;
 	rb_along_across *const r = cone->residual;
-	rb_along_across *const z = undo(cone, joints, r, cone->undone); /* what leads on */
+	rb_along_across *const z = precondition(cone, joints, r,
+	                                        cone->preconditioned); /* next direction */
 	double square = rb_cone_weighted(cone, r, r);
-	bool poor = false;
+	bool stalls = false;
 	int round = 0;
 
 	for (; round < rounds && square > target; round++) {
@@ -204,31 +213,31 @@ static bool search(struct rb_cone *cone, rb_along_across *x, bool joints, int wi
 		                                           window);
 
 		/*
-		 * where the residual alone leads nowhere (the matrix need not be definite), the
+		 * if the residual alone makes no progress (the matrix need not be definite), the
 		 * last image does
 		 */
-		memcpy(d.p, poor ? last.undone : z, (size_t)n * sizeof *d.p);
+		memcpy(d.p, stalls ? last.preconditioned : z, (size_t)n * sizeof *d.p);
 		if (!open_direction(cone, joints, round, window, &d))
 			break;
-		const double share = rb_cone_weighted(cone, r, d.undone);
+		const double share = rb_cone_weighted(cone, r, d.preconditioned);
 		add_scaled(n, x, share, d.p);
 		add_scaled(n, r, -share, d.q);
 		if (joints)
-			add_scaled(n, z, -share, d.undone);
+			add_scaled(n, z, -share, d.preconditioned);
 		const double next = rb_cone_weighted(cone, r, r);
-		poor = next > 0.8 * square;
+		stalls = next > 0.8 * square;
 		square = next;
 	}
 	return round < rounds;
 }
 
-/* Can all directions be kept that a matrix has which is not symmetric? */
+/* Does the window hold all directions of a matrix that is not symmetric? */
 static bool is_direct(int dimension, int window)
 {
 	return dimension < window && window > WINDOW_SYMMETRIC;
 }
 
-/* Rounds after which so many unknowns are found, or will not be. */
+/* Rounds after which this many unknowns are found, or will not be. */
 static int rounds_of(int dimension, int window)
 {
 	if (is_direct(dimension, window))
@@ -247,23 +256,20 @@ bool rb_cone_faces_solve(struct rb_cone *cone, rb_along_across *x)
 	const int whole = rounds_of(faces.dimension, window);
 	const double start = rb_cone_weighted(cone, cone->residual, cone->residual);
 	const bool general = window > WINDOW_SYMMETRIC;
-	const bool waits = faces.joints && !general && !cone->joints.tried;
-	bool joints = faces.joints && !waits &&
+	const bool postpones_joints = faces.joints && !general && !cone->joints.attempted;
+	bool joints = faces.joints && !postpones_joints &&
 	              (cone->joints.ready || !is_direct(faces.dimension, window)) &&
 	              eliminate_joints(cone, whole);
-	bool ended = waits && search(cone, x, false, window, PATIENCE, 1e-33 * start);
+	bool ended = postpones_joints && search(cone, x, false, window, PATIENCE, 1e-33 * start);
 
-	joints = joints || (waits && !ended && eliminate_joints(cone, whole));
+	joints = joints || (postpones_joints && !ended && eliminate_joints(cone, whole));
 	const int dimension = faces.dimension - (joints ? cone->joints.count : 0);
 	const bool direct = is_direct(dimension, window);
 	if (!ended)
 		ended = search(cone, x, joints, window, rounds_of(dimension, window),
 		               (general && !direct ? 1e-16 : 1e-33) * start) ||
 		        direct || (joints && !general);
-	/*
-	 * directions in which next to nothing changes are long, and so is what rounding adds to
-	 * them
-	 */
+	/* directions with nearly vanishing images are long, and so are their rounding errors */
 	for (int k = 0; k < n; k++)
 		x[k].t = rb_vec3_reject(x[k].t, cone->row[k].base.normal);
 	return ended;

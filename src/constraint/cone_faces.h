@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The linear part of a Newton step of constraint/coulomb: rows stand on known faces of their cones,
- * and what changes of the impulses keep them there. By conjugate residuals; what joints hold is
- * eliminated. Scratch is the cone's.
+ * The linear system of a Newton step of constraint/coulomb: the changes of the impulses while rows
+ * stay on known faces of their cones. Solved by conjugate residuals; joints are eliminated. Scratch
+ * is the cone's.
  */
 #ifndef RB_CONSTRAINT_CONE_FACES_H
 #define RB_CONSTRAINT_CONE_FACES_H
@@ -11,8 +11,8 @@
 
 /*
  * Solves the linearized problem on the present faces for `x`, given the steps in cone->residual
- * (used up). What joints hold is eliminated where residuals do not end without that soon: an
- * elimination has an order, and its rounding with it. False: they did not end.
+ * (overwritten). Joints are eliminated only if the residuals do not converge soon without that: an
+ * elimination depends on order by rounding. False: they did not converge.
  */
 bool rb_cone_faces_solve(struct rb_cone *cone, rb_along_across *x);
 

@@ -5,7 +5,10 @@
 #include "geom/patch.h"
 #include "math/vec3.h"
 
-/* What of a part's index says where on a rim, above the bit that says which (geom/patch). */
+/*
+ * Bits of a part's index that give the place on a rim, above the bit that says which rim
+ * (geom/patch).
+ */
 enum { PLACE_BITS = 15 };
 
 int rb_contact_name_compare(const struct rb_contact_name *x, const struct rb_contact_name *y)
@@ -33,7 +36,7 @@ struct rb_contact_name rb_contact_name_swapped(const struct rb_contact_name *nam
 {
 	struct rb_contact_name swapped = *name;
 
-	/* a mark says whose face it is */
+	/* a mark belongs to one body's face */
 	RB_ASSERT_COSTLY(name->key >> RB_CONTACT_KEY_MARK == 0);
 	swapped.a = name->b;
 	swapped.b = name->a;
@@ -70,7 +73,10 @@ uint64_t rb_contact_key_all_round(uint64_t key)
 	return 0;
 }
 
-/* The lowest point of a rim that tilts has none, whichever half it is counted from. */
+/*
+ * Does the key have a place on a rim? The lowest point of a tilted rim has none, whichever half it
+ * is counted from.
+ */
 static bool has_place(uint64_t key)
 {
 	const rb_part part[2] = {(rb_part)(key >> 32), (rb_part)key};

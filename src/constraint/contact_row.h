@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A contact as a constraint, the first kind of row: what two bodies do where they touch follows
- * from their materials and the geometry of the point. Pure functions.
+ * A contact as a constraint: the row follows from the bodies' materials and the geometry of the
+ * point. Pure functions.
  */
 #ifndef RB_CONSTRAINT_CONTACT_ROW_H
 #define RB_CONSTRAINT_CONTACT_ROW_H
@@ -10,7 +10,7 @@
 
 #include "constraint/row.h"
 
-/* Friction and restitution between two bodies, by index. */
+/* Returns friction and restitution between two bodies, given by index. */
 static inline const struct rb_pair_material *rb_contact_material(const struct rb_model *model,
                                                                  int a, int b)
 {
@@ -18,7 +18,7 @@ static inline const struct rb_pair_material *rb_contact_material(const struct rb
 	                              model->material[b]];
 }
 
-/* Arms as vectors; what solvers want besides is for them to fill. */
+/* Returns the row of a contact, with arms as vectors; solvers fill the other fields. */
 static inline struct rb_constraint rb_contact_row(int a, int b, rb_vec3 normal, rb_vec3 arm_a,
                                                   rb_vec3 arm_b, double friction)
 {

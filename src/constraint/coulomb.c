@@ -8,24 +8,25 @@
 #include "constraint/exact_sum.h"
 
 enum {
-	FIRST_STEPS = 2, /* of all rows at once, before the first Newton step */
+	FIRST_STEPS = 2, /* simultaneous steps before the first Newton step */
 	STEPS_LIMIT = 64,
 	ROUNDS_LIMIT = 400,
-	RAISE_ROUNDS = 32 /* of Newton, at a friction */
+	RAISE_ROUNDS = 32 /* Newton steps at each value of friction */
 };
 
-/* Violation, as a share of the speeds, above which a solution is not taken for one. */
+/* Violation, relative to the speeds, above which a result is not accepted as a solution. */
 static const double failed_share = 1e-9;
 
 /*
- * Friction that a solution without any is near enough to, and factors by which it is raised: the
- * largest, and the one at which it is given up (there is no solution with more).
+ * Continuation in the friction coefficient: the first value, for which the frictionless solution is
+ * a good enough start; the largest factor from value to value; and the factor at which the
+ * continuation is abandoned (there is no solution with more friction).
  */
-static const double first_friction = 0.125, friction_step = 2, least_step = 1.0001;
+static const double first_friction = 0.125, largest_factor = 2, smallest_factor = 1.0001;
 
-/* Across the normal, at a push that the step leads to. */
-static void friction_impulse_of(const struct rb_cone *cone, struct rb_cone_row *row,
-                                double normal_impulse, rb_along_across *step)
+/* Tangential part of a row's step, for the normal impulse after the step. */
+static void find_friction_step(const struct rb_cone *cone, struct rb_cone_row *row,
+                               double normal_impulse, rb_along_across *step)
 {
 	const rb_along_across *const j = &row->base.impulse;
 	const double limit = cone->held ? row->limit : row->base.friction * normal_impulse;
@@ -36,7 +37,7 @@ static void friction_impulse_of(const struct rb_cone *cone, struct rb_cone_row *
 		const double before = cone->held ? limit : row->base.friction * j->n;
 		const double more = cone->held ? 0 : row->base.friction * step->n;
 
-		/* not as a difference of large forces */
+		/* avoids a difference of large forces */
 		step->t = rb_vec3_neg(rb_vec3_add_scaled(
 			rb_vec3_add_scaled(j->t, before, row->slip), more, row->slip));
 		if (!cone->held && row->closed)
@@ -58,7 +59,7 @@ static void friction_impulse_of(const struct rb_cone *cone, struct rb_cone_row *
 	step->t = rb_vec3_sub(rb_vec3_scale(limit, row->along), j->t);
 }
 
-/* Of the normal impulses that the row's set allows. */
+/* The normal impulse nearest to n that the row's set allows. */
 static double nearest(const struct rb_cone_row *row, double n)
 {
 	if (row->base.set == RB_CONSTRAINT_FREE)
@@ -69,9 +70,9 @@ static double nearest(const struct rb_cone_row *row, double n)
 }
 
 /*
- * Where the row stands and the step that would solve it alone: the negative of the function whose
- * zeros are the solutions (Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353).
- * Increments are not taken as differences where they need not be.
+ * Determines the row's state and the step that would solve it alone: the negative of the function
+ * whose zeros are the solutions (Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353).
+ * Avoids computing increments as differences.
  */
 static rb_along_across step_of(const struct rb_cone *cone, struct rb_cone_row *row)
 {
@@ -81,7 +82,7 @@ static rb_along_across step_of(const struct rb_cone *cone, struct rb_cone_row *r
 
 	row->closed = false;
 	row->friction_impulse = RB_CONE_KNOWN;
-	if (!(row->bound_n > 0)) /* between bodies that do not yield */
+	if (!(row->bound_n > 0)) /* no dynamic body */
 		return step;
 	if (row->base.set == RB_CONSTRAINT_FREE) {
 		row->closed = true;
@@ -107,11 +108,11 @@ static rb_along_across step_of(const struct rb_cone *cone, struct rb_cone_row *r
 			step.n = -j->n;
 		}
 	}
-	friction_impulse_of(cone, row, normal_impulse, &step);
+	find_friction_step(cone, row, normal_impulse, &step);
 	return step;
 }
 
-/* All rows' velocities, faces and steps; the largest violation in units of u. */
+/* Updates all rows' velocities, faces and steps; returns the largest violation in units of u. */
 static double residual_of(struct rb_cone *cone, rb_along_across *step)
 {
 	double largest = 0;
@@ -128,7 +129,8 @@ static double residual_of(struct rb_cone *cone, rb_along_across *step)
 }
 
 /*
- * The share `s` of x, changed such that impulse + x is within the cone and, where it slips, on it.
+ * Computes `kept`: s x, changed such that impulse + kept is within the cone and, if it slips, on
+ * it.
  */
 static void keep_cone(struct rb_cone *cone, double s, const rb_along_across *x,
                       rb_along_across *kept)
@@ -175,8 +177,8 @@ static void restore(struct rb_cone *cone)
 		cone->row[k].base.impulse = cone->best[k];
 }
 
-/* Off what the faces exclude, so that the linear problem starts on them. */
-static void snap(struct rb_cone *cone, rb_along_across *step)
+/* Moves the impulses onto the faces, where the linear problem starts. */
+static void move_onto_faces(struct rb_cone *cone, rb_along_across *step)
 {
 	for (int k = 0; k < cone->row_count; k++) {
 		const struct rb_cone_row *row = &cone->row[k];
@@ -190,10 +192,10 @@ static void snap(struct rb_cone *cone, rb_along_across *step)
 		else if (row->friction_impulse != RB_CONE_KNOWN)
 			step[k].t = (rb_vec3){0, 0, 0};
 	}
-	rb_cone_apply_normal(cone, step);
+	rb_cone_apply(cone, step);
 }
 
-/* Steps on the faces as they are. */
+/* Steps of all rows on the present faces. */
 static void steps_on_faces(struct rb_cone *cone, rb_along_across *step)
 {
 	for (int k = 0; k < cone->row_count; k++) {
@@ -210,10 +212,7 @@ static void steps_on_faces(struct rb_cone *cone, rb_along_across *step)
 	}
 }
 
-/*
- * Twice the change of energy since `before` (velocities) and cone->kept, which must be what `keep`
- * has kept.
- */
+/* Twice the change of energy since the call of `keep`, when velocities were `before`. */
 static double energy_change(struct rb_cone *cone, const rb_along_across *before)
 {
 	for (int k = 0; k < cone->row_count; k++) {
@@ -227,8 +226,10 @@ static double energy_change(struct rb_cone *cone, const rb_along_across *before)
 	return rb_exact_sum(cone->term, cone->row_count);
 }
 
-/* Are rows on the faces on which a step was found, and is the problem linear there? */
-static bool is_linear_there(const struct rb_cone *cone)
+/*
+ * Are the rows still on the faces for which the step was computed, and is the problem linear there?
+ */
+static bool remains_linear(const struct rb_cone *cone)
 {
 	for (int k = 0; k < cone->row_count; k++)
 		if (cone->row[k].closed != cone->faces[k].closed ||
@@ -239,55 +240,56 @@ static bool is_linear_there(const struct rb_cone *cone)
 }
 
 /*
- * One Newton step from where `look` has just been, along it as far as it helps; false, and all as
- * it was, where it does not. What it must lower: the energy where the problem is convex, else the
- * residual. `ends`: where it has led, another one leads no further.
+ * One Newton step with line search from a point where residual_of has been evaluated; false, with
+ * everything restored, if it does not decrease the energy (convex problems) or the residual
+ * (others). `*ends`: further Newton steps would not change anything.
  */
-static bool newton(struct rb_cone *cone, bool convex, bool *ends)
+static bool newton(struct rb_cone *cone, bool convex, bool *is_final)
 {
 	const double before = rb_cone_weighted(cone, cone->residual, cone->residual);
-	bool better = false;
+	bool improved = false;
 
 	keep(cone);
 	for (int k = 0; k < cone->row_count; k++)
 		cone->before[k] = cone->row[k].u;
-	snap(cone, cone->residual);
+	move_onto_faces(cone, cone->residual);
 	steps_on_faces(cone, cone->residual);
 	const bool solved = rb_cone_faces_solve(cone, cone->change);
 	memcpy(cone->faces, cone->row, (size_t)cone->row_count * sizeof *cone->row);
 	memcpy(cone->snapped, cone->bodies.body,
 	       (size_t)cone->body_count * sizeof *cone->bodies.body);
 	double share = 1;
-	for (int attempt = 0; attempt < (convex ? 10 : 5) && !better; attempt++, share *= 0.3) {
+	for (int attempt = 0; attempt < (convex ? 10 : 5) && !improved; attempt++, share *= 0.3) {
 		if (attempt > 0) {
 			memcpy(cone->row, cone->faces, (size_t)cone->row_count * sizeof *cone->row);
 			memcpy(cone->bodies.body, cone->snapped,
 			       (size_t)cone->body_count * sizeof *cone->bodies.body);
 		}
 		keep_cone(cone, share, cone->change, cone->residual);
-		rb_cone_apply_normal(cone, cone->residual);
+		rb_cone_apply(cone, cone->residual);
 		residual_of(cone, cone->residual);
 		const double after = rb_cone_weighted(cone, cone->residual, cone->residual);
-		better = after < 0.99 * before || (convex && energy_change(cone, cone->before) < 0);
-		*ends = solved && attempt == 0 && is_linear_there(cone);
+		improved = after < 0.99 * before ||
+		           (convex && energy_change(cone, cone->before) < 0);
+		*is_final = solved && attempt == 0 && remains_linear(cone);
 	}
-	if (!better)
+	if (!improved)
 		restore(cone);
-	return better;
+	return improved;
 }
 
 /*
- * Steps of all rows at once, with the momentum of Nesterov's method, which begins anew where it
- * leads uphill (O'Donoghue, Candes, Found. Comput. Math. 15 (2015) 715). Begins and ends where
- * `look` has just been.
+ * Simultaneous steps of all rows with Nesterov's momentum, restarted when it leads uphill
+ * (O'Donoghue, Candes, Found. Comput. Math. 15 (2015) 715). Before and after, residual_of has just
+ * been evaluated. Returns the residual.
  */
-static double walk(struct rb_cone *cone, int steps, double left, double tolerance)
+static double accelerated_steps(struct rb_cone *cone, int steps, double residual, double tolerance)
 {
 	const int n = cone->row_count;
 	rb_along_across *const moved = cone->change;
 	int since = 0;
 
-	for (int round = 0; round < steps && left > tolerance; round++) {
+	for (int round = 0; round < steps && residual > tolerance; round++) {
 		if (rb_interrupt_is_set(cone->interrupt))
 			break;
 		if (since > 0) {
@@ -296,12 +298,12 @@ static double walk(struct rb_cone *cone, int steps, double left, double toleranc
 			for (int k = 0; k < n; k++)
 				moved[k] = (rb_along_across){momentum * moved[k].n,
 				                             rb_vec3_scale(momentum, moved[k].t)};
-			rb_cone_apply_normal(cone, moved);
+			rb_cone_apply(cone, moved);
 			residual_of(cone, cone->residual);
 			if (rb_cone_weighted(cone, moved, cone->residual) < 0)
 				since = 0;
 		}
-		rb_cone_apply_normal(cone, cone->residual);
+		rb_cone_apply(cone, cone->residual);
 		for (int k = 0; k < n; k++) {
 			if (since == 0)
 				moved[k] = cone->residual[k];
@@ -311,14 +313,14 @@ static double walk(struct rb_cone *cone, int steps, double left, double toleranc
 					rb_vec3_add(moved[k].t, cone->residual[k].t)};
 		}
 		since++;
-		left = residual_of(cone, cone->residual);
+		residual = residual_of(cone, cone->residual);
 	}
-	return left;
+	return residual;
 }
 
 /*
- * m/s: by how much what the impulses do is rounded: of a light body between heavy ones, two large
- * changes that cancel.
+ * Rounding error of the velocities that the impulses cause, m/s: large for a light body between
+ * heavy ones, where two large changes cancel.
  */
 static double rounding_of(const struct rb_cone *cone)
 {
@@ -334,51 +336,51 @@ static double rounding_of(const struct rb_cone *cone)
 }
 
 /*
- * Until the problem as it stands is solved or nothing helps any more: what rounding leaves, or rows
- * that contradict each other (those of a mechanism that is closed more than once, whose closure is
- * rounded), along which impulses could grow for ever. Points of two faces are more than independent
- * ones, and their accelerations may contradict each other by more than rounding: then each Newton
- * step ends where it began. What is left is taken for a solution once as many steps as there are
- * rows have not halved it, each of which could have opened one of them.
+ * Iterates until the problem is solved or stalls: by rounding, or by rows that contradict each
+ * other (those of a mechanism with more than one loop, whose closure is rounded), along which
+ * impulses could grow without bound. The points of two faces are more than the independent ones,
+ * and their accelerations may contradict each other by more than rounding: then each Newton step
+ * ends where it began. A small residual is accepted once it has not been halved in as many rounds
+ * as there are rows, each of which could have opened one of them.
  */
 static double relax(struct rb_cone *cone, bool convex, double tolerance, int rounds)
 {
-	/* tolerances are at least two roundings of the scale */
-	const double small = failed_share / (2 * DBL_EPSILON) * tolerance;
-	double left = residual_of(cone, cone->residual), least = left;
+	/* tolerances are at least twice the rounding of the scale */
+	const double accepted = failed_share / (2 * DBL_EPSILON) * tolerance;
+	double residual = residual_of(cone, cone->residual), smallest = residual;
 	int steps = FIRST_STEPS, stalled = 0, idle = 0;
 
 	for (int round = 0;
-	     round < rounds && left > tolerance && stalled < 4 && idle < 4 + cone->row_count;
+	     round < rounds && residual > tolerance && stalled < 4 && idle < 4 + cone->row_count;
 	     round++) {
 		if (rb_cone_is_over(cone))
 			break;
-		left = walk(cone, steps, left, tolerance);
-		if (!(left > tolerance))
+		residual = accelerated_steps(cone, steps, residual, tolerance);
+		if (!(residual > tolerance))
 			break;
-		bool ends = false;
-		const bool better = newton(cone, convex, &ends);
-		left = residual_of(cone, cone->residual);
-		if (better)
+		bool is_final = false;
+		const bool improved = newton(cone, convex, &is_final);
+		residual = residual_of(cone, cone->residual);
+		if (improved)
 			steps = steps > FIRST_STEPS ? steps / 2 : FIRST_STEPS;
 		else
 			steps = steps < STEPS_LIMIT ? 2 * steps : STEPS_LIMIT;
-		if (left < 0.5 * least) {
+		if (residual < 0.5 * smallest) {
 			stalled = idle = 0;
 		} else {
-			stalled += ends || left < 256 * fmax(tolerance, rounding_of(cone));
-			idle += left < small;
+			stalled += is_final || residual < 256 * fmax(tolerance, rounding_of(cone));
+			idle += residual < accepted;
 		}
-		least = fmin(left, least);
+		smallest = fmin(residual, smallest);
 	}
-	return left;
+	return residual;
 }
 
 /*
- * Bounds of friction from the pushes as they are; `never_more` lets them only shrink. True if one
- * had to change.
+ * Sets the friction bounds from the present normal impulses; `only_shrink`: only decreases them.
+ * True if one had to be decreased.
  */
-static bool hold(struct rb_cone *cone, bool never_more)
+static bool set_limits(struct rb_cone *cone, bool only_shrink)
 {
 	bool changed = false;
 
@@ -388,7 +390,7 @@ static bool hold(struct rb_cone *cone, bool never_more)
 
 		if (row->base.set != RB_CONSTRAINT_CONE)
 			continue;
-		if (!never_more) {
+		if (!only_shrink) {
 			row->limit = limit;
 		} else if (rb_vec3_length(row->base.impulse.t) > limit * (1 + 4 * DBL_EPSILON)) {
 			row->limit = fmin(0.9 * row->limit, limit);
@@ -399,128 +401,133 @@ static bool hold(struct rb_cone *cone, bool never_more)
 }
 
 /*
- * Where the law finds no solution (a body that friction jams between others, Painleve): the bounds
- * of friction shrink until it is within the cones; what slips may then have less of it than the law
- * says, at worst none.
+ * Fallback where no solution of the law is found (a body jammed between others by friction,
+ * Painleve): decreases the friction bounds until impulses are within the cones; slipping contacts
+ * may then have less friction than the law says, at worst none.
  */
-static double give_way(struct rb_cone *cone, double tolerance, double scale)
+static double reduce_friction(struct rb_cone *cone, double tolerance, double scale)
 {
-	double left = 0;
+	double residual = 0;
 
-	hold(cone, false);
+	set_limits(cone, false);
 	cone->held = true;
 	for (int round = 0; round < 300; round++) {
-		left = relax(cone, true, tolerance, 200);
-		if (!hold(cone, true) || rb_cone_is_over(cone))
+		residual = relax(cone, true, tolerance, 200);
+		if (!set_limits(cone, true) || rb_cone_is_over(cone))
 			break;
 	}
-	if (left > failed_share * scale) {
+	if (residual > failed_share * scale) {
 		for (int k = 0; k < cone->row_count; k++)
 			cone->row[k].limit = 0;
-		left = relax(cone, true, tolerance, ROUNDS_LIMIT);
+		residual = relax(cone, true, tolerance, ROUNDS_LIMIT);
 	}
 	cone->held = false;
-	return left;
+	return residual;
 }
 
-/* Friction of all rows, no more than `max` of a material's; false: that is all that they have. */
+/*
+ * Sets the friction of all rows to that of their materials, at most `max`; false: none is limited
+ * by it.
+ */
 static bool bound_friction(struct rb_cone *cone, const double *whole, double max)
 {
-	bool less = false;
+	bool limited = false;
 
 	for (int k = 0; k < cone->row_count; k++) {
 		cone->row[k].base.friction = fmin(whole[k], max);
-		less = less || whole[k] > max;
+		limited = limited || whole[k] > max;
 	}
-	return less;
+	return limited;
 }
 
-/* Newton steps alone: from near enough to a solution, others lead away from some. */
+/* Newton steps only: close to a solution, simultaneous steps may lead away from it. */
 static double refine(struct rb_cone *cone, double tolerance)
 {
-	double left = residual_of(cone, cone->residual);
-	bool better = true, ends = false;
+	double residual = residual_of(cone, cone->residual);
+	bool improved = true, is_final = false;
 
-	for (int round = 0; round < RAISE_ROUNDS && better && left > tolerance; round++) {
-		better = !rb_cone_is_over(cone) && newton(cone, false, &ends);
-		left = residual_of(cone, cone->residual);
+	for (int round = 0; round < RAISE_ROUNDS && improved && residual > tolerance; round++) {
+		improved = !rb_cone_is_over(cone) && newton(cone, false, &is_final);
+		residual = residual_of(cone, cone->residual);
 	}
-	return left;
+	return residual;
 }
 
-/* Impulses, and the bodies that have had them. */
-struct mark {
+/* Saved impulses, and bodies with these applied. */
+struct saved_state {
 	rb_along_across *impulse;
 	struct rb_solver_body *body;
 };
 
-static bool take_mark(struct rb_cone *cone, struct mark *mark)
+static bool take_saved_state(struct rb_cone *cone, struct saved_state *saved)
 {
-	mark->impulse = rb_arena_take(cone->arena, (size_t)cone->row_count, sizeof *mark->impulse);
-	mark->body = rb_arena_take(cone->arena, (size_t)cone->body_count, sizeof *mark->body);
-	return mark->impulse && mark->body;
+	saved->impulse = rb_arena_take(cone->arena, (size_t)cone->row_count,
+	                               sizeof *saved->impulse);
+	saved->body = rb_arena_take(cone->arena, (size_t)cone->body_count, sizeof *saved->body);
+	return saved->impulse && saved->body;
 }
 
-static void set_mark(const struct rb_cone *cone, struct mark *mark)
+static void save_state(const struct rb_cone *cone, struct saved_state *saved)
 {
-	memcpy(mark->body, cone->bodies.body, (size_t)cone->body_count * sizeof *mark->body);
+	memcpy(saved->body, cone->bodies.body, (size_t)cone->body_count * sizeof *saved->body);
 	for (int k = 0; k < cone->row_count; k++)
-		mark->impulse[k] = cone->row[k].base.impulse;
+		saved->impulse[k] = cone->row[k].base.impulse;
 }
 
-static void back_to_mark(struct rb_cone *cone, const struct mark *mark)
+static void restore_state(struct rb_cone *cone, const struct saved_state *saved)
 {
-	memcpy(cone->bodies.body, mark->body, (size_t)cone->body_count * sizeof *mark->body);
+	memcpy(cone->bodies.body, saved->body, (size_t)cone->body_count * sizeof *saved->body);
 	for (int k = 0; k < cone->row_count; k++)
-		cone->row[k].base.impulse = mark->impulse[k];
+		cone->row[k].base.impulse = saved->impulse[k];
 }
 
 /*
- * The whole friction by steps, each from the solution with less of it, from none on, which always
- * has one: a large friction alone says from afar neither which way a contact slips nor how hard it
- * presses. False, and all as it was: it leads to no solution.
+ * Continuation from the frictionless solution, which always exists, to the whole friction: with a
+ * large friction, a distant start says neither in which direction a contact slips nor how large its
+ * normal impulse is. False, with everything restored: it does not reach a solution.
  */
-static bool raise_friction(struct rb_cone *cone, double tolerance, double scale, double *left)
+static bool raise_friction(struct rb_cone *cone, double tolerance, double scale, double *residual)
 {
 	const rb_arena_mark here = rb_arena_here(cone->arena);
-	const bool tried = cone->joints.tried;
+	const bool attempted = cone->joints.attempted;
 	double *const whole = rb_arena_take(cone->arena, (size_t)cone->row_count, sizeof *whole);
-	struct mark start, good;
-	double max = 0, step = friction_step;
-	bool less = true, fails = false;
+	struct saved_state start, good;
+	double max = 0, factor = largest_factor;
+	bool limited = true, failed = false;
 
-	if (!whole || !take_mark(cone, &start) || !take_mark(cone, &good)) {
+	if (!whole || !take_saved_state(cone, &start) || !take_saved_state(cone, &good)) {
 		rb_arena_back(cone->arena, here);
 		return false;
 	}
-	set_mark(cone, &start);
+	save_state(cone, &start);
 	for (int k = 0; k < cone->row_count; k++)
 		whole[k] = cone->row[k].base.friction;
 	(void)bound_friction(cone, whole, 0);
-	*left = relax(cone, true, tolerance, ROUNDS_LIMIT);
-	fails = *left > failed_share * scale;
-	while (less && !fails && !rb_cone_is_over(cone)) {
-		const double next = max > 0 ? max * step : first_friction;
+	*residual = relax(cone, true, tolerance, ROUNDS_LIMIT);
+	failed = *residual > failed_share * scale;
+	while (limited && !failed && !rb_cone_is_over(cone)) {
+		const double next = max > 0 ? max * factor : first_friction;
 
-		set_mark(cone, &good);
-		less = bound_friction(cone, whole, next);
-		*left = refine(cone, tolerance);
-		if (*left <= failed_share * scale) {
+		save_state(cone, &good);
+		limited = bound_friction(cone, whole, next);
+		*residual = refine(cone, tolerance);
+		if (*residual <= failed_share * scale) {
 			max = next;
-			step = fmin(step * step, friction_step);
+			factor = fmin(factor * factor, largest_factor);
 		} else {
-			back_to_mark(cone, &good);
-			less = true;
-			step = sqrt(step);
-			fails = !(step > least_step) || max == 0;
+			restore_state(cone, &good);
+			limited = true;
+			factor = sqrt(factor);
+			failed = !(factor > smallest_factor) || max == 0;
 		}
 	}
 	(void)bound_friction(cone, whole, HUGE_VAL);
-	if (less)
-		back_to_mark(cone, &start);
-	if (tried == cone->joints.tried) /* else their factors stand behind it, and are kept */
+	if (limited)
+		restore_state(cone, &start);
+	/* otherwise the joints' factors have been allocated after it, and must be kept */
+	if (attempted == cone->joints.attempted)
 		rb_arena_back(cone->arena, here);
-	return !less;
+	return !limited;
 }
 
 double rb_cone_resolve(struct rb_cone *cone, double scale)
@@ -531,23 +538,23 @@ double rb_cone_resolve(struct rb_cone *cone, double scale)
 	for (int k = 0; k < cone->row_count; k++)
 		convex = convex && (cone->row[k].given || !(cone->row[k].base.friction > 0));
 	cone->held = false;
-	double left = relax(cone, convex, tolerance, convex ? ROUNDS_LIMIT : 16);
-	for (int outer = 0; outer < 20 && !convex && left > 1e3 * tolerance; outer++) {
+	double residual = relax(cone, convex, tolerance, convex ? ROUNDS_LIMIT : 16);
+	for (int outer = 0; outer < 20 && !convex && residual > 1e3 * tolerance; outer++) {
 		if (rb_cone_is_over(cone))
-			return left;
-		hold(cone, false);
+			return residual;
+		set_limits(cone, false);
 		cone->held = true;
-		relax(cone, true, fmax(tolerance, 1e-3 * left), 20);
+		relax(cone, true, fmax(tolerance, 1e-3 * residual), 20);
 		cone->held = false;
-		left = relax(cone, false, tolerance, 5);
+		residual = relax(cone, false, tolerance, 5);
 	}
-	if (convex || cone->probes || left <= failed_share * scale)
-		return left;
+	if (convex || cone->probes || residual <= failed_share * scale)
+		return residual;
 	double raised;
 	if (raise_friction(cone, tolerance, scale, &raised))
 		return raised;
 	if (rb_cone_is_over(cone))
-		return left;
-	cone->gave_way = true;
-	return give_way(cone, tolerance, scale);
+		return residual;
+	cone->friction_reduced = true;
+	return reduce_friction(cone, tolerance, scale);
 }

@@ -4,62 +4,62 @@
 #include <float.h>
 
 /*
- * Across the normal u = (speed) (c, s), and with dp = speed dt the end of slip, where the direction
- * may turn ever faster, is infinitely far away in t: everything is analytic in t, and the direction
- * follows an equation of its own. Steps are Taylor series, whose coefficients are products of
- * series; directions that keep themselves need none.
+ * The tangential velocity is u = speed (c, s). With the parameter t, dp = speed dt, the end of
+ * slip, where the direction may rotate ever faster, is at infinity: everything is analytic in t,
+ * and the direction has a differential equation of its own. Steps are Taylor series, whose
+ * coefficients are products of series; constant directions do not need them.
  */
 enum {
 	ORDER = 24,
 	TERMS = ORDER + 1,
 	/*
-	 * a slip loses at most all of its digits twice, in steps of about one e-fold; turning takes
-	 * a few more
+	 * the speed falls through all its digits at most twice, in steps of about one e-fold;
+	 * changes of direction take a few more
 	 */
 	STEPS = 1024,
 	EVENTS =
 		/*
-		 * compression begins at most twice again: normal acceleration changes its sign
-		 * twice a turn
+		 * compression restarts at most twice: normal acceleration changes its sign twice
+		 * per turn
 		 */
 	64,
-	ROUNDS = 128 /* of bisection, of Newton's method for a direction */
+	ROUNDS = 128 /* of bisection, and of Newton's method for a direction */
 };
-/* Friction beyond this many times what goes in is as good as boundless. */
+/* Limit of the friction coefficient, as good as infinite. */
 static const double friction_max = 0x1p100;
 /*
- * A slip below this share of the speeds has ended: below the rounding even of what depends on its
- * root.
+ * Slip below this share of the speeds has ended: it is below the rounding even of quantities that
+ * depend on its square root.
  */
 static const double ended = DBL_EPSILON * DBL_EPSILON;
-/* Directions that turn less than this share of the rates keep themselves: K is not known better. */
-static const double turning = 4 * DBL_EPSILON;
+/* Directions whose rate is below this share of the rates are constant: K is not more accurate. */
+static const double constant_direction = 4 * DBL_EPSILON;
 
-/* Two coordinates across the normal. */
+/* Two tangential coordinates. */
 struct pair {
 	double x, y;
 };
 
 /*
- * K in units of its largest number, friction included: what it does to slip and normal velocity per
+ * K in units of its largest entry, multiplied by friction: rates of slip and normal velocity per
  * normal impulse.
  */
 struct law {
-	double nn;         /* normal by normal */
-	struct pair n;     /* slip by normal */
+	double nn;         /* normal velocity by normal impulse */
+	struct pair n;     /* slip by normal impulse */
 	double xx, xy, yy; /* slip by friction at its limit */
 	double friction;
-	double unit; /* of t: rates in it are about 1 */
+	double unit; /* unit of t, in which rates are about 1 */
 };
 
-struct course {
+struct impact {
 	struct law law;
 	struct pair along;   /* unit: direction of slip */
-	double speed;        /* of slip */
-	double w;            /* normal velocity, parting */
+	double speed;        /* speed of slip */
+	double w;            /* normal velocity, positive when separating */
 	double p;            /* normal impulse so far */
-	struct pair q;       /* friction's */
-	double taken, given; /* work of compression and of restitution, >= 0 */
+	struct pair q;       /* friction impulse so far */
+	double taken, given; /* work of compression and of restitution so far, >= 0 */
 	double share;        /* e^2 */
 	bool compressing, over;
 };
@@ -83,24 +83,25 @@ static struct pair slip_rate(const struct law *law, struct pair d)
 	                     law->n.y - (law->xy * d.x + law->yy * d.y)};
 }
 
-/* Of the normal velocity. */
+/* Rate of the normal velocity per normal impulse, slipping along d. */
 static double normal_rate(const struct law *law, struct pair d)
 {
 	return law->nn - law->friction * dot(law->n, d);
 }
 
-static double owed(const struct course *c)
+static double restitution_left(const struct impact *c)
 {
 	return c->share * c->taken - c->given;
 }
 
-/* ---- directions that keep themselves ---- */
+/* ---- constant directions ---- */
 
 /*
- * With constant rates over at most `most` of normal impulse: `rate` of the normal velocity, `rub`
- * of friction's impulse.
+ * Advances with constant rates by a normal impulse of at most `max`: `rate` of the normal velocity,
+ * `friction_impulse` of the friction impulse.
  */
-static void go_straight(struct course *c, double max, double rate, struct pair friction_impulse)
+static void advance_straight(struct impact *c, double max, double rate,
+                             struct pair friction_impulse)
 {
 	for (int event = 0; event < EVENTS && !c->over && max > 0; event++) {
 		const bool compressing = c->compressing;
@@ -110,7 +111,8 @@ static void go_straight(struct course *c, double max, double rate, struct pair f
 			step = -c->w / rate;
 			c->compressing = false;
 		} else if (!compressing) {
-			const double rest = owed(c), square = c->w * c->w + 2 * rate * rest;
+			const double rest = restitution_left(c),
+				     square = c->w * c->w + 2 * rate * rest;
 			const double end = square >= 0 ? 2 * rest / (c->w + sqrt(square))
 			                               : HUGE_VAL;
 
@@ -122,7 +124,7 @@ static void go_straight(struct course *c, double max, double rate, struct pair f
 				c->compressing = true;
 			}
 		}
-		if (isinf(step)) { /* only by rounding of a K that is none */
+		if (isinf(step)) { /* only if K is not positive, by rounding */
 			c->over = true;
 			break;
 		}
@@ -136,19 +138,20 @@ static void go_straight(struct course *c, double max, double rate, struct pair f
 	}
 }
 
-/* Slip along a direction that it keeps, up to its end. */
-static void slip_straight(struct course *c)
+/* Slip in a constant direction, until it ends. */
+static void slip_straight(struct impact *c)
 {
 	const struct law *const law = &c->law;
-	const double slows = -dot(slip_rate(law, c->along), c->along);
+	const double deceleration = -dot(slip_rate(law, c->along), c->along);
 
-	go_straight(c, slows > 0 ? c->speed / slows : HUGE_VAL, normal_rate(law, c->along),
-	            (struct pair){-law->friction * c->along.x, -law->friction * c->along.y});
+	advance_straight(c, deceleration > 0 ? c->speed / deceleration : HUGE_VAL,
+	                 normal_rate(law, c->along),
+	                 (struct pair){-law->friction * c->along.x, -law->friction * c->along.y});
 	c->speed = 0;
 }
 
-/* v with (A + g) v = n, A what friction at its limit does to slip. */
-static struct pair against(const struct law *law, double g, struct pair n)
+/* Solves (A + g) v = n, with A the rates of slip by friction at its limit. */
+static struct pair solve_shifted(const struct law *law, double g, struct pair n)
 {
 	const double xx = law->xx + g, yy = law->yy + g;
 	const double determinant = xx * yy - law->xy * law->xy;
@@ -158,66 +161,69 @@ static struct pair against(const struct law *law, double g, struct pair n)
 }
 
 /*
- * From no slip. With v = A^-1 n, friction -v (of its limit) keeps it from slipping; if that is
- * longer than 1, slip sets in along the one d with slip_rate = g d, g > 0: |(A + g)^-1 n| = 1,
- * whose left side falls with g, so that Newton's method for its inverse comes to the root from one
- * side (More, Sorensen, SIAM J. Sci. Stat. Comput. 4 (1983) 553).
+ * Continues from zero slip. With v = A^-1 n, friction -v (relative to its limit) prevents slip; if
+ * v is longer than 1, slip begins in the one direction d with slip_rate = g d, g > 0: |(A + g)^-1
+ * n| = 1. The left side decreases with g, so that Newton's method for its inverse approaches the
+ * root from one side (More, Sorensen, SIAM J. Sci. Stat. Comput. 4 (1983) 553).
  */
-static void begin_slip(struct course *c)
+static void begin_slip(struct impact *c)
 {
 	const struct law *const law = &c->law;
 	const double trace = law->xx + law->yy;
 	const double determinant = law->xx * law->yy - law->xy * law->xy;
-	/* of a block that is singular to rounding the lesser yield is not known */
+	/* if the block is singular to rounding, its smaller eigenvalue is unknown */
 	double g = determinant > DBL_EPSILON * DBL_EPSILON * trace * trace ? 0
 	                                                                   : DBL_EPSILON * trace;
-	struct pair v = against(law, g, law->n);
+	struct pair v = solve_shifted(law, g, law->n);
 
 	if (hypot(v.x, v.y) <= 1) {
 		const struct pair friction_impulse = {-law->friction * v.x, -law->friction * v.y};
 
-		/* positive, as K is */
-		go_straight(c, HUGE_VAL,
-		            fmax(law->nn + dot(law->n, friction_impulse), DBL_EPSILON * law->nn),
-		            friction_impulse);
+		/* positive, because K is */
+		advance_straight(
+			c, HUGE_VAL,
+			fmax(law->nn + dot(law->n, friction_impulse), DBL_EPSILON * law->nn),
+			friction_impulse);
 		c->over = true;
 		return;
 	}
 	for (int round = 0; round < ROUNDS; round++) {
 		const double length = hypot(v.x, v.y);
-		const double next = g + length * length * (length - 1) / dot(v, against(law, g, v));
+		const double next = g + length * length * (length - 1) /
+		                                dot(v, solve_shifted(law, g, v));
 
 		if (!(next > g))
 			break;
 		g = next;
-		v = against(law, g, law->n);
+		v = solve_shifted(law, g, law->n);
 	}
 	c->along = unit(v);
 	slip_straight(c);
 	c->over = true;
 }
 
-/* ---- directions that turn ---- */
+/* ---- rotating directions ---- */
 
 struct series {
 	double x[TERMS], y[TERMS], speed[TERMS]; /* of direction and slip */
 	double gain[TERMS], turn[TERMS],
-		rate[TERMS]; /* of slip; of the direction; of w per impulse */
+		rate[TERMS]; /* rates of slip; of the direction; of w per impulse */
 	double p[TERMS], w[TERMS], qx[TERMS], qy[TERMS], work[TERMS];
 	double aside
-		/*
-		 * of the direction from that of law.n: where it is zero the rate is least or most
-		 */
+		/* of the direction from law.n: where it is zero, the rate has an extremum */
 		[TERMS];
 };
 
-/* Two series at once: what their products cost is most of what an impact does. */
+/* Two series at once: products of series are most of the cost of an impact. */
 typedef double two __attribute__((vector_size(16)));
 
-static void expand(const struct course *c, struct series *t)
+static void expand(const struct impact *c, struct series *t)
 {
 	const struct law *const law = &c->law;
-	/* the direction, and it swapped; the rates that bend it; of speed and of w */
+	/*
+	 * the direction, and with its coordinates swapped; the rates that rotate it; those of speed
+	 * and w
+	 */
 	two along[TERMS], swapped[TERMS], bend[TERMS], bend_swapped[TERMS], rates[TERMS];
 
 	t->x[0] = c->along.x;
@@ -266,13 +272,13 @@ static void expand(const struct course *c, struct series *t)
 }
 
 /*
- * Up to where the last terms are below rounding. Work, a product of two that fall with slip, is the
- * first to ask for it.
+ * Step at which the last terms are still below rounding. Work, a product of two factors that
+ * decrease with slip, is the most demanding.
  */
-static double reach_of(const struct series *t)
+static double step_of(const struct series *t)
 {
 	const double work = t->speed[0] * fmax(fabs(t->w[0]), t->speed[0]);
-	double reach = 0x1p100;
+	double step = 0x1p100;
 
 	for (int k = ORDER - 1; k <= ORDER; k++) {
 		const double size = fmax(
@@ -280,9 +286,9 @@ static double reach_of(const struct series *t)
 			fmax(fabs(t->speed[k]) / t->speed[0], fabs(t->work[k]) / work));
 
 		if (size > 0)
-			reach = fmin(reach, pow(DBL_EPSILON / size, 1.0 / k));
+			step = fmin(step, pow(DBL_EPSILON / size, 1.0 / k));
 	}
-	return reach;
+	return step;
 }
 
 static double value(const double *a, double t)
@@ -303,10 +309,7 @@ static double slope(const double *a, double t)
 	return sum;
 }
 
-/*
- * Where a - level changes its sign in [low, high], between which it is monotone: Newton's method,
- * or halves.
- */
+/* Zero of a - level in [low, high], where a is monotone: Newton's method, or bisection. */
 static double crossing(const double *a, double level, double low, double high)
 {
 	const bool rises = value(a, high) > level;
@@ -317,7 +320,7 @@ static double crossing(const double *a, double level, double low, double high)
 
 		*((off > 0) == rises ? &high : &low) = t;
 		double next = t - off / slope(a, t);
-		/* it converges from the second round on, or is far from the root */
+		/* Newton's method converges from the second round on, or is far from the root */
 		if (!(next >= low && next <= high && fabs(next - t) <= 0.5 * before))
 			next = 0.5 * (low + high);
 		before = fabs(next - t);
@@ -328,13 +331,13 @@ static double crossing(const double *a, double level, double low, double high)
 	return t;
 }
 
-/* First sign change in (low, high) of what is monotone there; `high` if there is none. */
+/* First sign change in (low, high) of a series that is monotone there; `high` if there is none. */
 static double first_change(const double *a, double low, double high)
 {
 	return (value(a, low) > 0) != (value(a, high) > 0) ? crossing(a, 0, low, high) : high;
 }
 
-static void come_to(struct course *c, const struct series *s, double t)
+static void advance_to(struct impact *c, const struct series *s, double t)
 {
 	const double work = value(s->work, t);
 
@@ -348,45 +351,45 @@ static void come_to(struct course *c, const struct series *s, double t)
 }
 
 /*
- * On [low, high] w is monotone. Does compression or restitution end there? Then the course is
- * there, and it is true.
+ * If compression or restitution ends in [low, high], where w is monotone, advances to that moment
+ * and returns true.
  */
-static bool ends_within(struct course *c, const struct series *s, double low, double high)
+static bool ends_within(struct impact *c, const struct series *s, double low, double high)
 {
 	const double after = value(s->w, high);
 	const bool changes = c->compressing ? after > 0 : after < 0;
 	const double end = changes ? crossing(s->w, 0, low, high) : high;
 
-	if (!c->compressing && value(s->work, end) >= owed(c)) {
-		come_to(c, s, crossing(s->work, owed(c), low, end));
+	if (!c->compressing && value(s->work, end) >= restitution_left(c)) {
+		advance_to(c, s, crossing(s->work, restitution_left(c), low, end));
 		c->over = true;
 		return true;
 	}
 	if (!changes)
 		return false;
-	come_to(c, s, end);
+	advance_to(c, s, end);
 	c->w = 0;
 	c->compressing = !c->compressing;
-	c->over = !c->compressing && !(owed(c) > 0);
+	c->over = !c->compressing && !(restitution_left(c) > 0);
 	return true;
 }
 
-static void slip_on(struct course *c)
+static void slip_rotating(struct impact *c)
 {
 	struct series s;
 
 	expand(c, &s);
-	const double end = reach_of(&s);
+	const double end = step_of(&s);
 	const double middle = first_change(s.aside, 0, end);
 	const double stop[5] = {0, first_change(s.rate, 0, middle), middle,
 	                        first_change(s.rate, middle, end), end};
 	for (int k = 0; k < 4; k++)
 		if (stop[k + 1] > stop[k] && ends_within(c, &s, stop[k], stop[k + 1]))
 			return;
-	come_to(c, &s, end);
+	advance_to(c, &s, end);
 }
 
-static void run(struct course *c)
+static void run(struct impact *c)
 {
 	for (int step = 0; step < STEPS && !c->over; step++) {
 		const struct pair rate = slip_rate(&c->law, c->along);
@@ -394,10 +397,10 @@ static void run(struct course *c)
 
 		if (!(c->speed > ended))
 			begin_slip(c);
-		else if (fabs(turn) * c->law.unit <= turning || step == STEPS - 2)
+		else if (fabs(turn) * c->law.unit <= constant_direction || step == STEPS - 2)
 			slip_straight(c);
 		else
-			slip_on(c);
+			slip_rotating(c);
 	}
 }
 
@@ -412,7 +415,7 @@ static double largest_of(const rb_mat3 *a)
 	return largest;
 }
 
-/* A power of two that brings `size` to about 1: it costs no digits. */
+/* Exponent of a power of two that scales `size` to about 1 without loss of digits. */
 static int binary_size(double size)
 {
 	int exponent;
@@ -426,7 +429,9 @@ static rb_vec3 scaled(rb_vec3 a, int exponent)
 	return (rb_vec3){ldexp(a.x, exponent), ldexp(a.y, exponent), ldexp(a.z, exponent)};
 }
 
-/* In units in which its numbers are about 1, and symmetric where rounding has left it otherwise. */
+/*
+ * K in units in which its entries are about 1, made symmetric where rounding has left it otherwise.
+ */
 static rb_mat3 inverse_effective_mass_of(const struct rb_eccentric *contact, int size)
 {
 	rb_mat3 inverse_effective_mass;
@@ -455,11 +460,8 @@ static struct law law_of(const struct rb_eccentric *contact, rb_vec3 t, rb_vec3 
 	return law;
 }
 
-/*
- * What an impulse changes of the kinetic energy is J.(u + K J / 2): is it above rounding of its
- * parts?
- */
-static bool gains(const struct rb_eccentric *contact, rb_vec3 u, rb_vec3 impulse)
+/* Does the impulse increase kinetic energy by more than rounding? The change is J.(u + K J / 2). */
+static bool gains_energy(const struct rb_eccentric *contact, rb_vec3 u, rb_vec3 impulse)
 {
 	const rb_vec3 change = rb_mat3_apply(&contact->inverse_effective_mass, impulse);
 	const double before = rb_vec3_dot(impulse, u), more = 0.5 * rb_vec3_dot(impulse, change);
@@ -467,7 +469,7 @@ static bool gains(const struct rb_eccentric *contact, rb_vec3 u, rb_vec3 impulse
 	return !(before + more <= 64 * DBL_EPSILON * (fabs(before) + fabs(more)));
 }
 
-/* Without friction. */
+/* The impulse without friction. */
 static rb_vec3 along_normal(const struct rb_eccentric *contact, const struct law *law,
                             rb_vec3 velocity)
 {
@@ -480,7 +482,7 @@ static rb_vec3 solve(const struct rb_eccentric *contact, rb_vec3 u)
 {
 	const rb_vec3 t = rb_vec3_across(contact->normal), s = rb_vec3_cross(contact->normal, t);
 	const struct pair slip = {rb_vec3_dot(t, u), rb_vec3_dot(s, u)};
-	struct course c = {.law = law_of(contact, t, s),
+	struct impact c = {.law = law_of(contact, t, s),
 	                   .speed = hypot(slip.x, slip.y),
 	                   .w = rb_vec3_dot(contact->normal, u),
 	                   .share = contact->restitution * contact->restitution,
@@ -492,8 +494,8 @@ static rb_vec3 solve(const struct rb_eccentric *contact, rb_vec3 u)
 	run(&c);
 	const rb_vec3 impulse = rb_vec3_add_scaled(
 		rb_vec3_add_scaled(rb_vec3_scale(c.p, contact->normal), c.q.x, t), c.q.y, s);
-	/* where K is not what bodies can have */
-	return gains(contact, u, impulse) ? along_normal(contact, &c.law, u) : impulse;
+	/* the fallback for a K that no bodies have */
+	return gains_energy(contact, u, impulse) ? along_normal(contact, &c.law, u) : impulse;
 }
 
 rb_vec3 rb_eccentric_impulse(const struct rb_eccentric *contact, rb_vec3 velocity)

@@ -36,7 +36,7 @@ double rb_effective_mass_tangent(const rb_mat3 *k, rb_vec3 normal)
 	return 0.5 * (tt + ss) + hypot(0.5 * (tt - ss), ts);
 }
 
-/* Adds what a body gives way to a couple by. */
+/* Adds a body's part of K for a couple. */
 static void add_couple(const struct rb_solver_bodies *bodies, int i, double lever,
                        const rb_vec3 axis[3], rb_mat3 *k)
 {
@@ -65,7 +65,7 @@ rb_mat3 rb_effective_mass_of(const struct rb_solver_bodies *bodies, const struct
 	return k;
 }
 
-/* Of K along the normal and across it, what rows are solved with. */
+/* Entries of K that solvers use: normal, and tangential. */
 struct entries {
 	double nn, xx, yy, xy;
 };
@@ -92,10 +92,10 @@ static void add_entries(const struct rb_solver_bodies *bodies, int i, rb_vec3 ar
 }
 
 /*
- * Of inertias that are multiples of one: J (r^2 1 - r r^T) turns, so that along n only J |n x r|^2
- * counts, and across it J (r.n)^2 in every direction and J |n x r|^2 more in that of n x r.
+ * Isotropic inertias: the rotational part of K is J (r^2 1 - r r^T), which along n is J |n x r|^2,
+ * and tangentially J (r.n)^2 in every direction plus J |n x r|^2 in the direction of n x r.
  */
-static void fill_of_multiples(const struct rb_solver_bodies *bodies, struct rb_constraint *row)
+static void fill_isotropic(const struct rb_solver_bodies *bodies, struct rb_constraint *row)
 {
 	const struct rb_solver_body *a = &bodies->body[row->a], *b = &bodies->body[row->b];
 	const rb_vec3 n = row->normal;
@@ -104,13 +104,13 @@ static void fill_of_multiples(const struct rb_solver_bodies *bodies, struct rb_c
 	const double masses = a->inverse_mass + b->inverse_mass;
 	const double pp = a->inverse_inertia * rb_vec3_dot(p, p);
 	const double qq = b->inverse_inertia * rb_vec3_dot(q, q), pq = rb_vec3_dot(p, q);
-	const double all_ways = masses + a->inverse_inertia * along_a * along_a +
-	                        b->inverse_inertia * along_b * along_b;
+	const double isotropic = masses + a->inverse_inertia * along_a * along_a +
+	                         b->inverse_inertia * along_b * along_b;
 	const double off = pp - qq;
 
 	row->inverse_mass_n = masses + pp + qq;
 	/* the larger eigenvalue of J_a p p^T + J_b q q^T */
-	row->inverse_mass_t = all_ways +
+	row->inverse_mass_t = isotropic +
 	                      0.5 * (pp + qq +
 	                             sqrt(off * off +
 	                                  4 * a->inverse_inertia * b->inverse_inertia * pq * pq));
@@ -128,7 +128,7 @@ void rb_effective_mass_fill(const struct rb_solver_bodies *bodies, struct rb_con
 		return;
 	}
 	if (!row->couple && !isnan(a->inverse_inertia) && !isnan(b->inverse_inertia)) {
-		fill_of_multiples(bodies, row);
+		fill_isotropic(bodies, row);
 		return;
 	}
 	const rb_vec3 x = rb_vec3_across(row->normal);
@@ -145,7 +145,10 @@ void rb_effective_mass_fill(const struct rb_solver_bodies *bodies, struct rb_con
 	add_entries(bodies, row->a, rb_constraint_arm_a(row), axis, &k);
 	add_entries(bodies, row->b, rb_constraint_arm_b(row), axis, &k);
 	RB_ASSERT_COSTLY(k.nn > 0);
-	/* the larger eigenvalue of what is across; as in rb_effective_mass_across, without hypot */
+	/*
+	 * the larger eigenvalue of the tangential block, as in rb_effective_mass_across, but
+	 * without hypot
+	 */
 	const double half = 0.5 * (k.xx - k.yy);
 	row->inverse_mass_n = k.nn;
 	row->inverse_mass_t = 0.5 * (k.xx + k.yy) + sqrt(half * half + k.xy * k.xy);

@@ -2,9 +2,9 @@
 /*
  * Sums that do not depend on the order of their terms, and that change sign with them, to the bit.
  *
- * Every term is cut into two parts on fixed grids that follow from the largest term and the number
- * of terms only; on a grid, sums are exact in any order. What lies below the second grid is
- * dropped: less than 2^(3 log2(n) - 104) of the largest term (the idea of Demmel and Nguyen, "Fast
+ * Every term is split into two parts on fixed grids that depend only on the largest term and the
+ * number of terms; on a grid, sums are exact in any order. The rest, below the second grid, is
+ * dropped: less than 2^(3 log2(n) - 104) of the largest term (after Demmel and Nguyen, "Fast
  * reproducible floating-point summation", ARITH 21 (2013)).
  */
 #ifndef RB_CONSTRAINT_EXACT_SUM_H

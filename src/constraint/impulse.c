@@ -12,7 +12,7 @@ static bool is_moving(const struct rb_world *world, int index)
 	return index < world->model->body_count;
 }
 
-/* Adds what a body at that arm contributes to K: 1/m - [r] I^-1 [r]. */
+/* Adds the part of a body at that arm to K: 1/m - [r] I^-1 [r]. */
 static void add_inverse_mass(const struct rb_world *world, const struct rb_state *state, int i,
                              rb_vec3 arm, rb_mat3 *k)
 {
@@ -25,8 +25,8 @@ static void add_inverse_mass(const struct rb_world *world, const struct rb_state
 }
 
 /*
- * Yield of the body along the normal and across it, if its contact is central and its inertia
- * isotropic.
+ * Adds the body's normal and tangential inverse effective masses; false unless its contact is
+ * central and its inertia isotropic.
  */
 static bool central_inverse_mass(const struct rb_world *world, const struct rb_state *state, int i,
                                  double *along, double *across)
@@ -81,8 +81,8 @@ struct rb_link rb_link_of(const struct rb_world *world, const struct rb_state *s
 	                                    &link.tangent_inverse_mass);
 	if (link.central) {
 		/*
-		 * a sphere's arm is its radius along the normal, whatever the gap within the
-		 * tolerance
+		 * a sphere's arm is its radius along the normal, independent of the gap (within the
+		 * tolerance)
 		 */
 		link.arm_a = rb_vec3_scale(model->shape[link.a].radius, link.normal);
 		if (is_moving(world, link.b))
@@ -135,9 +135,9 @@ double rb_link_noise(const struct rb_world *world, const struct rb_link *link)
 	        speed_bound(world, link->b, link->arm_b));
 }
 
-/* The hot path of every iteration: a body's inverse mass and inertia come with the link. */
-static inline void push_body(struct rb_world *world, int i, double inverse_mass,
-                             double inverse_inertia, rb_vec3 arm, rb_vec3 impulse)
+/* The hot path of every iteration; inverse mass and inertia come with the link. */
+static inline void apply_to_body(struct rb_world *world, int i, double inverse_mass,
+                                 double inverse_inertia, rb_vec3 arm, rb_vec3 impulse)
 {
 	double *const v = world->state.velocity + 3 * (size_t)i;
 
@@ -158,11 +158,11 @@ static inline void push_body(struct rb_world *world, int i, double inverse_mass,
 
 void rb_link_apply(struct rb_world *world, const struct rb_link *link, rb_vec3 impulse)
 {
-	push_body(world, link->a, link->inverse_mass_a, link->inverse_inertia_a, link->arm_a,
-	          rb_vec3_neg(impulse));
+	apply_to_body(world, link->a, link->inverse_mass_a, link->inverse_inertia_a, link->arm_a,
+	              rb_vec3_neg(impulse));
 	if (link->inverse_mass_b > 0)
-		push_body(world, link->b, link->inverse_mass_b, link->inverse_inertia_b,
-		          link->arm_b, impulse);
+		apply_to_body(world, link->b, link->inverse_mass_b, link->inverse_inertia_b,
+		              link->arm_b, impulse);
 }
 
 /* The part of u across the normal. */
@@ -171,7 +171,7 @@ static rb_vec3 across(const struct rb_link *link, rb_vec3 u)
 	return rb_vec3_add_scaled(u, -rb_vec3_dot(u, link->normal), link->normal);
 }
 
-/* Shortened to `most` where it is longer: the circular friction cone. */
+/* Shortens the vector to the length `max` if it is longer: the circular friction cone. */
 static rb_vec3 within(rb_vec3 tangent, double max)
 {
 	const double length = rb_vec3_length(tangent);
@@ -197,13 +197,13 @@ rb_vec3 rb_link_impact(const struct rb_link *link, rb_vec3 velocity, double targ
 	return rb_vec3_add_scaled(within(stick, link->friction * normal), normal, link->normal);
 }
 
-/* Normal and friction of a central contact do not meddle with each other: one after the other. */
+/* For a central contact, normal and friction impulses are independent: one after the other. */
 static rb_vec3 central_impulse(const struct rb_impulse_row *row, rb_vec3 u)
 {
 	const struct rb_link *link = &row->link;
 	/*
-	 * the sum is clamped, not the increment: a later sweep may take back what this one gives
-	 * too much
+	 * the sum is clamped, not the increment: a later sweep may reduce an impulse that is too
+	 * large
 	 */
 	const double normal = fmax(
 		0, row->normal + (row->target_velocity - rb_vec3_dot(u, link->normal)) /
@@ -218,20 +218,21 @@ static rb_vec3 central_impulse(const struct rb_impulse_row *row, rb_vec3 u)
 }
 
 /*
- * Of an eccentric contact: the impulse that alone takes the relative velocity `free` to the wanted
- * one, sticking if the cone allows that, else sliding against the slip that it leaves (damped fixed
- * point of its direction). Where friction would pull the bodies together faster than the impulse
- * parts them (Painleve), the sticking impulse, cut to the cone.
+ * For an eccentric contact, the impulse that by itself brings the relative velocity `free` to the
+ * target: sticking if the cone allows that, otherwise sliding, with friction opposite to the
+ * remaining slip (damped fixed point of its direction). Where friction would make the bodies
+ * approach faster than the impulse separates them (Painleve): the sticking impulse, limited to the
+ * cone.
  */
 static rb_vec3 eccentric_impulse(const struct rb_link *link, rb_vec3 free, double target_velocity)
 {
-	const double short_of = target_velocity - rb_vec3_dot(free, link->normal);
+	const double missing = target_velocity - rb_vec3_dot(free, link->normal);
 	rb_mat3 inverse;
 
-	if (short_of <= 0)
+	if (missing <= 0)
 		return (rb_vec3){0, 0, 0};
 	if (!(link->friction > 0) || !rb_mat3_inverse(&link->inverse_effective_mass, &inverse))
-		return rb_vec3_scale(short_of / link->normal_inverse_mass, link->normal);
+		return rb_vec3_scale(missing / link->normal_inverse_mass, link->normal);
 	const rb_vec3 stick = rb_mat3_apply(
 		&inverse, rb_vec3_sub(rb_vec3_scale(target_velocity, link->normal), free));
 	const double stick_normal = rb_vec3_dot(stick, link->normal);
@@ -250,21 +251,21 @@ static rb_vec3 eccentric_impulse(const struct rb_link *link, rb_vec3 free, doubl
 		if (!(inverse_effective_mass > 1e-3 * link->normal_inverse_mass))
 			break;
 		const rb_vec3 slip = across(
-			link, rb_vec3_add_scaled(free, short_of / inverse_effective_mass, kd));
+			link, rb_vec3_add_scaled(free, missing / inverse_effective_mass, kd));
 		const rb_vec3 next = rb_vec3_unit(rb_vec3_add(along, rb_vec3_unit(slip, along)),
 		                                  along);
 		const bool converged = rb_vec3_length(rb_vec3_sub(next, along)) <= 1e-13;
 
 		along = next;
 		if (converged || round == 63)
-			return rb_vec3_scale(short_of / inverse_effective_mass, d);
+			return rb_vec3_scale(missing / inverse_effective_mass, d);
 	}
-	const double normal = fmax(stick_normal, short_of / link->normal_inverse_mass);
+	const double normal = fmax(stick_normal, missing / link->normal_inverse_mass);
 	return rb_vec3_add_scaled(within(stick_tangent, link->friction * normal), normal,
 	                          link->normal);
 }
 
-/* One row on its own: returns the change of velocity that it made. */
+/* Solves a single row; returns the change of its velocity. */
 static double solve_row(struct rb_world *world, struct rb_impulse_row *row)
 {
 	const struct rb_link *link = &row->link;
@@ -290,7 +291,7 @@ static double solve_row(struct rb_world *world, struct rb_impulse_row *row)
  * Adds `share` of each row's direction to its impulse; the sweep that follows projects it back to
  * the cone.
  */
-static void follow(struct rb_world *world, struct rb_impulse_row *row, int count, double share)
+static void extrapolate(struct rb_world *world, struct rb_impulse_row *row, int count, double share)
 {
 	for (int k = 0; k < count; k++) {
 		const rb_vec3 extra = rb_vec3_scale(share, row[k].direction);
@@ -303,10 +304,10 @@ static void follow(struct rb_world *world, struct rb_impulse_row *row, int count
 	}
 }
 
-/* Multiplications of a row in a sweep, about. */
+/* Work of a row per sweep, in multiplications, about. */
 enum { SWEEP_WORK = 256 };
 
-/* One attempt at the rows; `*diverged` where the impulses grow without end. */
+/* Iterates on the rows; `*diverged`: the impulses grow without bound. */
 static double iterate(struct rb_world *world, struct rb_impulse_row *row, int count, int sweeps,
                       double tolerance, bool *diverged)
 {
@@ -330,12 +331,12 @@ static double iterate(struct rb_world *world, struct rb_impulse_row *row, int co
 		if (*diverged)
 			break;
 		/*
-		 * one row is exact after a sweep, and the last sweep must stand; where it got worse
-		 * begin anew
+		 * a single row is exact after a sweep, and the last sweep must not be followed by
+		 * an extrapolation; restarts where the change grew
 		 */
 		const double share = sweep > 0 && size <= size_before ? size / size_before : 0;
 		if (count > 1 && share > 0 && sweep + 1 < sweeps)
-			follow(world, row, count, share);
+			extrapolate(world, row, count, share);
 		for (int k = 0; k < count; k++)
 			row[k].direction = rb_vec3_add_scaled(row[k].change, share,
 			                                      row[k].direction);
@@ -356,7 +357,7 @@ double rb_impulse_rows_solve(struct rb_world *world, struct rb_impulse_row *row,
 		if (!diverged)
 			break;
 		/*
-		 * a body jammed by friction between others (Painleve): give way with half the
+		 * a body jammed between others by friction (Painleve): retry with half the
 		 * friction, at last without
 		 */
 		for (int k = 0; k < count; k++) {

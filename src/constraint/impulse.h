@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What an impulse at a contact does, and how large it has to be.
+ * Impulses of contacts: their effects, and their computation.
  *
  * A link is the mechanics of one contact at one moment: arms, effective masses, materials.
  * Velocities are those of b relative to a at the contact point; an impulse acts on b, its opposite
@@ -42,16 +42,16 @@ void rb_link_apply(struct rb_world *world, const struct rb_link *link, rb_vec3 i
 double rb_link_noise(const struct rb_world *world, const struct rb_link *link);
 
 /*
- * The impulse on b of one impact on its own: `velocity` relative, approaching; `leave` >= 0 the
- * normal velocity wanted afterwards, `restitution` the share of it in the approach (for the
- * energetic law).
+ * Returns the impulse on b of a single impact: `velocity` is the relative velocity, approaching;
+ * `target_velocity` >= 0 the normal velocity after the impact, whose ratio to the approach is the
+ * restitution (for the energetic law).
  */
 rb_vec3 rb_link_impact(const struct rb_link *link, rb_vec3 velocity, double target_velocity);
 
 /* One contact among several that are solved together. */
 struct rb_impulse_row {
 	struct rb_link link;
-	double target_velocity; /* m/s: the normal velocity is to be at least this */
+	double target_velocity; /* m/s: least normal velocity afterwards */
 	double normal;          /* N s, >= 0: accumulated impulse */
 	rb_vec3 tangent;        /* N s, on b, |tangent| <= friction * normal */
 
@@ -60,14 +60,14 @@ struct rb_impulse_row {
 };
 
 /*
- * Block Gauss-Seidel with projection: normal velocity at least `leave` where the normal impulse is
- * zero, just that where it is positive; tangential velocity zero inside the friction cone, opposite
- * to the impulse on it. Sweeps are accelerated as nonlinear conjugate gradients (Silcowitz, Niebe,
- * Erleben, "A nonsmooth nonlinear conjugate gradient method for interactive contact force
- * problems", Vis. Comput. 26 (2010) 893), each followed by a plain sweep, so that the result keeps
- * the cone. Rows are in order of pairs; stops when no velocity changes by more than `enough`, or
- * after `sweeps`. Accumulated impulses in the rows must have been applied already. Returns the last
- * change, m/s.
+ * Block Gauss-Seidel with projection: normal velocity at least target_velocity where the normal
+ * impulse is zero, equal to it where that is positive; tangential velocity zero inside the friction
+ * cone, opposite to the impulse on it. Sweeps are accelerated as nonlinear conjugate gradients
+ * (Silcowitz, Niebe, Erleben, "A nonsmooth nonlinear conjugate gradient method for interactive
+ * contact force problems", Vis. Comput. 26 (2010) 893), each followed by a plain sweep, so that the
+ * result keeps the cone. Rows are in order of pairs; stops when no velocity changes by more than
+ * `tolerance`, or after `sweeps`. Accumulated impulses in the rows must have been applied already.
+ * Returns the last change, m/s.
  */
 double rb_impulse_rows_solve(struct rb_world *world, struct rb_impulse_row *row, int count,
                              int sweeps, double tolerance);

@@ -5,8 +5,8 @@
 #include <string.h>
 
 /*
- * What has to be left of a diagonal entry for its row to be one on its own. Far above rounding, and
- * no more has to be right than helps conjugate residuals.
+ * Share of a diagonal entry that must remain for its row to be independent. Far above rounding; a
+ * preconditioner needs no more accuracy.
  */
 static const double independent = 0x1p-36;
 
@@ -33,7 +33,7 @@ struct wrench {
 	rb_vec3 force, torque;
 };
 
-/* What a unit impulse of a row does to the body at one of its sides. */
+/* Wrench of a unit impulse of a row on the body at one of its sides. */
 static struct wrench wrench_of(const struct rb_cone_row *row, int side, int e)
 {
 	const double sign = side == 0 ? -1 : 1;
@@ -44,14 +44,17 @@ static struct wrench wrench_of(const struct rb_cone_row *row, int side, int e)
 	return (struct wrench){d, rb_vec3_cross(side == 0 ? row->base.arm_a : row->base.arm_b, d)};
 }
 
-/* Each unknown's first column, by the rows of the bodies that it acts on; the size of all rows. */
+/*
+ * Determines each unknown's first column from the rows of the bodies that it acts on; returns the
+ * total size of the rows.
+ */
 static size_t lay_out(const struct rb_cone *cone, struct rb_joint_factor *f, double *products)
 {
-	int *const least = f->place; /* [body_count]: used before the rows' places are filled */
+	int *const lowest = f->place; /* [body_count]: used before the rows' places are filled */
 	size_t size = 0;
 
 	for (int i = 0; i < cone->body_count; i++)
-		least[i] = f->count;
+		lowest[i] = f->count;
 	*products = 0;
 	for (int pass = 0; pass < 2; pass++) {
 		int at = 0;
@@ -66,8 +69,8 @@ static size_t lay_out(const struct rb_cone *cone, struct rb_joint_factor *f, dou
 
 				if (!rb_solver_is_dynamic(&cone->bodies.body[body]))
 					continue;
-				least[body] = least[body] < at ? least[body] : at;
-				first = least[body] < first ? least[body] : first;
+				lowest[body] = lowest[body] < at ? lowest[body] : at;
+				first = lowest[body] < first ? lowest[body] : first;
 			}
 			for (int e = 0; e < width && pass == 1; e++, at++) {
 				f->first[at] = first;
@@ -81,7 +84,7 @@ static size_t lay_out(const struct rb_cone *cone, struct rb_joint_factor *f, dou
 	return size;
 }
 
-/* Of a side of row k, for its unknown e at `place`: what its body feels of rows up to it. */
+/* Adds, for one body of row k, the responses of rows up to k to unknown e. */
 static void fill_side(const struct rb_cone *cone, struct rb_joint_factor *f, int k, int e, int side)
 {
 	const struct rb_cone_row *const row = &cone->row[k];
@@ -140,7 +143,7 @@ bool rb_joint_factor(struct rb_cone *cone, double max)
 	struct rb_joint_factor *const f = &cone->joints;
 	double products;
 
-	f->tried = true;
+	f->attempted = true;
 	f->count = 0;
 	for (int k = 0; k < cone->row_count; k++)
 		f->count += rb_joint_factor_width(&cone->row[k]);

@@ -5,7 +5,10 @@
 
 #include "base/error.h"
 
-/* Rounding of a unit normal; of impulses, over the largest, besides that of velocities. */
+/*
+ * Rounding errors: of a unit normal; of impulses, relative to the largest, in addition to that of
+ * velocities.
+ */
 static const double unit_error = 1e-9, impulse_error = 1e-9;
 
 static bool is_in_set(const struct rb_constraint *row, double rounding)
@@ -29,7 +32,7 @@ static bool is_in_set(const struct rb_constraint *row, double rounding)
 
 static bool is_sound(const struct rb_constraint *row, int bodies, double rounding)
 {
-	/* what is not finite is for the judge of the step */
+	/* the step's verdict detects values that are not finite */
 	if (!isfinite(row->impulse.n) || !rb_vec3_finite(row->impulse.t) || !isfinite(rounding))
 		return true;
 	return row->a >= 0 && row->a < bodies && row->b >= 0 && row->b < bodies &&
@@ -38,7 +41,7 @@ static bool is_sound(const struct rb_constraint *row, int bodies, double roundin
 	       !(row->couple && row->central) && is_in_set(row, rounding);
 }
 
-/* m/s: the largest speed that the velocity of a row is a difference of. */
+/* Bound of the speeds whose difference is the row's velocity, m/s. */
 static double speed_of(const struct rb_row_system *system, const struct rb_constraint *row)
 {
 	const struct rb_solver_body *a = &system->bodies.body[row->a];
@@ -86,7 +89,7 @@ rb_vec3 rb_constraint_couple_velocity(const struct rb_solver_bodies *bodies,
 	                                               bodies->body[row->a].angular));
 }
 
-static void twist(const struct rb_solver_bodies *bodies, int i, rb_vec3 torque)
+static void apply_torque(const struct rb_solver_bodies *bodies, int i, rb_vec3 torque)
 {
 	struct rb_solver_body *const body = &bodies->body[i];
 
@@ -99,8 +102,8 @@ void rb_constraint_couple_apply(const struct rb_solver_bodies *bodies,
 {
 	const rb_vec3 torque = rb_vec3_scale(row->arm_a.x, impulse);
 
-	twist(bodies, row->a, rb_vec3_neg(torque));
-	twist(bodies, row->b, torque);
+	apply_torque(bodies, row->a, rb_vec3_neg(torque));
+	apply_torque(bodies, row->b, torque);
 }
 
 bool rb_row_system_is_of_contacts(const struct rb_row_system *system)

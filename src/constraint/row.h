@@ -1,57 +1,58 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One constraint of two bodies: a direction, or three, along which their relative velocity is held,
- * and the set that its impulse may lie in. What every solver of every method takes.
+ * A constraint between two bodies: one direction or three along which their relative velocity is
+ * constrained, and the set that its impulse must lie in. The row of every solver of every method.
  *
- * With u the velocity of b relative to a at the place of the constraint, p the impulse on b (its
- * opposite acts on a), n the normal, w the target, and K = M_a^-1 + M_b^-1 seen from that place
- * (constraint/effective_mass):
+ * With u the velocity of b relative to a at the constraint's point, p the impulse on b (its
+ * opposite acts on a), n the normal, w the target, and K the inverse effective mass at that point,
+ * M_a^-1 + M_b^-1 (constraint/effective_mass):
  *
  *     set        impulse p                                       velocity u
- *     CONE       p_n >= 0, |p_t| <= mu p_n                       u_n >= w_n, one of both at its
- *                                                                bound; u_t = 0, or p_t against it
- *                                                                on the cone's edge
+ *     CONE       p_n >= 0, |p_t| <= mu p_n                       u_n >= w_n, complementary;
+ *                                                                u_t = 0, or |p_t| = mu p_n with
+ *                                                                p_t opposite to u_t
  *     FREE       any                                             u = w, in three directions
- *     INTERVAL   p_t = 0, low <= p_n <= high                     u_n + s p_n = w_n, or below it
- *                                                                at p_n = high, above it at low
+ *     INTERVAL   p_t = 0, low <= p_n <= high                     u_n + s p_n = w_n; less at
+ *                                                                p_n = high, more at p_n = low
  *
  * A contact is a CONE (constraint/contact_row); a ball joint FREE; a motor or the friction of a
  * joint INTERVAL [-tau h, tau h]; a limit or a taut rope INTERVAL [0, inf); a hinge FREE with two
  * INTERVALs (-inf, inf) that are couples; a spring of stiffness k and damping c at the end of a
  * step h, stretched by x, INTERVAL (-inf, inf) with softness s = 1/(h (h k + c)), w = -s h k x.
- * Bounds of one constraint depend on no other one.
+ * Bounds of a constraint do not depend on other constraints.
  *
- * Where the two bodies are taken:
+ * How u follows from the two bodies' velocities:
  *
  *     at arms    u = v_b + w_b x r_b - v_a - w_a x r_a           any shapes
- *     central    the same with arms along the normal: three products less   spheres
- *     couple     u = l (w_b - w_a), torque l p                   what turns: l, a length, makes
- *                                                                units, tolerances and shares those
+ *     central    the same with arms along the normal: three products fewer  spheres
+ *     couple     u = l (w_b - w_a), torque l p                   rotational rows: the length l
+ *                                                                gives them units and tolerances
  *                                                                of the others; any size of a body
  *
- * Who solves what:
+ * Solvers:
  *
- *     stepped/gauss_seidel   all sets: blocks of a constraint exactly, one after the other
- *     stepped/wide           CONE alone, four at a time (stepped/sweeper chooses)
+ *     stepped/gauss_seidel   all sets: solves each constraint's block exactly, in turn
+ *     stepped/wide           CONE only, four at a time (stepped/sweeper chooses)
  *     stepped/direct         all sets: augmented Lagrangian, factors; chains and unequal masses
- *     constraint/cone        all sets, none of them soft: free of order and handedness
- *     constraint/eccentric, impulse   one CONE alone, the impact law; CONEs of the classic method
- *     math/dense (located/modes)      CONEs whose mode is known: equations
+ *     constraint/cone        all sets without softness: independent of order and handedness
+ *     constraint/eccentric, impulse   a single CONE, the impact law; CONEs of the classic method
+ *     math/dense (located/modes)      CONEs whose mode is known: linear equations
  *
- * Drift of positions is corrected with the same rows, their errors C in place of velocities: of all
- * motions d of the bodies with multipliers p, d = M^-1 J^T p, that with
+ * Drift of positions is corrected with the same rows, with errors C in place of velocities: among
+ * displacements d = M^-1 J^T p of the bodies with multipliers p, the one with
  *
- *     J d = -C, p of any sign        what is held, contacts and joints, from both sides and to
- *                                    rounding: conjugate residuals, which do not depend on order,
- *                                    and factors of joints (located/drift, joint_rows)
- *     J d >= -C, p >= 0              overlaps in a crowd, until they are within the tolerance: the
- *                                    solver of the step, without friction (stepped/projection)
+ *     J d = -C, p of any sign        lasting contacts and joints, bilaterally and to rounding:
+ *                                    conjugate residuals, which do not depend on order, and
+ *                                    factors of joints (located/drift, joint_rows)
+ *     J d >= -C, p >= 0              overlaps in a crowd, to within the tolerance: the solver of
+ *                                    the step, without friction (stepped/projection)
  *
- * Two algorithms, for the first would pull open gaps of a crowd shut, and the second ends within
- * the tolerance of steps, where pieces need 1e-9 of sizes (rb_drift_correct). What both are made of
- * stands once: rows, K (constraint/effective_mass), how a pose is turned (rb_quat_turned).
+ * There are two algorithms because the first would close the open gaps of a crowd, and the second
+ * ends at the tolerance of steps, whereas pieces need 1e-9 of sizes (rb_drift_correct). They share
+ * rows, K (constraint/effective_mass) and the rotation of poses (rb_quat_turned).
  *
- * Private scratch of a solver stands beside the rows, in arrays or around them, never in copies.
+ * Private scratch of a solver is kept in arrays beside the rows or in structs around them, never in
+ * copies of them.
  */
 #ifndef RB_CONSTRAINT_ROW_H
 #define RB_CONSTRAINT_ROW_H
@@ -60,7 +61,7 @@
 
 enum rb_constraint_set { RB_CONSTRAINT_CONE, RB_CONSTRAINT_FREE, RB_CONSTRAINT_INTERVAL };
 
-/* Along the normal, and what is across it as a vector. */
+/* Normal component, and tangential part as a vector. */
 typedef struct {
 	double n;
 	rb_vec3 t;
@@ -69,18 +70,18 @@ typedef struct {
 struct rb_constraint {
 	int a, b; /* bodies of the problem */
 	enum rb_constraint_set set;
-	bool central;   /* arms are along the normal, inertias multiples of one; CONE alone */
-	bool couple;    /* turns only: arm_a.x is its lever; neither central nor a CONE */
+	bool central;   /* arms along the normal, isotropic inertias; CONE only */
+	bool couple;    /* rotational: arm_a.x is its length; neither central nor a CONE */
 	rb_vec3 normal; /* unit, from a to b; FREE: any unit vector */
 	/* m, from the centres of mass; central: x is the length along the normal */
 	rb_vec3 arm_a, arm_b;
-	/* 1/kg: n.K n, and a bound of t.K t for all unit vectors across (rb_effective_mass_fill) */
+	/* 1/kg: n.K n, and an upper bound of t.K t over tangents t (rb_effective_mass_fill) */
 	double inverse_mass_n, inverse_mass_t;
 	double friction;         /* CONE */
 	double low, high;        /* INTERVAL: N s, may be infinite */
 	double softness;         /* INTERVAL: 1/kg, >= 0 */
-	rb_along_across target;  /* m/s; its `t` of FREE only */
-	rb_along_across impulse; /* N s on b: a warm start, then what was found */
+	rb_along_across target;  /* m/s; `t` is used by FREE only */
+	rb_along_across impulse; /* N s on b; in: warm start, out: solution */
 };
 
 /* Rows solved together. */
@@ -91,18 +92,18 @@ struct rb_row_system {
 };
 
 /*
- * Whether each row is of two of so many bodies, has a unit normal and positive effective masses,
- * and an impulse in its set: what every solver takes and leaves. For assertions.
+ * Returns whether each row connects two of `bodies` bodies, has a unit normal, positive effective
+ * masses and an impulse in its set, as every solver requires and guarantees. For assertions.
  */
 bool rb_row_system_is_sound(const struct rb_row_system *system, int bodies);
 
 /*
- * Leaves out of the impulses across the normals what lies along them: rounding of speeds far above
- * those that a solution ends with.
+ * Removes the normal components of tangential impulses: rounding of speeds far above those of the
+ * solution.
  */
 void rb_row_system_reject_normals(const struct rb_row_system *system);
 
-/* Each row has a set that `wide` and the classic method take. */
+/* Returns whether all rows are CONEs, the only set that `wide` and the classic method take. */
 bool rb_row_system_is_of_contacts(const struct rb_row_system *system);
 
 static inline rb_along_across rb_constraint_split(const struct rb_constraint *row, rb_vec3 v)
@@ -127,13 +128,16 @@ static inline rb_vec3 rb_constraint_arm_b(const struct rb_constraint *row)
 	return row->central ? rb_vec3_scale(row->arm_b.x, row->normal) : row->arm_b;
 }
 
-/* Of couples: apart, so that what contacts take stays short. */
+/* Couples have functions of their own, so that the inlined code of contacts stays short. */
 rb_vec3 rb_constraint_couple_velocity(const struct rb_solver_bodies *bodies,
                                       const struct rb_constraint *row);
 void rb_constraint_couple_apply(const struct rb_solver_bodies *bodies,
                                 const struct rb_constraint *row, rb_vec3 impulse);
 
-/* Velocity of b relative to a, m/s. Every sweep begins with it: a call costs boxes 3 %. */
+/*
+ * Velocity of b relative to a, m/s. Inlined: every sweep begins with it, and a call would slow
+ * boxes by 3 %.
+ */
 static inline __attribute__((always_inline)) rb_vec3 rb_constraint_velocity(
 	const struct rb_solver_bodies *bodies, const struct rb_constraint *row)
 {
@@ -153,7 +157,7 @@ static inline __attribute__((always_inline)) rb_vec3 rb_constraint_velocity(
 	                                  rb_vec3_cross(a->angular, row->arm_a)));
 }
 
-/* An impulse on b and its opposite on a. */
+/* Applies an impulse to b and its opposite to a. */
 static inline void rb_constraint_apply(const struct rb_solver_bodies *bodies,
                                        const struct rb_constraint *row, rb_vec3 impulse)
 {
@@ -163,7 +167,7 @@ static inline void rb_constraint_apply(const struct rb_solver_bodies *bodies,
 		rb_constraint_couple_apply(bodies, row, impulse);
 		return;
 	}
-	/* what does not yield may be shared: not written to */
+	/* non-dynamic bodies may be shared: not written to */
 	if (a->inverse_mass != 0)
 		a->linear = rb_vec3_add_scaled(a->linear, -a->inverse_mass, impulse);
 	if (row->central) {
@@ -192,8 +196,8 @@ static inline void rb_constraint_apply(const struct rb_solver_bodies *bodies,
 }
 
 /*
- * Which way a row pushes and never pulls: 1 along its normal (contacts, limits), -1 against it
- * (ropes, limits of the other side), 0 if it may do both.
+ * Returns the only sign that the row's impulse may have: 1 along its normal (contacts, limits), -1
+ * against it (ropes, limits of the other side), 0 if both.
  */
 static inline int rb_constraint_side(const struct rb_constraint *row)
 {
@@ -205,8 +209,8 @@ static inline int rb_constraint_side(const struct rb_constraint *row)
 }
 
 /*
- * Moves the ends of both arms, `gap` m of b's from a's, to the middle between them: what acts at
- * one point leaves the angular momentum of both as it is.
+ * Moves the ends of both arms to the middle between them, where `gap`, m, is b's end relative to
+ * a's: an impulse that acts at one point conserves the angular momentum of both.
  */
 static inline void rb_constraint_join_arms(struct rb_constraint *row, rb_vec3 gap)
 {
@@ -232,7 +236,7 @@ static inline rb_vec3 rb_constraint_impulse(const struct rb_constraint *row)
 	return rb_constraint_joined(row, row->impulse);
 }
 
-/* Shortened to `max` where it is longer: a cone's circle. */
+/* Shortens t to the length `max` if it is longer: the cone's cross-section. */
 static inline rb_vec3 rb_constraint_within(rb_vec3 t, double max)
 {
 	const double square = rb_vec3_dot(t, t);
@@ -241,8 +245,8 @@ static inline rb_vec3 rb_constraint_within(rb_vec3 t, double max)
 }
 
 /*
- * An impulse brought into its set: the normal part first, then what is across it within what that
- * allows. (Of a cone it is not the nearest one: that is stepped/direct's.)
+ * Brings an impulse into its set: first the normal component, then the tangential part within the
+ * friction that it allows. (For a cone this is not the nearest point; stepped/direct has that.)
  */
 static inline rb_along_across rb_constraint_project(const struct rb_constraint *row,
                                                     rb_along_across p)
@@ -261,8 +265,8 @@ static inline rb_along_across rb_constraint_project(const struct rb_constraint *
 }
 
 /*
- * What the impulses take from bodies that move and are not dynamic, J; such a body is the second of
- * its rows.
+ * Work that the impulses take from driven bodies (moving, not dynamic), J; such a body is the
+ * second of its rows.
  */
 static inline double rb_row_system_work(const struct rb_row_system *system)
 {

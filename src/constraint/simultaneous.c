@@ -12,22 +12,23 @@
 #include "constraint/impulse.h"
 
 enum {
-	ROUNDS = 512, /* and 16 per contact: then the rest is done without restitution */
+	ROUNDS = 512, /* plus 16 per contact; then the rest is done without restitution */
 	ROUNDS_PER_CONTACT = 16
 };
 
 /*
- * Approaches below this share of the first round's end without restitution: what is left of an
+ * Approaches below this share of those of the first round end without restitution: the tail of an
  * infinite series.
  */
 static const double tail_share = 1e-13;
-/* Violation, as a share of the speeds, above which a solution is not taken for one. */
+/* Violation, relative to the speeds, above which a result is not accepted as a solution. */
 static const double failed_share = 1e-9;
 
-static rb_vec3 relative(const struct rb_simultaneous *joint, const struct rb_solver_contact *c)
+static rb_vec3 relative_velocity(const struct rb_simultaneous *problem,
+                                 const struct rb_solver_contact *c)
 {
-	return rb_vec3_sub(rb_solver_point_velocity(&joint->body[c->b], c->arm_b),
-	                   rb_solver_point_velocity(&joint->body[c->a], c->arm_a));
+	return rb_vec3_sub(rb_solver_point_velocity(&problem->body[c->b], c->arm_b),
+	                   rb_solver_point_velocity(&problem->body[c->a], c->arm_a));
 }
 
 static double speed_bound(const struct rb_solver_body *body, rb_vec3 arm)
@@ -35,17 +36,18 @@ static double speed_bound(const struct rb_solver_body *body, rb_vec3 arm)
 	return rb_vec3_length(body->linear) + rb_vec3_length(body->angular) * rb_vec3_length(arm);
 }
 
-/* The largest speed that a contact's velocity is a difference of. */
-static double speeds_of(const struct rb_simultaneous *joint, const struct rb_solver_contact *c)
+/* The largest of the speeds whose difference is the contact's velocity. */
+static double contact_scale(const struct rb_simultaneous *problem,
+                            const struct rb_solver_contact *c)
 {
-	return fmax(speed_bound(&joint->body[c->a], c->arm_a),
-	            speed_bound(&joint->body[c->b], c->arm_b));
+	return fmax(speed_bound(&problem->body[c->a], c->arm_a),
+	            speed_bound(&problem->body[c->b], c->arm_b));
 }
 
-/* --- one contact on its own --- */
+/* --- a single contact --- */
 
 /*
- * Adds the body's part of K; false where it is eccentric: normal and tangent meddle, or tangents
+ * Adds the body's part of K; false if it is eccentric: normal and tangent are coupled, or tangents
  * differ.
  */
 static bool add_inverse_mass(const struct rb_solver_bodies *bodies, int i, rb_vec3 arm,
@@ -67,11 +69,12 @@ static bool add_inverse_mass(const struct rb_solver_bodies *bodies, int i, rb_ve
 	       rb_vec3_length(lever) <= 16 * DBL_EPSILON * rb_vec3_length(arm);
 }
 
-static struct rb_link link_of(const struct rb_simultaneous *joint,
+static struct rb_link link_of(const struct rb_simultaneous *problem,
                               const struct rb_solver_contact *c)
 {
-	const struct rb_solver_bodies bodies = rb_simultaneous_bodies(joint);
-	const struct rb_solver_body *const a = &joint->body[c->a], *const b = &joint->body[c->b];
+	const struct rb_solver_bodies bodies = rb_simultaneous_bodies(problem);
+	const struct rb_solver_body *const a = &problem->body[c->a], *const b =
+									     &problem->body[c->b];
 	struct rb_link link = {.a = c->a,
 	                       .b = c->b,
 	                       .normal = c->normal,
@@ -83,7 +86,7 @@ static struct rb_link link_of(const struct rb_simultaneous *joint,
 	                       .inverse_mass_b = b->inverse_mass,
 	                       .inverse_inertia_a = a->inverse_inertia,
 	                       .inverse_inertia_b = b->inverse_inertia};
-	/* each on its own and then together: which is called a must not matter */
+	/* separate sums, then added: the result must not depend on which body is called a */
 	struct rb_link other = link;
 	const bool central_a = add_inverse_mass(&bodies, c->a, c->arm_a, &link);
 	const bool central_b = add_inverse_mass(&bodies, c->b, c->arm_b, &other);
@@ -100,11 +103,11 @@ static struct rb_link link_of(const struct rb_simultaneous *joint,
 	return link;
 }
 
-static void hit_alone(struct rb_simultaneous *joint, struct rb_solver_contact *c)
+static void resolve_alone(struct rb_simultaneous *problem, struct rb_solver_contact *c)
 {
-	const struct rb_solver_bodies bodies = rb_simultaneous_bodies(joint);
-	const struct rb_link link = link_of(joint, c);
-	const rb_vec3 u = relative(joint, c);
+	const struct rb_solver_bodies bodies = rb_simultaneous_bodies(problem);
+	const struct rb_link link = link_of(problem, c);
+	const rb_vec3 u = relative_velocity(problem, c);
 	const double approach = -rb_vec3_dot(u, c->normal);
 
 	if (!(link.normal_inverse_mass > 0))
@@ -117,23 +120,23 @@ static void hit_alone(struct rb_simultaneous *joint, struct rb_solver_contact *c
 		c->approach = approach;
 }
 
-/* --- several --- */
+/* --- several contacts --- */
 
 struct rounds {
-	struct rb_simultaneous *joint;
-	bool *active; /* [contact_count]: takes part in this round */
-	int *crowd;   /* [body_count]: contacts of this round that a body has */
+	struct rb_simultaneous *problem;
+	bool *active; /* [contact_count]: active in this round */
+	int *degree;  /* [body_count]: active contacts of a body */
 	/*
-	 * [contact_count + joint_count]: of the rows, those of contacts first; and how many of
-	 * these
+	 * [contact_count + joint_count]: contact or joint row of each cone row; contacts first,
+	 * contact_rows of them
 	 */
-	int *which;
+	int *source;
 	int contact_rows;
-	bool *stops;  /* [joint_count]: row of a joint that only pushes and takes part */
-	int *leader;  /* [body_count]: the first of the bodies that joints connect with it */
-	bool *near;   /* [body_count]: leaders of those that take part in this round */
-	double first; /* m/s: largest approach of the first round */
-	double scale; /* m/s: largest speed of those that take part */
+	bool *stops;    /* [joint_count]: a limit or rope that is active */
+	int *leader;    /* [body_count]: lowest index of the bodies that joints connect with it */
+	bool *involved; /* [body_count]: by leader: its bodies are involved in this round */
+	double first;   /* m/s: largest approach in the first round */
+	double scale;   /* m/s: largest speed of the bodies involved */
 	struct rb_cone cone;
 };
 
@@ -143,16 +146,17 @@ static struct rb_cone_row row_of(const struct rb_solver_contact *c)
 		.base = rb_contact_row(c->a, c->b, c->normal, c->arm_a, c->arm_b, c->friction)};
 }
 
-/* A limit or a rope: it only pushes. */
+/* Is it a limit or a rope, which only pushes? */
 static bool is_stop(const struct rb_cone_row *row)
 {
 	return rb_constraint_side(&row->base) > 0;
 }
 
-/* m/s: the largest that the velocity of a limit or a rope is a difference of. */
-static double stop_speeds(const struct rb_simultaneous *joint, const struct rb_cone_row *row)
+/* The largest of the speeds whose difference is the velocity of a limit or rope, m/s. */
+static double stop_scale(const struct rb_simultaneous *problem, const struct rb_cone_row *row)
 {
-	const struct rb_solver_body *a = &joint->body[row->base.a], *b = &joint->body[row->base.b];
+	const struct rb_solver_body *a = &problem->body[row->base.a],
+				    *b = &problem->body[row->base.b];
 	const double bias = rb_vec3_length(row->bias);
 
 	if (row->base.couple)
@@ -161,37 +165,37 @@ static double stop_speeds(const struct rb_simultaneous *joint, const struct rb_c
 	return fmax(bias, fmax(speed_bound(a, row->base.arm_a), speed_bound(b, row->base.arm_b)));
 }
 
-/* Whether a row of a joint has to do with what takes part in this round. */
-static bool is_near(const struct rounds *all, const struct rb_cone_row *row)
+/* Does a joint's row act on bodies that are involved in this round? */
+static bool is_involved(const struct rounds *all, const struct rb_cone_row *row)
 {
-	return all->near[all->leader[row->base.a]] || all->near[all->leader[row->base.b]];
+	return all->involved[all->leader[row->base.a]] || all->involved[all->leader[row->base.b]];
 }
 
 /*
- * Of what takes part in this round: the speed of others, which a shock has sent off, would hide
- * what is left of it here.
+ * Largest speed among the rows of this round: the speed of bodies that a shock has sent off would
+ * hide the residual of the others.
  */
 static double largest_speed(const struct rounds *all)
 {
-	const struct rb_simultaneous *const joint = all->joint;
+	const struct rb_simultaneous *const problem = all->problem;
 	double largest = 0;
 
-	for (int k = 0; k < joint->contact_count; k++) {
-		const struct rb_solver_contact *c = &joint->contact[k];
+	for (int k = 0; k < problem->contact_count; k++) {
+		const struct rb_solver_contact *c = &problem->contact[k];
 
-		if (all->active[k] || all->near[all->leader[c->a]])
-			largest = fmax(largest, speed_bound(&joint->body[c->a], c->arm_a));
-		if (all->active[k] || all->near[all->leader[c->b]])
-			largest = fmax(largest, speed_bound(&joint->body[c->b], c->arm_b));
+		if (all->active[k] || all->involved[all->leader[c->a]])
+			largest = fmax(largest, speed_bound(&problem->body[c->a], c->arm_a));
+		if (all->active[k] || all->involved[all->leader[c->b]])
+			largest = fmax(largest, speed_bound(&problem->body[c->b], c->arm_b));
 	}
-	for (int k = 0; k < joint->joint_count; k++)
-		if (is_stop(&joint->joint_row[k]) && is_near(all, &joint->joint_row[k]))
-			largest = fmax(largest, stop_speeds(joint, &joint->joint_row[k]));
+	for (int k = 0; k < problem->joint_count; k++)
+		if (is_stop(&problem->joint_row[k]) && is_involved(all, &problem->joint_row[k]))
+			largest = fmax(largest, stop_scale(problem, &problem->joint_row[k]));
 	return largest;
 }
 
-/* Impulses of all rows back to nothing, and the bodies with them. */
-static void undo(struct rounds *all, const struct rb_solver_body *before)
+/* Resets the impulses of all rows to zero, and the bodies to `before`. */
+static void reset(struct rounds *all, const struct rb_solver_body *before)
 {
 	memcpy(all->cone.bodies.body, before, (size_t)all->cone.body_count * sizeof *before);
 	for (int k = 0; k < all->cone.row_count; k++)
@@ -199,8 +203,8 @@ static void undo(struct rounds *all, const struct rb_solver_body *before)
 }
 
 /*
- * Stops what approaches, with friction; without it where that does not settle (a body jammed
- * between others).
+ * Ends all approach, with friction; without it if that does not converge (a body jammed between
+ * others).
  */
 static void compress(struct rounds *all, const struct rb_solver_body *before)
 {
@@ -208,31 +212,32 @@ static void compress(struct rounds *all, const struct rb_solver_body *before)
 
 	if (rb_cone_resolve(cone, all->scale) <= failed_share * all->scale)
 		return;
-	undo(all, before);
+	reset(all, before);
 	for (int k = 0; k < cone->row_count; k++)
 		cone->row[k].base.friction = 0;
 	rb_cone_resolve(cone, all->scale);
 }
 
-/* Restitution of a row: 0 of those of joints that may pull. */
+/* Restitution of a row; 0 for joints that may pull. */
 static double restitution_of(const struct rounds *all, int k)
 {
-	return k < all->contact_rows ? all->joint->contact[all->which[k]].restitution
+	return k < all->contact_rows ? all->problem->contact[all->source[k]].restitution
 	                             : all->cone.row[k].restitution;
 }
 
-/* Does a row rebound: is it a contact, a limit or a rope? */
+/* Is the row a contact, a limit or a rope, which may rebound? */
 static bool rebounds(const struct rounds *all, int k)
 {
 	return k < all->contact_rows || is_stop(&all->cone.row[k]);
 }
 
 /*
- * Gives back restitution times what compression took, along the normals, then lets friction stop
- * what it can within the cones of the whole. `spare` is twice the energy that compression took: the
- * normal impulses are made smaller together where they would give back more.
+ * Adds restitution times the impulses of compression along the normals, then solves friction within
+ * the cones of the sums. `spare` is twice the energy that compression took: the additional impulses
+ * are scaled down if they would return more.
  */
-static void restore(struct rounds *all, double spare, rb_along_across *back, rb_along_across *after)
+static void apply_restitution(struct rounds *all, double spare, rb_along_across *extra,
+                              rb_along_across *change)
 {
 	struct rb_cone *const cone = &all->cone;
 	const int contacts = all->contact_rows;
@@ -246,23 +251,23 @@ static void restore(struct rounds *all, double spare, rb_along_across *back, rb_
 		const rb_along_across p = cone->row[k].base.impulse;
 
 		if (rebounds(all, k))
-			back[k] = (rb_along_across){restitution_of(all, k) * p.n, {0, 0, 0}};
+			extra[k] = (rb_along_across){restitution_of(all, k) * p.n, {0, 0, 0}};
 		else
-			back[k] = (rb_along_across){restitution_max * p.n,
-			                            rb_vec3_scale(restitution_max, p.t)};
-		after[k] = rb_cone_velocity(cone, &cone->row[k]);
+			extra[k] = (rb_along_across){restitution_max * p.n,
+			                             rb_vec3_scale(restitution_max, p.t)};
+		change[k] = rb_cone_velocity(cone, &cone->row[k]);
 	}
 	struct rb_solver_body *const kept = cone->kept;
 	memcpy(kept, cone->bodies.body, (size_t)cone->body_count * sizeof *kept);
-	rb_cone_apply_normal(cone, back);
+	rb_cone_apply(cone, extra);
 	for (int k = 0; k < cone->row_count; k++) {
 		const rb_along_across u = rb_cone_velocity(cone, &cone->row[k]);
 
-		after[k] = (rb_along_across){u.n - after[k].n,
-		                             k < contacts ? (rb_vec3){0, 0, 0}
-		                                          : rb_vec3_sub(u.t, after[k].t)};
+		change[k] = (rb_along_across){u.n - change[k].n,
+		                              k < contacts ? (rb_vec3){0, 0, 0}
+		                                           : rb_vec3_sub(u.t, change[k].t)};
 	}
-	const double needed = rb_cone_dot(cone, back, after);
+	const double needed = rb_cone_dot(cone, extra, change);
 	if (needed > spare * (1 + 64 * DBL_EPSILON)) {
 		const double share = spare > 0 ? sqrt(spare / needed) : 0;
 
@@ -270,12 +275,12 @@ static void restore(struct rounds *all, double spare, rb_along_across *back, rb_
 		for (int k = 0; k < cone->row_count; k++) {
 			struct rb_constraint *const row = &cone->row[k].base;
 
-			row->impulse.n -= back[k].n;
-			row->impulse.t = rb_vec3_sub(row->impulse.t, back[k].t);
-			back[k].n *= share;
-			back[k].t = rb_vec3_scale(share, back[k].t);
+			row->impulse.n -= extra[k].n;
+			row->impulse.t = rb_vec3_sub(row->impulse.t, extra[k].t);
+			extra[k].n *= share;
+			extra[k].t = rb_vec3_scale(share, extra[k].t);
 		}
-		rb_cone_apply_normal(cone, back);
+		rb_cone_apply(cone, extra);
 	}
 	for (int k = 0; k < cone->row_count; k++) {
 		cone->row[k].given = rebounds(all, k);
@@ -285,25 +290,25 @@ static void restore(struct rounds *all, double spare, rb_along_across *back, rb_
 		rb_cone_resolve(cone, all->scale);
 }
 
-/* The rows of one round, together. False when memory is out. */
-static bool hit_together(struct rounds *all, bool with_restitution)
+/* Resolves the rows of one round together. False: out of memory. */
+static bool resolve_together(struct rounds *all, bool with_restitution)
 {
-	struct rb_simultaneous *const joint = all->joint;
+	struct rb_simultaneous *const problem = all->problem;
 	struct rb_cone *const cone = &all->cone;
 	const size_t rows = (size_t)cone->row_count, contacts = (size_t)all->contact_rows;
-	const rb_arena_mark here = rb_arena_here(joint->arena);
-	rb_along_across *const before = rb_arena_take(joint->arena, rows, sizeof *before);
-	rb_along_across *const impulse = rb_arena_take(joint->arena, rows, sizeof *impulse);
-	rb_along_across *const sum = rb_arena_take(joint->arena, rows, sizeof *sum);
-	struct rb_solver_body *const kept = rb_arena_take(joint->arena, (size_t)joint->body_count,
-	                                                  sizeof *kept);
+	const rb_arena_mark here = rb_arena_here(problem->arena);
+	rb_along_across *const before = rb_arena_take(problem->arena, rows, sizeof *before);
+	rb_along_across *const impulse = rb_arena_take(problem->arena, rows, sizeof *impulse);
+	rb_along_across *const sum = rb_arena_take(problem->arena, rows, sizeof *sum);
+	struct rb_solver_body *const kept = rb_arena_take(
+		problem->arena, (size_t)problem->body_count, sizeof *kept);
 	bool restitution = false;
 
 	if (!before || !impulse || !sum || !kept || !rb_cone_open(cone)) {
-		rb_arena_back(joint->arena, here);
+		rb_arena_back(problem->arena, here);
 		return false;
 	}
-	memcpy(kept, joint->body, (size_t)joint->body_count * sizeof *kept);
+	memcpy(kept, problem->body, (size_t)problem->body_count * sizeof *kept);
 	for (size_t k = 0; k < rows; k++)
 		before[k] = rb_cone_velocity(cone, &cone->row[k]);
 	compress(all, kept);
@@ -315,12 +320,12 @@ static bool hit_together(struct rounds *all, bool with_restitution)
 		restitution = restitution || (rebounds(all, (int)k) && impulse[k].n > 0 &&
 		                              restitution_of(all, (int)k) > 0);
 	}
-	/* change of kinetic energy: the sum of J.(u + u')/2 */
+	/* change of kinetic energy: sum of J.(u + u')/2 */
 	const double spare = -rb_cone_dot(cone, impulse, sum);
 	if (restitution && with_restitution)
-		restore(all, spare, impulse, sum);
+		apply_restitution(all, spare, impulse, sum);
 	for (size_t k = contacts; k < rows; k++) {
-		struct rb_cone_row *const row = &joint->joint_row[all->which[k]];
+		struct rb_cone_row *const row = &problem->joint_row[all->source[k]];
 		const rb_along_across p = cone->row[k].base.impulse;
 
 		row->base.impulse.n += p.n;
@@ -329,40 +334,42 @@ static bool hit_together(struct rounds *all, bool with_restitution)
 			row->approach = -before[k].n;
 	}
 	for (size_t k = 0; k < contacts; k++) {
-		struct rb_solver_contact *const c = &joint->contact[all->which[k]];
+		struct rb_solver_contact *const c = &problem->contact[all->source[k]];
 		const struct rb_cone_row *const row = &cone->row[k];
 
 		c->impulse = rb_vec3_add(c->impulse, rb_constraint_impulse(&row->base));
 		if (row->base.impulse.n > 0 && c->approach == 0 && before[k].n < -c->noise)
 			c->approach = -before[k].n;
 	}
-	rb_arena_back(joint->arena, here);
+	rb_arena_back(problem->arena, here);
 	return true;
 }
 
 /*
- * Below it a contact does not approach: the caller's figure, and what this arithmetic can resolve.
+ * Speed below which a contact does not approach: the larger of the caller's noise and tolerance and
+ * the resolution of this arithmetic.
  */
-static double noise_of(const struct rb_simultaneous *joint, const struct rb_solver_contact *c)
+static double noise_of(const struct rb_simultaneous *problem, const struct rb_solver_contact *c)
 {
-	return fmax(fmax(c->noise, joint->tolerance), 4 * DBL_EPSILON * speeds_of(joint, c));
+	return fmax(fmax(c->noise, problem->tolerance),
+	            4 * DBL_EPSILON * contact_scale(problem, c));
 }
 
-/* The same of limits and ropes; adds how many approach. */
+/* Finds the active limits and ropes; adds to the count those that approach. */
 static void find_active_stops(struct rounds *all, double *largest, double *restitution_max,
                               int *count)
 {
-	const struct rb_simultaneous *const joint = all->joint;
+	const struct rb_simultaneous *const problem = all->problem;
 
-	for (int k = 0; k < joint->joint_count; k++) {
-		const struct rb_cone_row *row = &joint->joint_row[k];
+	for (int k = 0; k < problem->joint_count; k++) {
+		const struct rb_cone_row *row = &problem->joint_row[k];
 
 		all->stops[k] = false;
 		if (!is_stop(row))
 			continue;
 		const double approach = -rb_cone_velocity(&all->cone, row).n;
-		const double noise = fmax(fmax(row->noise, joint->tolerance),
-		                          4 * DBL_EPSILON * stop_speeds(joint, row));
+		const double noise = fmax(fmax(row->noise, problem->tolerance),
+		                          4 * DBL_EPSILON * stop_scale(problem, row));
 		all->stops[k] = row->restitution == 0 || approach > noise;
 		if (!(approach > noise))
 			continue;
@@ -373,22 +380,22 @@ static void find_active_stops(struct rounds *all, double *largest, double *resti
 }
 
 /*
- * What takes part in a round: all that approaches, and with it the touching contacts that give
- * nothing back.
+ * Finds the active contacts of a round: all that approach, and the touching ones without
+ * restitution.
  */
 static int find_active(struct rounds *all, bool *only_tail)
 {
-	struct rb_simultaneous *const joint = all->joint;
+	struct rb_simultaneous *const problem = all->problem;
 	double largest = 0, restitution_max = 0;
 	int count = 0;
 
-	for (int k = 0; k < joint->contact_count; k++) {
-		const struct rb_solver_contact *c = &joint->contact[k];
-		const double approach = -rb_vec3_dot(relative(joint, c), c->normal);
+	for (int k = 0; k < problem->contact_count; k++) {
+		const struct rb_solver_contact *c = &problem->contact[k];
+		const double approach = -rb_vec3_dot(relative_velocity(problem, c), c->normal);
 
-		all->active[k] = approach > noise_of(joint, c) &&
-		                 (rb_solver_is_dynamic(&joint->body[c->a]) ||
-		                  rb_solver_is_dynamic(&joint->body[c->b]));
+		all->active[k] = approach > noise_of(problem, c) &&
+		                 (rb_solver_is_dynamic(&problem->body[c->a]) ||
+		                  rb_solver_is_dynamic(&problem->body[c->b]));
 		if (!all->active[k])
 			continue;
 		count++;
@@ -401,12 +408,12 @@ static int find_active(struct rounds *all, bool *only_tail)
 	*only_tail = restitution_max < 1 && largest <= tail_share * all->first;
 	if (count == 0)
 		return 0;
-	for (int k = 0; k < joint->contact_count; k++) {
-		const struct rb_solver_contact *c = &joint->contact[k];
+	for (int k = 0; k < problem->contact_count; k++) {
+		const struct rb_solver_contact *c = &problem->contact[k];
 
 		if (!all->active[k] && c->restitution == 0 &&
-		    (rb_solver_is_dynamic(&joint->body[c->a]) ||
-		     rb_solver_is_dynamic(&joint->body[c->b]))) {
+		    (rb_solver_is_dynamic(&problem->body[c->a]) ||
+		     rb_solver_is_dynamic(&problem->body[c->b]))) {
 			all->active[k] = true;
 			count++;
 		}
@@ -414,158 +421,162 @@ static int find_active(struct rounds *all, bool *only_tail)
 	return count;
 }
 
-/* Leaders of those that contacts, limits and ropes of this round act on. */
-static void find_near(struct rounds *all)
+/* Marks the leaders of bodies on which contacts, limits and ropes of this round act. */
+static void find_involved(struct rounds *all)
 {
-	const struct rb_simultaneous *const joint = all->joint;
+	const struct rb_simultaneous *const problem = all->problem;
 
-	memset(all->near, 0, (size_t)joint->body_count * sizeof *all->near);
-	for (int k = 0; k < joint->contact_count; k++) {
+	memset(all->involved, 0, (size_t)problem->body_count * sizeof *all->involved);
+	for (int k = 0; k < problem->contact_count; k++) {
 		if (!all->active[k])
 			continue;
-		all->near[all->leader[joint->contact[k].a]] = true;
-		all->near[all->leader[joint->contact[k].b]] = true;
+		all->involved[all->leader[problem->contact[k].a]] = true;
+		all->involved[all->leader[problem->contact[k].b]] = true;
 	}
-	for (int k = 0; k < joint->joint_count; k++) {
-		const struct rb_constraint *const base = &joint->joint_row[k].base;
+	for (int k = 0; k < problem->joint_count; k++) {
+		const struct rb_constraint *const base = &problem->joint_row[k].base;
 
-		if (!is_stop(&joint->joint_row[k]) || !all->stops[k])
+		if (!is_stop(&problem->joint_row[k]) || !all->stops[k])
 			continue;
-		all->near[all->leader[base->a]] = true;
-		all->near[all->leader[base->b]] = true;
+		all->involved[all->leader[base->a]] = true;
+		all->involved[all->leader[base->b]] = true;
 	}
 }
 
 /*
- * Those that share no body with another are done at once, the others together. False when memory is
- * out.
+ * Resolves contacts that share no body with another one at once, the others together. False: out of
+ * memory.
  */
 static bool run_round(struct rounds *all, bool with_restitution)
 {
-	struct rb_simultaneous *const joint = all->joint;
+	struct rb_simultaneous *const problem = all->problem;
 	struct rb_cone *const cone = &all->cone;
 
-	bool felt = false;
+	bool any_stop = false;
 
-	memset(all->crowd, 0, (size_t)joint->body_count * sizeof *all->crowd);
+	memset(all->degree, 0, (size_t)problem->body_count * sizeof *all->degree);
 	cone->row_count = 0;
-	find_near(all);
-	for (int k = 0; k < joint->contact_count; k++) {
-		const struct rb_solver_contact *c = &joint->contact[k];
+	find_involved(all);
+	for (int k = 0; k < problem->contact_count; k++) {
+		const struct rb_solver_contact *c = &problem->contact[k];
 
 		if (!all->active[k])
 			continue;
-		all->crowd[c->a] += rb_solver_is_dynamic(&joint->body[c->a]);
-		all->crowd[c->b] += rb_solver_is_dynamic(&joint->body[c->b]);
+		all->degree[c->a] += rb_solver_is_dynamic(&problem->body[c->a]);
+		all->degree[c->b] += rb_solver_is_dynamic(&problem->body[c->b]);
 	}
-	for (int k = 0; k < joint->joint_count; k++) {
-		if (is_stop(&joint->joint_row[k]) && !all->stops[k])
+	for (int k = 0; k < problem->joint_count; k++) {
+		if (is_stop(&problem->joint_row[k]) && !all->stops[k])
 			continue;
-		all->crowd[joint->joint_row[k].base.a] += 2;
-		all->crowd[joint->joint_row[k].base.b] += 2;
+		all->degree[problem->joint_row[k].base.a] += 2;
+		all->degree[problem->joint_row[k].base.b] += 2;
 	}
-	for (int k = 0; k < joint->contact_count; k++) {
-		struct rb_solver_contact *const c = &joint->contact[k];
-		const bool alone = all->crowd[c->a] <= 1 && all->crowd[c->b] <= 1;
+	for (int k = 0; k < problem->contact_count; k++) {
+		struct rb_solver_contact *const c = &problem->contact[k];
+		const bool alone = all->degree[c->a] <= 1 && all->degree[c->b] <= 1;
 
 		if (!all->active[k])
 			continue;
 		if (with_restitution && alone) {
-			if (-rb_vec3_dot(relative(joint, c), c->normal) > noise_of(joint, c))
-				hit_alone(joint, c);
+			if (-rb_vec3_dot(relative_velocity(problem, c), c->normal) >
+			    noise_of(problem, c))
+				resolve_alone(problem, c);
 			continue;
 		}
-		all->which[cone->row_count] = k;
+		all->source[cone->row_count] = k;
 		cone->row[cone->row_count++] = row_of(c);
 	}
 	all->scale = largest_speed(all);
 	all->contact_rows = cone->row_count;
-	for (int k = 0; k < joint->joint_count; k++) {
-		const bool stop = is_stop(&joint->joint_row[k]);
+	for (int k = 0; k < problem->joint_count; k++) {
+		const bool stop = is_stop(&problem->joint_row[k]);
 
-		felt = felt || (stop && all->stops[k]);
-		if ((stop && !all->stops[k]) || !is_near(all, &joint->joint_row[k]))
+		any_stop = any_stop || (stop && all->stops[k]);
+		if ((stop && !all->stops[k]) || !is_involved(all, &problem->joint_row[k]))
 			continue;
 		struct rb_cone_row *const row = &cone->row[cone->row_count];
 
-		all->which[cone->row_count++] = k;
-		*row = joint->joint_row[k];
+		all->source[cone->row_count++] = k;
+		*row = problem->joint_row[k];
 		rb_constraint_clear(&row->base);
 	}
-	/* joints alone have nothing to do */
-	if (all->contact_rows == 0 && !felt)
+	/* joints alone need no round */
+	if (all->contact_rows == 0 && !any_stop)
 		return true;
-	return hit_together(all, with_restitution);
+	return resolve_together(all, with_restitution);
 }
 
-/* Bodies that yield and are connected by joints get the smallest of them as their leader. */
+/* Dynamic bodies connected by joints get the lowest index among them as their leader. */
 static void find_leaders(struct rounds *all)
 {
-	const struct rb_simultaneous *const joint = all->joint;
+	const struct rb_simultaneous *const problem = all->problem;
 
-	for (int i = 0; i < joint->body_count; i++)
+	for (int i = 0; i < problem->body_count; i++)
 		all->leader[i] = i;
-	for (int k = 0; k < joint->joint_count; k++) {
-		const struct rb_constraint *const base = &joint->joint_row[k].base;
+	for (int k = 0; k < problem->joint_count; k++) {
+		const struct rb_constraint *const base = &problem->joint_row[k].base;
 
-		if (rb_solver_is_dynamic(&joint->body[base->a]) &&
-		    rb_solver_is_dynamic(&joint->body[base->b]))
+		if (rb_solver_is_dynamic(&problem->body[base->a]) &&
+		    rb_solver_is_dynamic(&problem->body[base->b]))
 			rb_forest_join(all->leader, base->a, base->b, false);
 	}
-	for (int i = 0; i < joint->body_count; i++)
+	for (int i = 0; i < problem->body_count; i++)
 		all->leader[i] = rb_forest_root(all->leader, i);
 }
 
 static bool take_rounds(struct rounds *all)
 {
-	struct rb_simultaneous *const joint = all->joint;
-	const size_t contacts = (size_t)joint->contact_count;
+	struct rb_simultaneous *const problem = all->problem;
+	const size_t contacts = (size_t)problem->contact_count;
 
-	all->cone = (struct rb_cone){.bodies = rb_simultaneous_bodies(joint),
-	                             .body_count = joint->body_count,
-	                             .arena = joint->arena,
-	                             .tolerance = joint->tolerance,
-	                             .max = joint->products_max,
-	                             .interrupt = joint->interrupt};
-	all->active = rb_arena_take(joint->arena, contacts, sizeof *all->active);
-	all->which = rb_arena_take(joint->arena, contacts + (size_t)joint->joint_count,
-	                           sizeof *all->which);
-	all->stops = rb_arena_take(joint->arena, (size_t)joint->joint_count + 1,
+	all->cone = (struct rb_cone){.bodies = rb_simultaneous_bodies(problem),
+	                             .body_count = problem->body_count,
+	                             .arena = problem->arena,
+	                             .tolerance = problem->tolerance,
+	                             .max = problem->products_max,
+	                             .interrupt = problem->interrupt};
+	all->active = rb_arena_take(problem->arena, contacts, sizeof *all->active);
+	all->source = rb_arena_take(problem->arena, contacts + (size_t)problem->joint_count,
+	                            sizeof *all->source);
+	all->stops = rb_arena_take(problem->arena, (size_t)problem->joint_count + 1,
 	                           sizeof *all->stops);
-	all->crowd = rb_arena_take(joint->arena, (size_t)joint->body_count, sizeof *all->crowd);
-	all->leader = rb_arena_take(joint->arena, (size_t)joint->body_count, sizeof *all->leader);
-	all->near = rb_arena_take(joint->arena, (size_t)joint->body_count, sizeof *all->near);
-	all->cone.row = rb_arena_take(joint->arena, contacts + (size_t)joint->joint_count,
+	all->degree = rb_arena_take(problem->arena, (size_t)problem->body_count,
+	                            sizeof *all->degree);
+	all->leader = rb_arena_take(problem->arena, (size_t)problem->body_count,
+	                            sizeof *all->leader);
+	all->involved = rb_arena_take(problem->arena, (size_t)problem->body_count,
+	                              sizeof *all->involved);
+	all->cone.row = rb_arena_take(problem->arena, contacts + (size_t)problem->joint_count,
 	                              sizeof *all->cone.row);
-	if (!all->active || !all->which || !all->stops || !all->crowd || !all->leader ||
-	    !all->near || !all->cone.row)
+	if (!all->active || !all->source || !all->stops || !all->degree || !all->leader ||
+	    !all->involved || !all->cone.row)
 		return false;
 	find_leaders(all);
 	return true;
 }
 
-bool rb_simultaneous_impact(struct rb_simultaneous *joint, int *rounds)
+bool rb_simultaneous_impact(struct rb_simultaneous *problem, int *rounds)
 {
-	const rb_arena_mark here = rb_arena_here(joint->arena);
-	struct rounds all = {.joint = joint};
+	const rb_arena_mark here = rb_arena_here(problem->arena);
+	struct rounds all = {.problem = problem};
 	bool converged = take_rounds(&all), only_tail = false;
 	int round = 0;
 
-	for (int k = 0; k < joint->contact_count; k++) {
-		joint->contact[k].impulse = (rb_vec3){0, 0, 0};
-		joint->contact[k].approach = 0;
+	for (int k = 0; k < problem->contact_count; k++) {
+		problem->contact[k].impulse = (rb_vec3){0, 0, 0};
+		problem->contact[k].approach = 0;
 	}
-	for (int k = 0; k < joint->joint_count; k++) {
-		rb_constraint_clear(&joint->joint_row[k].base);
-		joint->joint_row[k].approach = 0;
+	for (int k = 0; k < problem->joint_count; k++) {
+		rb_constraint_clear(&problem->joint_row[k].base);
+		problem->joint_row[k].approach = 0;
 	}
-	const int max = ROUNDS + ROUNDS_PER_CONTACT * joint->contact_count;
+	const int max = ROUNDS + ROUNDS_PER_CONTACT * problem->contact_count;
 	while (converged && find_active(&all, &only_tail) > 0) {
 		const bool last = only_tail || round == max;
 
 		if (last) {
-			memset(all.active, 1, (size_t)joint->contact_count * sizeof *all.active);
-			memset(all.stops, 1, (size_t)joint->joint_count * sizeof *all.stops);
+			memset(all.active, 1, (size_t)problem->contact_count * sizeof *all.active);
+			memset(all.stops, 1, (size_t)problem->joint_count * sizeof *all.stops);
 		}
 		if (!run_round(&all, !last) || rb_cone_is_over(&all.cone))
 			converged = false;
@@ -575,24 +586,26 @@ bool rb_simultaneous_impact(struct rb_simultaneous *joint, int *rounds)
 			break;
 		}
 	}
-	joint->products = all.cone.iterations;
+	problem->products = all.cone.iterations;
 	if (rounds)
 		*rounds = round;
-	rb_arena_back(joint->arena, here);
+	rb_arena_back(problem->arena, here);
 	return converged;
 }
 
 /* --- forces --- */
 
-/* Accelerations and forces as they are; the guess is brought into the cone and applied. */
-static void begin_forces(struct rb_simultaneous *joint, struct rb_cone *cone,
+/* Fills the rows; brings the guessed forces into their sets. */
+static void begin_forces(struct rb_simultaneous *problem, struct rb_cone *cone,
                          rb_along_across *guess)
 {
-	for (int k = 0; k < joint->contact_count; k++) {
-		const struct rb_solver_contact *const c = &joint->contact[k];
+	for (int k = 0; k < problem->contact_count; k++) {
+		const struct rb_solver_contact *const c = &problem->contact[k];
 		struct rb_cone_row *const row = &cone->row[k];
 		const double known = fmax(0, rb_vec3_dot(c->impulse, c->normal));
-		/* a slip's friction is no more than what is known: large forces would round */
+		/*
+		 * with large friction, n is limited by |force| / friction: large forces would round
+		 */
 		const double n = c->mode == RB_SOLVER_SLIDE && c->friction > 1
 		                         ? fmin(known, rb_vec3_length(c->impulse) / c->friction)
 		                         : known;
@@ -610,20 +623,21 @@ static void begin_forces(struct rb_simultaneous *joint, struct rb_cone *cone,
 			t = rb_vec3_scale(c->friction * n / length, t);
 		guess[k] = (rb_along_across){n, t};
 	}
-	for (int k = 0; k < joint->joint_count; k++) {
-		const struct rb_constraint *const base = &joint->joint_row[k].base;
+	for (int k = 0; k < problem->joint_count; k++) {
+		const struct rb_constraint *const base = &problem->joint_row[k].base;
 		const double n = fmin(fmax(base->impulse.n, base->low), base->high);
 
-		cone->row[joint->contact_count + k] = joint->joint_row[k];
-		guess[joint->contact_count + k] = (rb_along_across){
+		cone->row[problem->contact_count + k] = problem->joint_row[k];
+		guess[problem->contact_count + k] = (rb_along_across){
 			base->set == RB_CONSTRAINT_INTERVAL ? n : base->impulse.n, base->impulse.t};
 	}
 }
 
-/* m/s^2: the largest that a row of a joint is a difference of. */
-static double joint_scale(const struct rb_simultaneous *joint, const struct rb_cone_row *row)
+/* The largest of the accelerations whose difference is that of a joint's row, m/s^2. */
+static double joint_scale(const struct rb_simultaneous *problem, const struct rb_cone_row *row)
 {
-	const struct rb_solver_body *a = &joint->body[row->base.a], *b = &joint->body[row->base.b];
+	const struct rb_solver_body *a = &problem->body[row->base.a],
+				    *b = &problem->body[row->base.b];
 	const rb_vec3 none = {0, 0, 0};
 
 	if (row->base.couple)
@@ -633,48 +647,48 @@ static double joint_scale(const struct rb_simultaneous *joint, const struct rb_c
 	return fmax(fmax(rb_vec3_length(row->bias), speed_bound(a, none)), speed_bound(b, none));
 }
 
-double rb_simultaneous_forces(struct rb_simultaneous *joint)
+double rb_simultaneous_forces(struct rb_simultaneous *problem)
 {
-	const rb_arena_mark here = rb_arena_here(joint->arena);
-	const size_t contacts = (size_t)joint->contact_count;
-	const size_t rows = contacts + (size_t)joint->joint_count;
-	struct rb_cone cone = {.bodies = rb_simultaneous_bodies(joint),
-	                       .body_count = joint->body_count,
+	const rb_arena_mark here = rb_arena_here(problem->arena);
+	const size_t contacts = (size_t)problem->contact_count;
+	const size_t rows = contacts + (size_t)problem->joint_count;
+	struct rb_cone cone = {.bodies = rb_simultaneous_bodies(problem),
+	                       .body_count = problem->body_count,
 	                       .row_count = (int)rows,
-	                       .arena = joint->arena,
-	                       .probes = joint->probes,
-	                       .max = joint->products_max,
-	                       .interrupt = joint->interrupt};
-	rb_along_across *const guess = rb_arena_take(joint->arena, rows, sizeof *guess);
+	                       .arena = problem->arena,
+	                       .probes = problem->probes,
+	                       .max = problem->products_max,
+	                       .interrupt = problem->interrupt};
+	rb_along_across *const guess = rb_arena_take(problem->arena, rows, sizeof *guess);
 	double scale = 0;
 
-	cone.row = rb_arena_take(joint->arena, rows, sizeof *cone.row);
+	cone.row = rb_arena_take(problem->arena, rows, sizeof *cone.row);
 	if (guess && cone.row)
-		begin_forces(joint, &cone, guess);
+		begin_forces(problem, &cone, guess);
 	if (!guess || !cone.row || !rb_cone_open(&cone)) {
-		rb_arena_back(joint->arena, here);
+		rb_arena_back(problem->arena, here);
 		return (double)INFINITY;
 	}
 	for (size_t k = 0; k < contacts; k++)
-		scale = fmax(scale, fmax(speeds_of(joint, &joint->contact[k]),
-		                         rb_vec3_length(joint->contact[k].bias)));
-	for (int k = 0; k < joint->joint_count; k++) {
+		scale = fmax(scale, fmax(contact_scale(problem, &problem->contact[k]),
+		                         rb_vec3_length(problem->contact[k].bias)));
+	for (int k = 0; k < problem->joint_count; k++) {
 		rb_constraint_clear(&cone.row[contacts + (size_t)k].base);
-		scale = fmax(scale, joint_scale(joint, &joint->joint_row[k]));
+		scale = fmax(scale, joint_scale(problem, &problem->joint_row[k]));
 	}
-	rb_cone_apply_normal(&cone, guess);
+	rb_cone_apply(&cone, guess);
 	const double left = rb_cone_resolve(&cone, scale);
-	joint->products = cone.iterations;
+	problem->products = cone.iterations;
 	for (size_t k = 0; k < contacts; k++) {
-		struct rb_solver_contact *const c = &joint->contact[k];
+		struct rb_solver_contact *const c = &problem->contact[k];
 		const struct rb_cone_row *const row = &cone.row[k];
 
 		c->impulse = rb_constraint_impulse(&row->base);
 		c->slipping = row->base.impulse.n > 0 && row->friction_impulse != RB_CONE_STICK &&
 		              rb_vec3_length(row->u.t) > 1e-12 * scale;
 	}
-	for (int k = 0; k < joint->joint_count; k++)
-		joint->joint_row[k].base.impulse = cone.row[contacts + (size_t)k].base.impulse;
-	rb_arena_back(joint->arena, here);
+	for (int k = 0; k < problem->joint_count; k++)
+		problem->joint_row[k].base.impulse = cone.row[contacts + (size_t)k].base.impulse;
+	rb_arena_back(problem->arena, here);
 	return left;
 }
