@@ -11,7 +11,7 @@ bool rb_joint_rest_decide(struct rb_resolution *s)
 
 		if (!multiplier)
 			return false;
-		rb_joint_rows_read_problem(&s->joints, true, s->joint.joint_row, multiplier);
+		rb_joint_rows_read_problem(&s->joints, true, s->problem.joint_row, multiplier);
 		rb_joint_drives_decide(&s->joints, multiplier, s->t);
 	}
 	rb_joint_stops_note(&s->joints, s->t);

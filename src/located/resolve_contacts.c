@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Resolves the contacts of a set at a moment: collects the points that touch, removes the drift of
- * those that lasted, finds forces and modes together (constraint/simultaneous), and writes one
- * cluster a connected part, or free arcs. The result depends on set and moment only.
+ * Resolves the contacts of a set at a moment: collects the touching points, removes the drift of
+ * lasting ones, finds all forces and modes together (constraint/simultaneous), and writes a cluster
+ * for each connected part, or free arcs. The result depends on set and moment only.
  */
 #include "located/resolve_contacts.h"
 
@@ -28,17 +28,17 @@
 #include "located/transition.h"
 #include "located/work.h"
 
-/* Rounding, in ulp, of a speed (of a fall by the own size) and of an acceleration (of the load). */
+/* Rounding, in ulp, of speeds (of a fall by the body's size) and of accelerations (of the load). */
 enum { REST_ULP = 64, LOAD_ULP = 64 };
-/* Share of friction missing where the solver found no solution with all; above its residue. */
-static const double gave_way = 1e-9;
+/* Share of friction that is missing where the solver has reduced it; above its residual. */
+static const double reduced_share = 1e-9;
 
-/* Share of the external accelerations below which an acceleration is residue of the solver. */
+/* Accelerations below this share of the external ones are residuals of the solver. */
 static const double rest_share = 1e-12;
 
 /* ---- gathering ---- */
 
-/* Velocity, m/s, by rounding of a held contact's force since its cluster began. */
+/* Velocity, m/s, due to rounding of a held contact's force since its cluster began. */
 static double drift_of(const struct rb_located *l, const struct rb_held *held, double t)
 {
 	const int is_dynamic = rb_located_fixed(l, held->a) ? held->b : held->a;
@@ -48,10 +48,7 @@ static double drift_of(const struct rb_located *l, const struct rb_held *held, d
 	       (l->model->inverse_mass[held->a] + l->model->inverse_mass[held->b]);
 }
 
-/*
- * True if the piece at whose end the slip stops has reached its end; something else may have cut
- * it.
- */
+/* True if the piece at whose end the slip stops has reached its end, without being cut before. */
 static bool has_ended(const struct rb_located *l, const struct rb_held *held, double t)
 {
 	const int is_dynamic = rb_located_fixed(l, held->a) ? held->b : held->a;
@@ -60,7 +57,7 @@ static bool has_ended(const struct rb_located *l, const struct rb_held *held, do
 	       t >= l->piece[is_dynamic].until_s;
 }
 
-/* Collects the set's contact points, poses and what was held before. */
+/* Collects the set's contact points and poses, and the contacts held before. */
 static bool begin(struct rb_resolution *s)
 {
 	struct rb_located *l = s->l;
@@ -109,35 +106,35 @@ static bool begin(struct rb_resolution *s)
 }
 
 /* Normal velocity, m/s, that a lasting contact may have by rounding. */
-static double rounds(const struct rb_resolution *s, const struct rb_contact_point *m)
+static double rounding_speed(const struct rb_resolution *s, const struct rb_contact_point *m)
 {
 	return rb_contact_point_noise(s->l, m) + s->slack + s->drift;
 }
 
-/* The same including the drift of integration. */
-static double integrates(const struct rb_resolution *s, const struct rb_contact_point *m)
+/* The same, plus the drift of integration. */
+static double integration_speed(const struct rb_resolution *s, const struct rb_contact_point *m)
 {
-	return rounds(s, m) + rb_drift_correct * (rb_vec3_length(m->pose_a.velocity) +
-	                                          rb_vec3_length(m->pose_b.velocity));
+	return rounding_speed(s, m) + rb_drift_correct * (rb_vec3_length(m->pose_a.velocity) +
+	                                                  rb_vec3_length(m->pose_b.velocity));
 }
 
-/* ... after an impact, whose velocities are exact, only rounding. */
-static double drifts(const struct rb_resolution *s, const struct rb_contact_point *m)
+/* The same, but only rounding after an impact, whose velocities are exact. */
+static double drift_speed(const struct rb_resolution *s, const struct rb_contact_point *m)
 {
-	return rb_slips_is_after_impact(s, m) ? rounds(s, m) : integrates(s, m);
+	return rb_slips_is_after_impact(s, m) ? rounding_speed(s, m) : integration_speed(s, m);
 }
 
 /* True if a held contact separates or has left its features, or if a body of it was moved away. */
-static bool parts(const struct rb_resolution *s, const struct rb_contact_point *m)
+static bool separates(const struct rb_resolution *s, const struct rb_contact_point *m)
 {
-	const double max = drifts(s, m);
+	const double max = drift_speed(s, m);
 
 	return rb_vec3_dot(m->velocity, m->normal) > max || rb_event_set_has_left(s->l, m) ||
 	       m->gap > fmax(rb_drift_correct * rb_contact_point_size(s->l, m),
 	                     rb_contact_point_band(s->l, m, s->t));
 }
 
-/* Ends a contact: others of its pair inherit what was reported, or a lift is recorded. */
+/* Ends a contact: others of its pair inherit its report; otherwise its lift is recorded. */
 static void end_contact(struct rb_resolution *s, int k, const bool *kept)
 {
 	int first;
@@ -154,7 +151,7 @@ static void end_contact(struct rb_resolution *s, int k, const bool *kept)
 			before->is_reported = true;
 			before->reported = s->before[k].reported;
 		} else if (!kept[other] && other > k) {
-			before->is_reported = false; /* once is enough */
+			before->is_reported = false; /* one report per pair */
 		}
 	}
 	if (!goes_on)
@@ -162,10 +159,10 @@ static void end_contact(struct rb_resolution *s, int k, const bool *kept)
 }
 
 /*
- * True if a point that was passed on to other features opens by its overshoot. Whether it lasts,
- * its force decides; corrected, a separating body would be pulled back.
+ * True if a point that has been transferred to other features opens by its overshoot. Its force
+ * decides whether it lasts; drift correction would pull a separating body back.
  */
-static bool opens_anew(const struct rb_resolution *s, int k)
+static bool opens_on_new_features(const struct rb_resolution *s, int k)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
 
@@ -173,16 +170,14 @@ static bool opens_anew(const struct rb_resolution *s, int k)
 	       rb_vec3_dot(m->velocity, m->normal) > rb_contact_point_noise(s->l, m);
 }
 
-/*
- * A contact that has come to slip by more than drift, as where it rolls to another feature, slips.
- */
-static void let_slip(const struct rb_resolution *s, int k)
+/* Marks a contact that slips by more than drift, as when it rolls on to another feature. */
+static void find_new_slip(const struct rb_resolution *s, int k)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
 	struct rb_held *const before = &s->before[k];
 
 	if (before->a >= 0 && !s->l->starting &&
-	    rb_vec3_length(rb_vec3_reject(m->velocity, m->normal)) > drifts(s, m)) {
+	    rb_vec3_length(rb_vec3_reject(m->velocity, m->normal)) > drift_speed(s, m)) {
 		before->slipping = true;
 		before->ending = false;
 	}
@@ -198,21 +193,21 @@ static void keep_what_lasts(struct rb_resolution *s)
 	if (!kept)
 		return;
 	for (int k = 0; k < s->contact_point_count; k++) {
-		let_slip(s, k);
+		find_new_slip(s, k);
 		/* after an impact velocities are exact */
 		kept[k] = s->before[k].a >= 0 &&
 		          !rb_slips_is_after_impact(s, &s->contact_point[k]) &&
-		          !parts(s, &s->contact_point[k]) && !opens_anew(s, k);
+		          !separates(s, &s->contact_point[k]) && !opens_on_new_features(s, k);
 	}
 	rb_joint_drives_fit(&s->joints, s->t, s->pose);
-	/* what no longer holds must not while contacts are put right */
+	/* drives that no longer hold must be released before drift is corrected */
 	rb_joint_drives_begin(&s->joints, s->t, s->after_impact || s->l->starting, s->slack);
 	rb_drift(&drift);
 	rb_joint_rows_correct(&s->joints, s->t, s->pose, s->after_impact || s->l->starting);
 	rb_joint_drives_turn(&s->joints, s->t, s->after_impact || s->l->starting);
 	for (int k = 0; k < s->contact_point_count; k++) {
 		rb_drift_point(s->l, s->pose, &s->contact_point[k]);
-		kept[k] = s->before[k].a < 0 || !parts(s, &s->contact_point[k]);
+		kept[k] = s->before[k].a < 0 || !separates(s, &s->contact_point[k]);
 	}
 	for (int k = 0; k < s->contact_point_count; k++)
 		if (!kept[k])
@@ -253,7 +248,7 @@ static int dynamic_of(const struct rb_resolution *s, int k)
 	                                                     : s->contact_point[k].a;
 }
 
-/* ---- who goes on with whom ---- */
+/* ---- connected parts ---- */
 
 /* Joins the parts of two bodies; the smaller place becomes the root. */
 static void join(struct rb_resolution *s, int a, int b)
@@ -267,7 +262,7 @@ static void join(struct rb_resolution *s, int a, int b)
 	s->root[x > y ? x : y] = x > y ? y : x;
 }
 
-/* Joins what presses on each other and what force elements connect. */
+/* Joins bodies that press on each other or that joints, force elements or gravitation connect. */
 static void join_all(struct rb_resolution *s)
 {
 	const struct rb_model *model = s->l->model;
@@ -294,19 +289,21 @@ static void join_all(struct rb_resolution *s)
 	}
 }
 
-/* Mode of a contact for reports: what comes to turn from rest rolls, though it has no speed yet. */
+/*
+ * Mode of a contact for reports: a body that begins to rotate from rest rolls, even without speed.
+ */
 static enum rb_held_mode mode_of(const struct rb_resolution *s, int k)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
-	const struct rb_solver_contact *c = &s->joint.contact[k];
-	const double nothing = fmax(rest_share * s->external_max,
-	                            LOAD_ULP * DBL_EPSILON *
-	                                    s->load[s->l->place[dynamic_of(s, k)]]);
+	const struct rb_solver_contact *c = &s->problem.contact[k];
+	const double negligible = fmax(rest_share * s->external_max,
+	                               LOAD_ULP * DBL_EPSILON *
+	                                       s->load[s->l->place[dynamic_of(s, k)]]);
 
 	if (c->slipping || c->mode == RB_SOLVER_SLIDE)
 		return RB_HELD_SLIDE;
 	return rb_slips_turn(s, k) <= 4 * rb_contact_point_noise(s->l, m) + s->slack &&
-	                       rb_slips_turn_rate(s, k) <= nothing
+	                       rb_slips_turn_rate(s, k) <= negligible
 	               ? RB_HELD_REST
 	               : RB_HELD_ROLL;
 }
@@ -314,8 +311,8 @@ static enum rb_held_mode mode_of(const struct rb_resolution *s, int k)
 /* ---- writing ---- */
 
 /*
- * Coefficient that the solution has: less than the material's where the law has no solution
- * (constraint/simultaneous); what follows keeps to it.
+ * Friction coefficient of the solution: below the material's where the law has no solution
+ * (constraint/simultaneous); the following pieces use it.
  */
 static double friction_of(const struct rb_solver_contact *c)
 {
@@ -323,7 +320,7 @@ static double friction_of(const struct rb_solver_contact *c)
 	const double friction_impulse = rb_vec3_length(rb_vec3_reject(c->impulse, c->normal));
 
 	return normal_impulse > 0 &&
-	                       friction_impulse < c->friction * normal_impulse * (1 - gave_way)
+	                       friction_impulse < c->friction * normal_impulse * (1 - reduced_share)
 	               ? friction_impulse / normal_impulse
 	               : c->friction;
 }
@@ -332,7 +329,7 @@ static double friction_of(const struct rb_solver_contact *c)
 static struct rb_held held_of(struct rb_resolution *s, int k)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
-	const struct rb_solver_contact *c = &s->joint.contact[k];
+	const struct rb_solver_contact *c = &s->problem.contact[k];
 	struct rb_held held = s->before[k];
 	const bool known = held.a >= 0;
 
@@ -352,7 +349,7 @@ static struct rb_held held_of(struct rb_resolution *s, int k)
 	held.half = m->half;
 	held.force = c->impulse;
 	held.ending = held.straight = false;
-	/* without friction nothing sticks, whether it slips or not */
+	/* without friction nothing sticks, even if it does not slip */
 	held.slipping = c->slipping || c->mode == RB_SOLVER_SLIDE || !(c->friction > 0);
 	held.slip = c->slip;
 	held.friction = friction_of(c);
@@ -360,7 +357,7 @@ static struct rb_held held_of(struct rb_resolution *s, int k)
 		rb_record_transition(s->l, s->t, RB_EVENT_EDGE, m);
 	held.on_rim = m->on_rim;
 	if (c->slipping && c->mode == RB_SOLVER_STICK) {
-		/* slip begins against its friction */
+		/* slip begins in the direction opposite to friction */
 		const rb_vec3 friction = rb_vec3_reject(c->impulse, m->normal);
 		const double size = rb_vec3_length(friction);
 
@@ -370,8 +367,9 @@ static struct rb_held held_of(struct rb_resolution *s, int k)
 }
 
 /*
- * Records what the points of a pair do together, unless it was recorded or an accumulation is still
- * to end: they slide if one slides, rest if all rest, else they roll, rock or topple.
+ * Records the mode of a pair, from all its points, unless it was recorded or an accumulation has
+ * still to end: it slides if one point slides, rests if all rest, otherwise it rolls, rocks or
+ * topples.
  */
 static void record_mode(struct rb_resolution *s, struct rb_held *held, const int *contact_point,
                         int count)
@@ -409,12 +407,9 @@ static void record_mode(struct rb_resolution *s, struct rb_held *held, const int
 		rb_record_transition(s->l, s->t, kinds[mode], &s->contact_point[contact_point[0]]);
 }
 
-/*
- * True if a member's speed and acceleration are rounding: of a fall by its own size, and of its
- * load.
- */
-static bool is_nothing(const struct rb_resolution *s, int k, double external, rb_vec3 speed,
-                       rb_vec3 rate)
+/* True if speed and acceleration are rounding: of a fall by the body's size, and of its load. */
+static bool is_negligible(const struct rb_resolution *s, int k, double external, rb_vec3 speed,
+                          rb_vec3 rate)
 {
 	const double radius = rb_model_reach(s->l->model, s->l->set[k]);
 	const double rest_speed = s->slack + REST_ULP * DBL_EPSILON * sqrt(2 * external * radius);
@@ -424,8 +419,8 @@ static bool is_nothing(const struct rb_resolution *s, int k, double external, rb
 	               fmax(rest_share * external, LOAD_ULP * DBL_EPSILON * s->load[k]);
 }
 
-/* True if the member rotates and its rotation has no closed form. */
-static bool turns_oddly(const struct rb_resolution *s, int k)
+/* True if the member rotates, and not in closed form. */
+static bool rotates_irregularly(const struct rb_resolution *s, int k)
 {
 	const struct rb_located *l = s->l;
 	const double radius = rb_model_reach(l->model, l->set[k]);
@@ -434,8 +429,8 @@ static bool turns_oddly(const struct rb_resolution *s, int k)
 	if (!l->top || (l->top_body[l->set[k]].kind == RB_TOP_CONSTANT &&
 	                l->model->shape[l->set[k]].kind == RB_SHAPE_SPHERE))
 		return false;
-	return !is_nothing(s, k, s->external_max, rb_vec3_scale(radius, s->pose[k].spin),
-	                   rb_vec3_scale(radius, s->joint.body[k].angular));
+	return !is_negligible(s, k, s->external_max, rb_vec3_scale(radius, s->pose[k].spin),
+	                      rb_vec3_scale(radius, s->problem.body[k].angular));
 }
 
 /* True if accelerations are constant until the next transition. */
@@ -445,7 +440,7 @@ static bool in_closed_form(const struct rb_resolution *s, int part, const struct
 
 	for (int k = 0; k < l->set_count; k++)
 		if (rb_forest_root(s->root, k) == part &&
-		    (!s->constant[k] || l->model->center_of_mass || turns_oddly(s, k) ||
+		    (!s->constant[k] || l->model->center_of_mass || rotates_irregularly(s, k) ||
 		     rb_joint_rows_hold(l, l->set[k])))
 			return false;
 	for (int k = 0; k < s->contact_point_count; k++) {
@@ -484,7 +479,7 @@ static bool will_move(const struct rb_resolution *s, int body, double external)
 }
 
 /*
- * True if the whole cluster is at rest and nothing moves it. At rest is a speed within rounding of
+ * True if the whole cluster is at rest and nothing moves it. At rest: a speed within rounding of
  * that of a fall by its own size.
  */
 static bool is_at_rest(const struct rb_resolution *s, int part)
@@ -505,12 +500,12 @@ static bool is_at_rest(const struct rb_resolution *s, int part)
 		if (rb_forest_root(s->root, k) != part)
 			continue;
 		const double radius = rb_model_reach(l->model, l->set[k]);
-		const struct rb_solver_body *b = &s->joint.body[k];
+		const struct rb_solver_body *b = &s->problem.body[k];
 
 		if (!s->constant_at_rest[k] ||
-		    !is_nothing(s, k, external, s->pose[k].velocity, b->linear) ||
-		    !is_nothing(s, k, external, rb_vec3_scale(radius, s->pose[k].spin),
-		                rb_vec3_scale(radius, b->angular)))
+		    !is_negligible(s, k, external, s->pose[k].velocity, b->linear) ||
+		    !is_negligible(s, k, external, rb_vec3_scale(radius, s->pose[k].spin),
+		                   rb_vec3_scale(radius, b->angular)))
 			return false;
 	}
 	return true;
@@ -549,10 +544,10 @@ static void start_part(struct rb_resolution *s, int part, struct rb_cluster *c,
 			s->pose[k].rest = none; /* closed forms start from one number */
 		if (!rest_speed && closed && l->top &&
 		    l->model->shape[l->set[k]].kind != RB_SHAPE_SPHERE)
-			s->pose[k].spin = s->joint.body[k].angular = none;
+			s->pose[k].spin = s->problem.body[k].angular = none;
 		rb_arc_anchor(l, l->set[k], s->t, &s->pose[k],
-		              rest_speed ? none : s->joint.body[k].linear,
-		              rest_speed || !closed ? none : s->joint.body[k].angular);
+		              rest_speed ? none : s->problem.body[k].linear,
+		              rest_speed || !closed ? none : s->problem.body[k].angular);
 	}
 	for (int k = 0; closed && l->account_s && k < c->held_count; k++)
 		rb_rest_rates_contact(s, contact_point[k], rest_speed, &c->rates);
@@ -604,7 +599,7 @@ static void fly(struct rb_resolution *s, int body)
 	rb_arc_set_drag(l, body, decay);
 }
 
-/* Of the clusters that were: the shortest step length, and the most of `crept`. */
+/* From the previous clusters: the shortest step to try, and the largest `crept`. */
 struct pace {
 	double try_s;
 	uint64_t crept;
@@ -660,7 +655,7 @@ static void forget_before(struct rb_resolution *s, struct pace *pace)
 	for (int k = 0; k < l->set_count; k++) {
 		const int cluster = l->cluster_of[l->set[k]];
 
-		/* what clusters are given up for may take their room */
+		/* new clusters may take the storage of those that are dropped */
 		rb_piece_warm_start_keep(l, l->set[k], s->t);
 		if (cluster < 0)
 			continue;
@@ -708,8 +703,9 @@ static bool is_moving(const struct rb_resolution *s)
 }
 
 /*
- * True if it is another point of bodies in contact. An impact may bring one into the range of
- * touching by the speed that it gives it, and where a flat rim turns, another may be the lowest.
+ * True if it is a new point of bodies already in contact. An impact may bring one into the touching
+ * range by the velocity that it causes, and on a flat rotating rim another point may become the
+ * lowest.
  */
 static bool comes_to_touch(const struct rb_resolution *s, int k)
 {
@@ -719,21 +715,21 @@ static bool comes_to_touch(const struct rb_resolution *s, int k)
 }
 
 /*
- * The first lasting contact that approaches, or a new point of bodies in contact; -1: none. What
- * steps have left is no impact.
+ * The first lasting contact, or new point of bodies in contact, that approaches; -1: none.
+ * Approaches left by the stepped method are not impacts.
  */
 static int find_hit(const struct rb_resolution *s)
 {
 	for (int k = 0; k < s->contact_point_count && !s->l->starting; k++)
 		if (rb_vec3_dot(s->contact_point[k].velocity, s->contact_point[k].normal) <
-		            -integrates(s, &s->contact_point[k]) &&
+		            -integration_speed(s, &s->contact_point[k]) &&
 		    ((s->before[k].a >= 0 && !rb_slips_is_after_impact(s, &s->contact_point[k])) ||
 		     comes_to_touch(s, k)))
 			return k;
 	return -1;
 }
 
-/* One attempt, impacts first; true: to be repeated. */
+/* One attempt, impacts first; true: repeat. */
 static bool resolve_once(struct rb_resolution *s, bool inspects, int round)
 {
 	struct rb_located *l = s->l;
@@ -742,7 +738,7 @@ static bool resolve_once(struct rb_resolution *s, bool inspects, int round)
 	if (!begin(s))
 		return false;
 	s->hit = !inspects ? -1 : round == 0 ? find_hit(s) : rb_tangential_impact_hit(s);
-	if (inspects && round == 0 && s->hit < 0) /* it begins with none */
+	if (inspects && round == 0 && s->hit < 0) /* the first round has no impact */
 		s->hit_joint = rb_joint_stops_hit(&s->joints, s->t, s->slack);
 	if (s->hit >= 0 || s->hit_joint >= 0)
 		return false;
@@ -754,7 +750,7 @@ static bool resolve_once(struct rb_resolution *s, bool inspects, int round)
 	else
 		sample_external(s);
 	if (l->status != RB_OK || !rb_rim_support_solve(s) || !rb_joint_rest_decide(s)) {
-		/* nothing is written: what has been put right has not happened */
+		/* nothing was written: undo the drift corrections' entries */
 		l->world->ledger = before;
 		return false;
 	}
@@ -774,7 +770,7 @@ bool rb_resolve_contacts(struct rb_located *l, double t, bool after_impact, doub
 	bool again = true;
 
 	RB_ASSERT(t >= l->now_s && slack >= 0);
-	/* each Painleve impulse ends a slip; what it makes approach is an impact */
+	/* each Painleve impulse ends a slip; a contact that it makes approach is an impact */
 	for (int round = 0; again; round++) {
 		struct rb_resolution s = {.l = l,
 		                          .t = t,

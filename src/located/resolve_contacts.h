@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What becomes of bodies after something has happened to them: which of their touching contacts
- * last, with what forces, and on which arcs they go on.
+ * Restarts bodies after an event: finds which of their touching contacts last, the forces of these,
+ * and the bodies' new arcs.
  */
 #ifndef RB_LOCATED_RESOLVE_CONTACTS_H
 #define RB_LOCATED_RESOLVE_CONTACTS_H
@@ -9,15 +9,15 @@
 #include "located/event_set.h"
 
 /*
- * For the set as it is, grown to all that rests on it: gives every body of it a new arc from `t`
- * on, dissolves the clusters that they were in, makes those that they are in now, and tells
- * transitions. `after_impact`: an impact or a callback has just changed velocities, which are right
- * as they are; `slack` m/s: the rounding that it has left on top of that of the velocities
- * themselves. Leaves the set, whose bodies are then to foresee anew. Sets l->status.
+ * Resolves the contacts of the set, grown by all bodies that rest on it: gives every body of it a
+ * new arc from `t` on, dissolves the previous clusters, creates the new ones, and records
+ * transitions. `after_impact`: an impact or a callback has just changed velocities, which are
+ * exact; `slack`, m/s: the rounding that it has added to that of the velocities themselves. Leaves
+ * the set, whose bodies must then be predicted anew. Sets l->status.
  *
- * False, and nothing is changed but the set: a contact that has lasted approaches by more than can
- * have drifted, as where one rolls on to another feature; or another point of a rim that has landed
- * flat. `hit` is its pair: an impact (rb_resolve_impacts). NULL: it is not asked for.
+ * False, with nothing changed but the set: a lasting contact approaches by more than drift, as when
+ * one rolls on to another feature, or another point of a rim that has landed flat does. `hit` is
+ * its pair, for an impact (rb_resolve_impacts). hit NULL: this is not checked.
  */
 bool rb_resolve_contacts(struct rb_located *l, double t, bool after_impact, double slack,
                          int hit[2]);

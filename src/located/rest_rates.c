@@ -7,13 +7,13 @@ void rb_rest_rates_contact(const struct rb_resolution *s, int k, bool rest_speed
                            struct rb_account_rates *rates)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
-	const struct rb_solver_contact *c = &s->joint.contact[k];
+	const struct rb_solver_contact *c = &s->problem.contact[k];
 	const bool b_moves = rb_located_fixed(s->l, m->a);
 	const int mover = b_moves ? c->b : c->a, fixed = b_moves ? m->a : m->b;
 
 	if (!rb_located_fixed(s->l, fixed))
 		return;
-	const struct rb_solver_body *body = &s->joint.body[mover];
+	const struct rb_solver_body *body = &s->problem.body[mover];
 	const struct rb_pose *pose = &s->pose[mover];
 	const rb_vec3 arm = b_moves ? m->arm_b : m->arm_a;
 	const rb_vec3 force = b_moves ? c->impulse : rb_vec3_neg(c->impulse);

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Accelerations of the points of a rim along the normal are an affine function of the place, least
- * in one direction, which is down. Where that is less than none, quarters are counted anew: from
- * the point that lies as far along the rim as the centre of pressure, where a line through two
- * points carries it, which is near where a load at rest is carried; where one point does, about
- * which the end turns, from one between it and the point that is down, until these are the same.
+ * The normal acceleration of the points of a rim is an affine function of position, with its
+ * minimum in one direction, "down". If the minimum is negative, the rim's four points (quarters)
+ * are moved. If a line through two points carries the load, they start at the point with the same
+ * coordinate along this line as the centre of pressure, which is near where a load at rest is
+ * carried. If a single point does, about which the end rotates, they start between it and the
+ * lowest point, until the two are the same.
  */
 #include "located/rim_support.h"
 
@@ -16,44 +17,46 @@
 
 #include "constraint/exact_sum.h"
 
-/* Ulp of accelerations by loads that are rounding; how often quarters are counted anew. */
+/* Rounding of accelerations, in ulp of those by loads; rounds of moving quarters. */
 enum { LEAN_ULP = 64, ROUNDS_MAX = 24 };
-/* Share of the way down from a point about which an end turns, as long as nothing else is known. */
+/* Share of the angle to the lowest point to move at first, when no other information is known. */
 static const double first_share = 0.125;
-/* Share of the radius beyond which a point is one of the rim. */
+/* Share of the radius from which a point is on the rim. */
 static const double on_rim = 1 - 1e-9;
-/* Sine from which on two lines cross. */
+/* Least sine of two lines that cross. */
 static const double crossing = 0.25;
 
-/* A rim of a pair, and what has been tried of it. */
-struct lean {
+/* State of the search for a rim of a pair. */
+struct rim_state {
 	int a, b;
 	uint32_t parts;
-	rb_vec3 way; /* the point about which it turned, 0: none yet */
-	double off;  /* rad: how far from that down was */
-	/* of the last line that carried it: along it, and how far along it the load was, radii */
+	rb_vec3 direction; /* point about which it rotated, 0: none yet */
+	double off;        /* rad: angle from that to the lowest point */
+	/*
+	 * last line that carried the load: its direction, and the load's coordinate along it, radii
+	 */
 	rb_vec3 along;
 	double aside;
-	bool anew; /* quarters are to be counted from `from` */
-	rb_vec3 from;
-	int of; /* contact whose rim it is */
+	bool moves; /* quarters must start at `start` */
+	rb_vec3 start;
+	int contact; /* a contact of the rim */
 	struct rb_feature_flat_rim rim;
 };
 
-/* A rim under its load. */
+/* Load and motion of a rim. */
 struct load {
-	double bias;     /* m/s^2: with which the bodies part, in its middle */
-	rb_vec3 slope;   /* 1/s^2: how that grows across the normal */
+	double bias;     /* m/s^2: opening acceleration at its centre */
+	rb_vec3 slope;   /* 1/s^2: its gradient, tangential */
 	double force;    /* N: sum of normal forces */
-	int pressing;    /* how many there are */
-	rb_vec3 pressed; /* N m: of them by places from the middle */
+	int pressing;    /* number of positive normal forces */
+	rb_vec3 pressed; /* N m: sum of normal forces times positions from the centre */
 };
 
-/* m/s^2: with which the bodies part at contact k, along the normal. */
-static double parts_with(const struct rb_resolution *s, int k)
+/* Opening acceleration at contact k, along the normal, m/s^2. */
+static double opening_acceleration(const struct rb_resolution *s, int k)
 {
-	const struct rb_solver_contact *c = &s->joint.contact[k];
-	const struct rb_solver_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
+	const struct rb_solver_contact *c = &s->problem.contact[k];
+	const struct rb_solver_body *a = &s->problem.body[c->a], *b = &s->problem.body[c->b];
 	const rb_vec3 rate = rb_vec3_sub(
 		rb_vec3_add(b->linear, rb_vec3_cross(b->angular, c->arm_b)),
 		rb_vec3_add(a->linear, rb_vec3_cross(a->angular, c->arm_a)));
@@ -62,28 +65,28 @@ static double parts_with(const struct rb_resolution *s, int k)
 }
 
 /*
- * What the points of the pair's parts say of the rim that contact k is of; `term` is room for five
- * numbers of each contact.
+ * Load and motion of the rim of contact k, from all points of the pair's parts; `term`: scratch for
+ * five numbers per contact.
  */
 static struct load load_of(const struct rb_resolution *s, int k,
                            const struct rb_feature_flat_rim *rim, double *term)
 {
-	const struct rb_solver_contact *c = &s->joint.contact[k];
+	const struct rb_solver_contact *c = &s->problem.contact[k];
 	const size_t stride = (size_t)s->contact_point_count;
 	struct load load = {.pressing = 0};
 	double sum[5];
 	int first, count = 0;
 	const int end = rb_slips_pair(s, k, &first);
 
-	load.slope = rb_vec3_cross(
-		c->normal, rb_vec3_sub(s->joint.body[c->b].angular, s->joint.body[c->a].angular));
+	load.slope = rb_vec3_cross(c->normal, rb_vec3_sub(s->problem.body[c->b].angular,
+	                                                  s->problem.body[c->a].angular));
 	for (int i = first; i < end; i++) {
-		const rb_vec3 place = rb_vec3_sub(s->joint.contact[i].arm_a, rim->centre);
-		const double force = rb_vec3_dot(s->joint.contact[i].impulse, c->normal);
+		const rb_vec3 place = rb_vec3_sub(s->problem.contact[i].arm_a, rim->centre);
+		const double force = rb_vec3_dot(s->problem.contact[i].impulse, c->normal);
 
 		if (s->contact_point[i].parts != s->contact_point[k].parts)
 			continue;
-		term[(size_t)count] = parts_with(s, i) - rb_vec3_dot(load.slope, place);
+		term[(size_t)count] = opening_acceleration(s, i) - rb_vec3_dot(load.slope, place);
 		term[(size_t)count + stride] = force;
 		load.pressing += force > 0;
 		term[(size_t)count + 2 * stride] = force * place.x;
@@ -99,7 +102,7 @@ static struct load load_of(const struct rb_resolution *s, int k,
 	return load;
 }
 
-/* m/s^2: what rounding makes of accelerations of the pair. */
+/* Rounding of accelerations of the pair, m/s^2. */
 static double noise_of(const struct rb_resolution *s, int k)
 {
 	const int body[2] = {s->contact_point[k].a, s->contact_point[k].b};
@@ -111,30 +114,37 @@ static double noise_of(const struct rb_resolution *s, int k)
 	return LEAN_ULP * DBL_EPSILON * sum;
 }
 
-/* rad: by how much to go on from the point about which it turns, from which down is `off`. */
-static double turn_by(const struct lean *lean, rb_vec3 way, rb_vec3 normal, double off)
+/*
+ * Angle by which to move from the point about which it rotates, when the lowest one is at `off`,
+ * rad.
+ */
+static double angle_step(const struct rim_state *rim_state, rb_vec3 direction, rb_vec3 normal,
+                         double off)
 {
-	const double back = atan2(rb_vec3_dot(normal, rb_vec3_cross(way, lean->way)),
-	                          rb_vec3_dot(way, lean->way));
-	const double root = off * back / (off - lean->off);
+	const double back = atan2(
+		rb_vec3_dot(normal, rb_vec3_cross(direction, rim_state->direction)),
+		rb_vec3_dot(direction, rim_state->direction));
+	const double root = off * back / (off - rim_state->off);
 
-	/* down is beyond the point that is sought */
-	return rb_vec3_max_abs(lean->way) > 0 && root / off > 0 && root / off <= 1
+	/* the lowest point is beyond the one sought */
+	return rb_vec3_max_abs(rim_state->direction) > 0 && root / off > 0 && root / off <= 1
 	               ? root
 	               : first_share * off;
 }
 
 /*
- * Where a load is to be carried that lies as far along the line as `aside`, radii: with another
- * line that carried it across the one before, where both say that it is; else at the rim.
+ * Point, in radii, that should carry a load with coordinate `aside` along the line: the
+ * intersection with the previous line, if these cross; otherwise on the rim.
  */
-static rb_vec3 place_of(const struct lean *lean, rb_vec3 normal, rb_vec3 along, double aside)
+static rb_vec3 carrying_point(const struct rim_state *rim_state, rb_vec3 normal, rb_vec3 along,
+                              double aside)
 {
 	const rb_vec3 down = rb_vec3_cross(along, normal);
-	const rb_vec3 across = rb_vec3_cross(normal, lean->along);
+	const rb_vec3 across = rb_vec3_cross(normal, rim_state->along);
 	const double between = rb_vec3_dot(along, across);
-	const rb_vec3 both = rb_vec3_sub(rb_vec3_scale(aside, across),
-	                                 rb_vec3_scale(lean->aside, rb_vec3_cross(normal, along)));
+	const rb_vec3 both = rb_vec3_sub(
+		rb_vec3_scale(aside, across),
+		rb_vec3_scale(rim_state->aside, rb_vec3_cross(normal, along)));
 
 	if (fabs(between) > crossing)
 		return rb_vec3_unit(rb_vec3_scale(1 / between, both), down);
@@ -142,19 +152,19 @@ static rb_vec3 place_of(const struct lean *lean, rb_vec3 normal, rb_vec3 along, 
 	                   rb_vec3_scale(sqrt(fmax(0, 1 - aside * aside)), down));
 }
 
-/* Sets `anew` and `from`: is the rim pressed in? */
-static void look_at(const struct rb_resolution *s, struct lean *lean, double *term)
+/* Sets `moves` and `start`, depending on whether the rim would penetrate. */
+static void inspect_rim(const struct rb_resolution *s, struct rim_state *rim_state, double *term)
 {
-	const rb_vec3 n = s->contact_point[lean->of].normal;
-	const struct load load = load_of(s, lean->of, &lean->rim, term);
-	const rb_vec3 slope = rb_vec3_scale(-lean->rim.radius, rb_vec3_reject(load.slope, n));
-	const double steep = rb_vec3_length(slope), noise = noise_of(s, lean->of);
+	const rb_vec3 n = s->contact_point[rim_state->contact].normal;
+	const struct load load = load_of(s, rim_state->contact, &rim_state->rim, term);
+	const rb_vec3 slope = rb_vec3_scale(-rim_state->rim.radius, rb_vec3_reject(load.slope, n));
+	const double steep = rb_vec3_length(slope), noise = noise_of(s, rim_state->contact);
 
-	lean->anew = false;
+	rim_state->moves = false;
 	if (!(load.force > 0) || !(steep > noise))
 		return;
 	const rb_vec3 down = rb_vec3_scale(1 / steep, slope), along = rb_vec3_cross(n, down);
-	const rb_vec3 at = rb_vec3_scale(1 / (load.force * lean->rim.radius), load.pressed);
+	const rb_vec3 at = rb_vec3_scale(1 / (load.force * rim_state->rim.radius), load.pressed);
 	const double aside = rb_vec3_dot(at, along), ahead = rb_vec3_dot(at, down);
 
 	if (load.pressing == 1 && ahead > 0 && rb_vec3_length(at) > on_rim) {
@@ -162,29 +172,29 @@ static void look_at(const struct rb_resolution *s, struct lean *lean, double *te
 
 		if (!(fabs(aside) * steep > noise))
 			return;
-		const double by = turn_by(lean, at, n, off);
-		lean->from = rb_vec3_add(rb_vec3_scale(cos(by), at),
-		                         rb_vec3_scale(sin(by), rb_vec3_cross(n, at)));
-		lean->way = at;
-		lean->off = off;
-		lean->anew = true;
+		const double by = angle_step(rim_state, at, n, off);
+		rim_state->start = rb_vec3_add(rb_vec3_scale(cos(by), at),
+		                               rb_vec3_scale(sin(by), rb_vec3_cross(n, at)));
+		rim_state->direction = at;
+		rim_state->off = off;
+		rim_state->moves = true;
 	} else if (load.bias - steep < -noise) {
-		lean->from = place_of(lean, n, along, aside);
-		lean->along = along;
-		lean->aside = aside;
-		lean->anew = true;
+		rim_state->start = carrying_point(rim_state, n, along, aside);
+		rim_state->along = along;
+		rim_state->aside = aside;
+		rim_state->moves = true;
 	}
 }
 
-/* Is the contact one of the rim's? */
-static bool is_of(const struct rb_contact_point *m, const struct lean *lean)
+/* Is it a contact of this rim? */
+static bool is_of(const struct rb_contact_point *m, const struct rim_state *rim_state)
 {
-	return m->a == lean->a && m->b == lean->b && m->parts == lean->parts;
+	return m->a == rim_state->a && m->b == rim_state->b && m->parts == rim_state->parts;
 }
 
-/* Does it lie flat, to rounding, and stay so? */
-static bool lies(const struct rb_resolution *s, const struct rb_contact_point *m,
-                 const struct rb_feature_flat_rim *rim)
+/* Does it lie flat, and remain flat, to rounding? */
+static bool lies_flat(const struct rb_resolution *s, const struct rb_contact_point *m,
+                      const struct rb_feature_flat_rim *rim)
 {
 	const rb_vec3 axis = rb_mat3_apply(&rim->turn, (rb_vec3){0, 0, 1});
 	const rb_vec3 spin = rb_vec3_sub(m->pose_b.spin, m->pose_a.spin);
@@ -195,18 +205,19 @@ static bool lies(const struct rb_resolution *s, const struct rb_contact_point *m
 	               4 * rb_contact_point_noise(s->l, m);
 }
 
-/* The rim of contact k among those known; NULL: it is of none that lies flat. */
-static struct lean *lean_of(const struct rb_resolution *s, int k, struct lean *all, int *count)
+/* Returns the state of contact k's rim, adding a new one; NULL: it has no rim that lies flat. */
+static struct rim_state *rim_state_of(const struct rb_resolution *s, int k, struct rim_state *all,
+                                      int *count)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
 	struct rb_feature_flat_rim rim;
 
-	if (!rb_touch_rim_of(s->l, m, &rim) || !lies(s, m, &rim))
+	if (!rb_touch_rim_of(s->l, m, &rim) || !lies_flat(s, m, &rim))
 		return NULL;
 	for (int i = 0; i < *count; i++)
 		if (is_of(m, &all[i]))
 			return &all[i];
-	all[*count] = (struct lean){.a = m->a, .b = m->b, .parts = m->parts, .of = -1};
+	all[*count] = (struct rim_state){.a = m->a, .b = m->b, .parts = m->parts, .contact = -1};
 	return &all[(*count)++];
 }
 
@@ -224,7 +235,7 @@ static int by_name(const void *left, const void *right)
 	return rb_contact_name_compare(&x, &y);
 }
 
-/* Is there a point at that place? */
+/* Is there a point at this place? */
 static bool is_there(const struct rb_resolution *s, const struct rb_contact_point *m,
                      const struct found *all, int count)
 {
@@ -234,8 +245,8 @@ static bool is_there(const struct rb_resolution *s, const struct rb_contact_poin
 	return false;
 }
 
-/* Quarters of these rims as they are to be counted, in place of those that were not held. */
-static bool count_anew(struct rb_resolution *s, const struct lean *lean, int count)
+/* Replaces the quarters of rims that move, except those that were held, by new ones. */
+static bool move_quarters(struct rb_resolution *s, const struct rim_state *rim_state, int count)
 {
 	struct found *const all = rb_slips_take(s, s->contact_point_count + 4 * count, sizeof *all);
 	int kept = 0;
@@ -246,23 +257,23 @@ static bool count_anew(struct rb_resolution *s, const struct lean *lean, int cou
 		bool drop = false;
 
 		for (int i = 0; i < count; i++)
-			drop = drop || (lean[i].anew && is_of(m, &lean[i]) && s->before[k].a < 0 &&
-			                rb_touch_rim_of(s->l, m, &rim));
+			drop = drop || (rim_state[i].moves && is_of(m, &rim_state[i]) &&
+			                s->before[k].a < 0 && rb_touch_rim_of(s->l, m, &rim));
 		if (!drop)
 			all[kept++] = (struct found){*m, s->before[k]};
 	}
 	for (int i = 0; all && i < count; i++) {
-		if (!lean[i].anew)
+		if (!rim_state[i].moves)
 			continue;
-		const struct rb_contact_point m = s->contact_point[lean[i].of];
-		rb_vec3 way = lean[i].from;
+		const struct rb_contact_point m = s->contact_point[rim_state[i].contact];
+		rb_vec3 direction = rim_state[i].start;
 
 		for (int quarter = 0; quarter < 4; quarter++) {
 			struct found *const f = &all[kept];
 
-			f->point = rb_touch_on_rim(s->l, &m, &lean[i].rim, way);
+			f->point = rb_touch_on_rim(s->l, &m, &rim_state[i].rim, direction);
 			f->before = (struct rb_held){.a = -1};
-			way = rb_vec3_cross(m.normal, way);
+			direction = rb_vec3_cross(m.normal, direction);
 			kept += !(f->point.inside < -rb_contact_point_band(s->l, &m, s->t)) &&
 			        !is_there(s, &f->point, all, kept);
 		}
@@ -283,28 +294,28 @@ static bool count_anew(struct rb_resolution *s, const struct lean *lean, int cou
 	return true;
 }
 
-/* True: quarters were counted anew. False, and l->status: no memory. */
-static bool leans(struct rb_resolution *s, struct lean *all, int *count)
+/* True: quarters were moved. False with l->status: out of memory. */
+static bool update_rims(struct rb_resolution *s, struct rim_state *all, int *count)
 {
 	double *const term = rb_slips_take(s, 5 * s->contact_point_count, sizeof *term);
 	bool any = false;
 
-	/* no point may be left of a rim that was counted anew before */
+	/* a rim whose quarters were moved before may have no point left */
 	for (int i = 0; i < *count; i++) {
-		all[i].of = -1;
-		all[i].anew = false;
+		all[i].contact = -1;
+		all[i].moves = false;
 	}
 	for (int k = 0; term && k < s->contact_point_count; k++) {
-		struct lean *const lean = lean_of(s, k, all, count);
+		struct rim_state *const rim_state = rim_state_of(s, k, all, count);
 
-		if (!lean || lean->of >= 0)
+		if (!rim_state || rim_state->contact >= 0)
 			continue;
-		lean->of = k;
-		rb_touch_rim_of(s->l, &s->contact_point[k], &lean->rim);
-		look_at(s, lean, term);
-		any = any || lean->anew;
+		rim_state->contact = k;
+		rb_touch_rim_of(s->l, &s->contact_point[k], &rim_state->rim);
+		inspect_rim(s, rim_state, term);
+		any = any || rim_state->moves;
 	}
-	return any && count_anew(s, all, *count);
+	return any && move_quarters(s, all, *count);
 }
 
 bool rb_rim_support_solve(struct rb_resolution *s)
@@ -314,8 +325,9 @@ bool rb_rim_support_solve(struct rb_resolution *s)
 
 	if (!solved || s->contact_point_count == 0 || !s->l->model->parts)
 		return solved;
-	struct lean *const all = rb_slips_take(s, s->contact_point_count, sizeof *all);
-	for (int round = 0; all && solved && round < ROUNDS_MAX && leans(s, all, &count); round++)
+	struct rim_state *const all = rb_slips_take(s, s->contact_point_count, sizeof *all);
+	for (int round = 0; all && solved && round < ROUNDS_MAX && update_rims(s, all, &count);
+	     round++)
 		solved = rb_slips_solve(s);
 	return solved && s->l->status == RB_OK;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * For located/resolve_contacts: flat ends of cylinders that lean. Four quarters of a rim say how it
- * lies (located/convex_contact), but a load between two of them may be carried by the rim beyond
- * the line through both, about which the end would turn and sink in.
+ * For located/resolve_contacts: eccentric loads on flat ends of cylinders. Four points of a rim
+ * represent how it lies (located/convex_contact), but a load between two of them may be carried by
+ * the rim beyond the line through both, about which the end would rotate and penetrate.
  */
 #ifndef RB_LOCATED_RIM_SUPPORT_H
 #define RB_LOCATED_RIM_SUPPORT_H
@@ -10,8 +10,8 @@
 #include "located/slips.h"
 
 /*
- * rb_slips_solve, and again as often as it finds forces that would press in a rim, with the point
- * of it that they do.
+ * Calls rb_slips_solve; repeats it, with the point of a rim that would penetrate added, as long as
+ * there is one.
  */
 bool rb_rim_support_solve(struct rb_resolution *s);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Directions of slip. Forces and modes come from the simultaneous solver; directions of slow slips
- * are known from velocities only to rounding over speed, so those of before are kept while they are
- * consistent, and slips that begin or end are tested in the direction in which they would go.
+ * Directions of slip. Forces and modes come from the simultaneous solver. Velocities give the
+ * directions of slow slips only to rounding over speed: previous directions are kept while they are
+ * consistent, and slips that begin or end are tested in the direction that they would have.
  */
 #include "located/slips.h"
 
@@ -16,12 +16,12 @@
 #include "located/mechanics.h"
 
 /*
- * Length of a slip that has ended, ulp of the size; rounding of accelerations aside, ulp; forces
- * that are residue of others, ulp of what these do.
+ * Length of a slip that has ended, ulp of the size; rounding of transverse accelerations, ulp;
+ * forces that are residuals of others, ulp of their effects.
  */
 enum { SLIP_ULP = 1, STRAIGHT_ULP = 64, RESIDUE_ULP = 16 };
-/* Cosine above which two normals are one, to rounding. */
-static const double same_way = 1 - 1e-12;
+/* Cosine above which two normals are equal, to rounding. */
+static const double same_direction = 1 - 1e-12;
 
 struct rb_drift rb_slips_drift(const struct rb_resolution *s, bool *kept)
 {
@@ -68,8 +68,8 @@ double rb_slips_turn(const struct rb_resolution *s, int k)
 
 double rb_slips_turn_rate(const struct rb_resolution *s, int k)
 {
-	const struct rb_solver_contact *c = &s->joint.contact[k];
-	const rb_vec3 a = s->joint.body[c->a].angular, b = s->joint.body[c->b].angular;
+	const struct rb_solver_contact *c = &s->problem.contact[k];
+	const rb_vec3 a = s->problem.body[c->a].angular, b = s->problem.body[c->b].angular;
 
 	return rb_vec3_length(rb_vec3_sub(b, a)) *
 	       rb_contact_point_size(s->l, &s->contact_point[k]);
@@ -78,27 +78,27 @@ double rb_slips_turn_rate(const struct rb_resolution *s, int k)
 /* ---- forces ---- */
 
 /* Place of a member, or a copy of a fixed body's accelerations. */
-static int joint_body(struct rb_resolution *s, int body)
+static int problem_body(struct rb_resolution *s, int body)
 {
 	const struct rb_located *l = s->l;
 
 	if (body < l->n && l->place[body] >= 0)
 		return l->place[body];
-	s->joint.body[s->joint.body_count] = rb_mechanics_fixed(l, body, s->t);
-	return s->joint.body_count++;
+	s->problem.body[s->problem.body_count] = rb_mechanics_fixed(l, body, s->t);
+	return s->problem.body_count++;
 }
 
 /* Members with their external accelerations. */
-static void joint_set(struct rb_resolution *s, rb_mat3 *root)
+static void fill_bodies(struct rb_resolution *s, rb_mat3 *root)
 {
 	const struct rb_located *l = s->l;
 
 	for (int k = 0; k < l->set_count; k++) {
-		s->joint.body[k] = rb_mechanics_body(l, l->set[k], s->linear[k], s->angular[k]);
+		s->problem.body[k] = rb_mechanics_body(l, l->set[k], s->linear[k], s->angular[k]);
 		root[k] = rb_mechanics_root(l, l->set[k], &s->pose[k]);
 	}
-	s->joint.root = root;
-	s->joint.body_count = l->set_count;
+	s->problem.root = root;
+	s->problem.body_count = l->set_count;
 }
 
 /* True if a direction is given. */
@@ -107,19 +107,21 @@ static bool is_given(rb_vec3 slip)
 	return rb_vec3_max_abs(slip) > 0;
 }
 
-/* Whether it has stuck until now, and needs more for it than its friction. */
+/* Has it stuck until now, and needs more than its friction to continue? */
 static bool stick_has_ended(const struct rb_held *before)
 {
 	return before->a >= 0 && !before->slipping && before->ending;
 }
 
-/* Contact k for the solver, with its mode: stick, or slip in the given or present direction. */
-static void joint_contact(struct rb_resolution *s, int k)
+/*
+ * Fills contact k of the problem, with its mode: stick, or slide in the given or present direction.
+ */
+static void fill_contact(struct rb_resolution *s, int k)
 {
 	struct rb_located *l = s->l;
 	const struct rb_contact_point *m = &s->contact_point[k];
 	const struct rb_held *before = &s->before[k];
-	struct rb_solver_contact *c = &s->joint.contact[k];
+	struct rb_solver_contact *c = &s->problem.contact[k];
 	const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
 	const double speed = rb_vec3_length(slip);
 	const double rest_speed = 4 * rb_contact_point_noise(l, m) + s->slack;
@@ -129,14 +131,14 @@ static void joint_contact(struct rb_resolution *s, int k)
 	const bool stuck = sticks && !rb_slips_is_after_impact(s, m);
 
 	*c = rb_mechanics_contact(l, m);
-	c->a = joint_body(s, m->a);
-	c->b = joint_body(s, m->b);
+	c->a = problem_body(s, m->a);
+	c->b = problem_body(s, m->b);
 	if (before->a >= 0)
 		c->impulse = before->force;
 	else if (has_left)
 		c->impulse = left.force;
 	c->slip = s->slip[k];
-	if (s->lets_go && stick_has_ended(before))
+	if (s->releases_friction && stick_has_ended(before))
 		c->friction = 0;
 	if (speed >
 	    (stuck ? fmax(rest_speed, rb_drift_correct * (rb_vec3_length(m->pose_a.velocity) +
@@ -153,13 +155,13 @@ static void joint_contact(struct rb_resolution *s, int k)
 bool rb_slips_press(const struct rb_resolution *s, int k)
 {
 	RB_ASSERT_COSTLY(k >= 0 && k < s->contact_point_count);
-	return rb_vec3_dot(s->joint.contact[k].impulse, s->contact_point[k].normal) > 0;
+	return rb_vec3_dot(s->problem.contact[k].impulse, s->contact_point[k].normal) > 0;
 }
 
 /*
- * Shares loads: a contact that begins where another holds the body, on a coplanar surface, takes
- * half of its load as the initial force, so that neither has precedence. The bodies move alike for
- * any sharing.
+ * Shares loads: a contact that begins where another one carries the body, on a coplanar surface,
+ * takes half of its load as the initial force, so that neither has precedence. The motion is the
+ * same for any sharing.
  */
 static void share_loads(struct rb_resolution *s)
 {
@@ -172,11 +174,11 @@ static void share_loads(struct rb_resolution *s)
 
 			if (s->before[i].a < 0 || !rb_slips_press(s, i) ||
 			    !rb_event_set_is_shared_place(s->l, mine, other) ||
-			    !((same ? along : -along) > same_way))
+			    !((same ? along : -along) > same_direction))
 				continue;
-			const rb_vec3 half = rb_vec3_scale(0.5, s->joint.contact[i].impulse);
-			s->joint.contact[i].impulse = half;
-			s->joint.contact[k].impulse = same ? half : rb_vec3_neg(half);
+			const rb_vec3 half = rb_vec3_scale(0.5, s->problem.contact[i].impulse);
+			s->problem.contact[i].impulse = half;
+			s->problem.contact[k].impulse = same ? half : rb_vec3_neg(half);
 			break;
 		}
 }
@@ -194,15 +196,15 @@ static void find_loads(struct rb_resolution *s)
 	for (int k = 0; k < s->l->set_count; k++)
 		s->load[k] = 0;
 	for (int k = 0; k < s->contact_point_count; k++) {
-		const double force = rb_vec3_length(s->joint.contact[k].impulse);
+		const double force = rb_vec3_length(s->problem.contact[k].impulse);
 
 		add_load(s, s->contact_point[k].a, force);
 		add_load(s, s->contact_point[k].b, force);
 	}
 }
 
-/* Is it rounding of what else acts on the body? */
-static bool is_residue(const struct rb_resolution *s, int body, double force)
+/* Is the force rounding of the other forces on the body? */
+static bool is_residual(const struct rb_resolution *s, int body, double force)
 {
 	if (body >= s->l->n || s->l->place[body] < 0)
 		return true;
@@ -213,17 +215,18 @@ static bool is_residue(const struct rb_resolution *s, int body, double force)
 }
 
 /*
- * What the solver leaves of a contact that only touches, as of a ball that falls along a wall, has
- * no direction: held by it, slips would begin backwards and end at once, for ever.
+ * Drops the solver's residual forces of contacts that only touch, for instance of a ball that falls
+ * along a wall: they have no direction, and with them slips would begin backwards and end at once,
+ * forever.
  */
-static void drop_residue(struct rb_resolution *s)
+static void drop_residuals(struct rb_resolution *s)
 {
 	for (int k = 0; k < s->contact_point_count; k++) {
-		struct rb_solver_contact *const c = &s->joint.contact[k];
+		struct rb_solver_contact *const c = &s->problem.contact[k];
 		const double force = rb_vec3_length(c->impulse);
 
-		if (force > 0 && is_residue(s, s->contact_point[k].a, force) &&
-		    is_residue(s, s->contact_point[k].b, force))
+		if (force > 0 && is_residual(s, s->contact_point[k].a, force) &&
+		    is_residual(s, s->contact_point[k].b, force))
 			c->impulse = (rb_vec3){0, 0, 0};
 	}
 }
@@ -243,7 +246,7 @@ void rb_slips_too_many(const struct rb_resolution *s)
 	                       s->contact_point_count);
 }
 
-/* Accelerations where joints alone act. */
+/* Accelerations if there are only joints. */
 static bool solve_joints(struct rb_resolution *s)
 {
 	const size_t count = (size_t)s->l->set_count;
@@ -255,7 +258,7 @@ static bool solve_joints(struct rb_resolution *s)
 		return false;
 	memcpy(linear, s->linear, count * sizeof *linear);
 	memcpy(linear + count, s->angular, count * sizeof *linear);
-	/* of what moves they are only asked whether it does */
+	/* for moving bodies it only matters whether they accelerate */
 	if (s->moves && !rb_articulated_take(&s->joints, &tree))
 		return rb_slips_take(s, -1, SIZE_MAX / 2) != NULL;
 	if (tree)
@@ -270,57 +273,58 @@ static bool solve_joints(struct rb_resolution *s)
 	if (!tree && !rb_joint_rows_accelerate(&s->joints, linear, linear + count))
 		return false;
 	for (size_t k = 0; k < count; k++) {
-		s->joint.body[k].linear = linear[k];
-		s->joint.body[k].angular = linear[count + k];
+		s->problem.body[k].linear = linear[k];
+		s->problem.body[k].angular = linear[count + k];
 	}
 	return true;
 }
 
-/* Forces and modes in the given directions. */
+/* Solves forces and modes with the given directions. */
 static bool solve(struct rb_resolution *s)
 {
-	s->joint.arena = s->l->arena;
-	s->joint.body = rb_slips_take(
+	s->problem.arena = s->l->arena;
+	s->problem.body = rb_slips_take(
 		s, s->l->set_count + 2 * s->contact_point_count + 2 * s->joints.count,
-		sizeof *s->joint.body);
-	s->joint.contact = rb_slips_take(s, s->contact_point_count, sizeof *s->joint.contact);
+		sizeof *s->problem.body);
+	s->problem.contact = rb_slips_take(s, s->contact_point_count, sizeof *s->problem.contact);
 	rb_mat3 *const root = rb_slips_take(s, s->l->set_count, sizeof *root);
 	if (s->l->status != RB_OK)
 		return false;
-	joint_set(s, root);
+	fill_bodies(s, root);
 	for (int k = 0; k < s->contact_point_count; k++)
-		joint_contact(s, k);
+		fill_contact(s, k);
 	share_loads(s);
-	s->joint.contact_count = s->contact_point_count;
-	s->joint.joint_row = rb_slips_take(s, s->joints.count, sizeof *s->joint.joint_row);
-	if (!s->joint.joint_row)
+	s->problem.contact_count = s->contact_point_count;
+	s->problem.joint_row = rb_slips_take(s, s->joints.count, sizeof *s->problem.joint_row);
+	if (!s->problem.joint_row)
 		return false;
-	s->joint.interrupt = &s->l->world->interrupt;
-	s->joint.products_max = rb_located_products(s->l, s->contact_point_count);
+	s->problem.interrupt = &s->l->world->interrupt;
+	s->problem.products_max = rb_located_products(s->l, s->contact_point_count);
 	if (s->contact_point_count > 0 || rb_joint_rows_drive(&s->joints)) {
-		s->joint.joint_count = rb_joint_rows_pose_problem(
-			&s->joints, true, s->joint.joint_row, s->joint.body, &s->joint.body_count);
-		rb_simultaneous_forces(&s->joint);
+		s->problem.joint_count = rb_joint_rows_pose_problem(
+			&s->joints, true, s->problem.joint_row, s->problem.body,
+			&s->problem.body_count);
+		rb_simultaneous_forces(&s->problem);
 	} else if (s->joints.count > 0 && !solve_joints(s)) {
 		return false;
 	}
-	rb_located_count(s->l, s->joint.products, s->contact_point_count);
-	if (rb_simultaneous_is_over(&s->joint)) {
+	rb_located_count(s->l, s->problem.products, s->contact_point_count);
+	if (rb_simultaneous_is_over(&s->problem)) {
 		rb_slips_too_many(s);
 		return false;
 	}
 	find_loads(s);
-	drop_residue(s);
+	drop_residuals(s);
 	return true;
 }
 
-/* ---- which way ---- */
+/* ---- directions ---- */
 
-/* Rate of the slip velocity, m/s^2, across the normal. */
+/* Rate of the slip velocity, m/s^2, tangential. */
 static rb_vec3 slip_rate(const struct rb_resolution *s, int k)
 {
-	const struct rb_solver_contact *c = &s->joint.contact[k];
-	const struct rb_solver_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
+	const struct rb_solver_contact *c = &s->problem.contact[k];
+	const struct rb_solver_body *a = &s->problem.body[c->a], *b = &s->problem.body[c->b];
 	const rb_vec3 rate = rb_vec3_sub(
 		rb_vec3_add(b->linear, rb_vec3_cross(b->angular, c->arm_b)),
 		rb_vec3_add(a->linear, rb_vec3_cross(a->angular, c->arm_a)));
@@ -340,7 +344,7 @@ bool rb_slips_straight(const struct rb_resolution *s, int k, rb_vec3 slip)
 
 	if (aside <= STRAIGHT_ULP * DBL_EPSILON * s->external_max)
 		return true;
-	/* nor does it turn where it ends within the rounding of time */
+	/* nor does it turn if it ends within the rounding of time */
 	return along < 0 && (aside * speed <= -along * 16 * DBL_EPSILON * largest ||
 	                     speed <= -along * 16 * DBL_EPSILON * s->t);
 }
@@ -352,9 +356,9 @@ bool rb_slips_creep(const struct rb_resolution *s, int k, const struct rb_held *
 	int first;
 	const int end = rb_slips_pair(s, k, &first);
 
-	/* points of a pair slip together, however they share its load */
+	/* points of a pair slip together, independent of their shares of its load */
 	for (int i = first; i < end; i++)
-		friction = rb_vec3_add(friction, rb_vec3_reject(s->joint.contact[i].impulse,
+		friction = rb_vec3_add(friction, rb_vec3_reject(s->problem.contact[i].impulse,
 		                                                s->contact_point[i].normal));
 	return held->slipping && held->friction > 0 &&
 	       rb_event_set_is_slow(s->l, m, rb_vec3_dot(slip_rate(s, k), held->slip), friction);
@@ -362,7 +366,7 @@ bool rb_slips_creep(const struct rb_resolution *s, int k, const struct rb_held *
 
 /*
  * Ends slips that would stop within rounding of sizes: with several points they may turn at the end
- * as fast as they slow down. True if there was one: forces are to be found again.
+ * as fast as they slow down. True: there was one, and forces must be found again.
  */
 static bool stop_slow_slips(struct rb_resolution *s)
 {
@@ -371,17 +375,18 @@ static bool stop_slow_slips(struct rb_resolution *s)
 	bool any = false;
 
 	for (int k = 0; kept && k < s->contact_point_count; k++) {
-		const struct rb_solver_contact *c = &s->joint.contact[k];
+		const struct rb_solver_contact *c = &s->problem.contact[k];
 		const struct rb_contact_point *m = &s->contact_point[k];
 		const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
-		const double slows = -rb_vec3_dot(slip_rate(s, k), c->slip);
+		const double deceleration = -rb_vec3_dot(slip_rate(s, k), c->slip);
 		const bool slides = c->mode == RB_SOLVER_SLIDE;
-		const bool ends = slides && rb_slips_press(s, k) && c->friction > 0 && slows > 0 &&
-		                  !rb_event_set_is_single(s->l, m->a, m->b) &&
-		                  rb_vec3_dot(slip, slip) <= 2 * slows * SLIP_ULP * DBL_EPSILON *
+		const bool ends = slides && rb_slips_press(s, k) && c->friction > 0 &&
+		                  deceleration > 0 && !rb_event_set_is_single(s->l, m->a, m->b) &&
+		                  rb_vec3_dot(slip, slip) <= 2 * deceleration * SLIP_ULP *
+		                                                     DBL_EPSILON *
 		                                                     rb_contact_point_size(s->l, m);
 
-		/* what does not press must not lift for it */
+		/* contacts without force must not lift because of it */
 		kept[k] = true;
 		s->before[k].slipping = slides && !ends;
 		s->before[k].ending = ends;
@@ -392,8 +397,8 @@ static bool stop_slow_slips(struct rb_resolution *s)
 	return any;
 }
 
-/* The way that it is known to have slipped until now; false: none is. */
-static bool slipped(const struct rb_resolution *s, int k, rb_vec3 *way)
+/* Direction in which it is known to have slipped until now; false: none. */
+static bool previous_direction(const struct rb_resolution *s, int k, rb_vec3 *direction)
 {
 	const struct rb_held *before = &s->before[k];
 	struct rb_event_set_left left;
@@ -403,17 +408,17 @@ static bool slipped(const struct rb_resolution *s, int k, rb_vec3 *way)
 	if (before->a < 0) {
 		if (!rb_event_set_left_of(s->l, &s->contact_point[k], &left))
 			return false;
-		*way = left.slip;
+		*direction = left.slip;
 		return is_given(left.slip);
 	}
-	*way = before->slip;
+	*direction = before->slip;
 	return before->slipping && !before->ending;
 }
 
 /*
  * Keeps directions of straight slips. A velocity gives the direction only to rounding over speed,
- * and friction in a direction wrong by that would turn it back within speed / (friction g), all the
- * way. True: there are some.
+ * and friction in a direction wrong by that would reverse the transverse slip within speed /
+ * (friction g), all along. True: there are some.
  */
 static bool keep_directions(struct rb_resolution *s)
 {
@@ -424,14 +429,14 @@ static bool keep_directions(struct rb_resolution *s)
 		const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
 		const double speed = rb_vec3_length(slip);
 		const double rest_speed = 4 * rb_contact_point_noise(s->l, m) + s->slack + s->drift;
-		rb_vec3 way;
+		rb_vec3 direction;
 
 		s->slip[k] = (rb_vec3){0, 0, 0};
-		if (!slipped(s, k, &way) ||
+		if (!previous_direction(s, k, &direction) ||
 		    !(speed > 4 * rb_contact_point_noise(s->l, m) + s->slack))
 			continue;
 		const rb_vec3 now = rb_vec3_scale(1 / speed, slip);
-		const rb_vec3 old = rb_vec3_unit(rb_vec3_reject(way, m->normal), now);
+		const rb_vec3 old = rb_vec3_unit(rb_vec3_reject(direction, m->normal), now);
 		if (rb_vec3_length(rb_vec3_sub(now, old)) * speed > rest_speed)
 			continue;
 		s->slip[k] = old;
@@ -441,10 +446,11 @@ static bool keep_directions(struct rb_resolution *s)
 }
 
 /*
- * Slips that begin at all points of a pair together: each friction's direction is known only to the
- * root of rounding, so one common direction against their sum is tried. True: there are such pairs.
+ * Slips that begin at all points of a pair together: the direction of each friction is known only
+ * to the root of rounding, so a common direction opposite to their sum is tried. True: there are
+ * such pairs.
  */
-static bool begin_together(struct rb_resolution *s)
+static bool set_common_directions(struct rb_resolution *s)
 {
 	bool any = false;
 
@@ -455,7 +461,7 @@ static bool begin_together(struct rb_resolution *s)
 
 		end = rb_slips_pair(s, k, &first);
 		for (int i = k; i < end; i++) {
-			const struct rb_solver_contact *c = &s->joint.contact[i];
+			const struct rb_solver_contact *c = &s->problem.contact[i];
 			const rb_vec3 friction = rb_vec3_reject(c->impulse, c->normal);
 
 			if (!rb_slips_press(s, i))
@@ -468,11 +474,12 @@ static bool begin_together(struct rb_resolution *s)
 			friction_sum = rb_vec3_add(friction_sum, friction);
 		}
 		for (int i = k; i < end; i++) {
-			const rb_vec3 way = rb_vec3_reject(rb_vec3_neg(friction_sum),
-			                                   s->contact_point[i].normal);
+			const rb_vec3 direction = rb_vec3_reject(rb_vec3_neg(friction_sum),
+			                                         s->contact_point[i].normal);
 
-			s->slip[i] = count > 1 && begin && !straight ? rb_vec3_unit(way, s->slip[i])
-			                                             : (rb_vec3){0, 0, 0};
+			s->slip[i] = count > 1 && begin && !straight
+			                     ? rb_vec3_unit(direction, s->slip[i])
+			                     : (rb_vec3){0, 0, 0};
 			any = any || is_given(s->slip[i]);
 		}
 	}
@@ -480,10 +487,10 @@ static bool begin_together(struct rb_resolution *s)
 }
 
 /*
- * Contacts whose stick has ended slip against the friction that it would have needed. True: there
- * are some.
+ * Contacts whose sticking has ended slip opposite to the friction that it would have needed. True:
+ * there are some.
  */
-static bool end_rest(struct rb_resolution *s)
+static bool end_sticking(struct rb_resolution *s)
 {
 	bool any = false;
 
@@ -501,8 +508,8 @@ static bool end_rest(struct rb_resolution *s)
 	return any;
 }
 
-/* True if they do begin to slip, and in that direction. */
-static bool rest_has_ended(const struct rb_resolution *s)
+/* True if they begin to slip in that direction. */
+static bool sticking_has_ended(const struct rb_resolution *s)
 {
 	const double rounding = STRAIGHT_ULP * DBL_EPSILON * s->external_max;
 
@@ -515,7 +522,7 @@ static bool rest_has_ended(const struct rb_resolution *s)
 }
 
 /* True if slips in given directions are straight and do not begin backwards. */
-static bool go_as_given(const struct rb_resolution *s, bool begin)
+static bool are_consistent(const struct rb_resolution *s, bool begin)
 {
 	const double rounding = STRAIGHT_ULP * DBL_EPSILON * s->external_max;
 
@@ -527,32 +534,35 @@ static bool go_as_given(const struct rb_resolution *s, bool begin)
 	return true;
 }
 
-/* No direction is given. */
+/* Clears all given directions. */
 static void forget_directions(struct rb_resolution *s)
 {
 	for (int k = 0; k < s->contact_point_count; k++)
 		s->slip[k] = (rb_vec3){0, 0, 0};
 }
 
-/* Solves with kept directions, without them if inconsistent, then with common beginnings. */
-static bool solve_ways(struct rb_resolution *s)
+/*
+ * Solves with kept directions; without them if they are inconsistent; then with common directions
+ * of slips that begin.
+ */
+static bool solve_directions(struct rb_resolution *s)
 {
 	const bool keeps = keep_directions(s);
 
 	if (!solve(s))
 		return false;
-	if (keeps && !go_as_given(s, false)) {
+	if (keeps && !are_consistent(s, false)) {
 		forget_directions(s);
 		if (!solve(s))
 			return false;
 	}
-	if (!keeps && begin_together(s)) {
-		const struct rb_simultaneous before = s->joint;
+	if (!keeps && set_common_directions(s)) {
+		const struct rb_simultaneous before = s->problem;
 
 		if (!solve(s))
 			return false;
-		if (!go_as_given(s, true)) {
-			s->joint = before;
+		if (!are_consistent(s, true)) {
+			s->problem = before;
 			find_loads(s);
 		}
 	}
@@ -560,17 +570,17 @@ static bool solve_ways(struct rb_resolution *s)
 }
 
 /*
- * What neither sticks nor slips against its friction may part: with a friction that jams, the
- * normal force of sticking is one of two solutions, and what remains of it goes with friction.
- * True: all such contacts part where they do not hold.
+ * Contacts that neither stick nor slip opposite to their friction may separate: with jamming
+ * friction, the normal force of sticking is one of two solutions, and vanishes without friction.
+ * True: all such contacts separate without it.
  */
-static bool lets_go(struct rb_resolution *s)
+static bool releases_friction(struct rb_resolution *s)
 {
 	bool part = true;
 
-	s->lets_go = true;
+	s->releases_friction = true;
 	const bool solved = solve(s);
-	s->lets_go = false;
+	s->releases_friction = false;
 	for (int k = 0; k < s->contact_point_count && solved; k++)
 		part = part && !(stick_has_ended(&s->before[k]) && rb_slips_press(s, k));
 	return solved && part;
@@ -582,11 +592,11 @@ bool rb_slips_solve(struct rb_resolution *s)
 	if (!s->slip)
 		return false;
 	forget_directions(s);
-	const bool ends = end_rest(s);
+	const bool ends = end_sticking(s);
 
 	if (ends && !solve(s))
 		return false;
-	if (!(ends && (rest_has_ended(s) || lets_go(s))) && !solve_ways(s))
+	if (!(ends && (sticking_has_ended(s) || releases_friction(s))) && !solve_directions(s))
 		return false;
 	if (s->contact_point_count == 0 || !stop_slow_slips(s))
 		return true;

@@ -35,7 +35,7 @@ static int part_of(const struct rb_resolution *s, int k)
 /* True if it slips with less than its friction, which means that the law has no force. */
 static bool is_seized(const struct rb_resolution *s, int k)
 {
-	const struct rb_solver_contact *c = &s->joint.contact[k];
+	const struct rb_solver_contact *c = &s->problem.contact[k];
 	const double normal_impulse = rb_vec3_dot(c->impulse, c->normal);
 	const double friction_impulse = rb_vec3_length(rb_vec3_reject(c->impulse, c->normal));
 
@@ -64,7 +64,7 @@ static struct rb_contact_point middle_of(struct rb_resolution *s, int k)
 	rb_vec3 *const force = rb_slips_take(s, end - first, sizeof *force);
 
 	for (int i = first; i < end && force; i++)
-		force[i - first] = s->joint.contact[i].impulse;
+		force[i - first] = s->problem.contact[i].impulse;
 	return force ? rb_painleve_middle(s->l, &s->contact_point[first], force, end - first)
 	             : s->contact_point[k];
 }
@@ -125,7 +125,7 @@ static bool seize_part(struct rb_resolution *s, int part, bool slows)
 	if (l->status != RB_OK)
 		return false;
 	for (int k = 0; k < s->contact_point_count; k++) {
-		const struct rb_solver_contact *c = &s->joint.contact[k];
+		const struct rb_solver_contact *c = &s->problem.contact[k];
 
 		if (!rb_slips_press(s, k) || part_of(s, k) != part)
 			continue;
@@ -219,7 +219,7 @@ bool rb_tangential_impact(struct rb_resolution *s)
 		any = stop_slight_slips(s, part_of(s, k));
 		if (any)
 			break;
-		const struct rb_solver_contact *c = &s->joint.contact[k];
+		const struct rb_solver_contact *c = &s->problem.contact[k];
 		const bool alone = is_alone(s, k);
 		const struct rb_contact_point middle = middle_of(s, k);
 		int first;
