@@ -55,8 +55,8 @@ static void image_of(struct rb_cone *cone, rb_along_across *x, rb_along_across *
 		if (row->friction_impulse != RB_CONE_SLIP)
 			continue;
 		const double normal_impulse = row->closed && !cone->held ? x[k].n - y[k].n : 0;
-		const rb_vec3 wanted = rb_vec3_add_scaled(x[k].t, -1 / row->bound_t, du.t);
-		const rb_vec3 across = rb_vec3_add_scaled(wanted, -rb_vec3_dot(wanted, row->along),
+		const rb_vec3 trial = rb_vec3_add_scaled(x[k].t, -1 / row->bound_t, du.t);
+		const rb_vec3 across = rb_vec3_add_scaled(trial, -rb_vec3_dot(trial, row->along),
 		                                          row->along);
 		y[k].t = rb_vec3_add_scaled(x[k].t, -row->base.friction * normal_impulse,
 		                            row->along);

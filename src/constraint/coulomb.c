@@ -47,14 +47,14 @@ static void find_friction_step(const struct rb_cone *cone, struct rb_cone_row *r
 	if (!(row->base.friction > 0) || (!cone->held && !row->given && !row->closed))
 		return;
 	const rb_vec3 back = rb_vec3_scale(-1 / row->bound_t, row->u.t);
-	const rb_vec3 wanted = rb_vec3_add(j->t, back);
-	const double length = rb_vec3_length(wanted);
+	const rb_vec3 trial = rb_vec3_add(j->t, back);
+	const double length = rb_vec3_length(trial);
 	row->friction_impulse = RB_CONE_STICK;
 	step->t = back;
 	if (length <= limit)
 		return;
 	row->friction_impulse = RB_CONE_SLIP;
-	row->along = rb_vec3_scale(1 / length, wanted);
+	row->along = rb_vec3_scale(1 / length, trial);
 	row->share = limit / length;
 	step->t = rb_vec3_sub(rb_vec3_scale(limit, row->along), j->t);
 }
@@ -93,10 +93,10 @@ static rb_along_across step_of(const struct rb_cone *cone, struct rb_cone_row *r
 	if (row->base.set == RB_CONSTRAINT_INTERVAL && row->given)
 		return step;
 	if (row->base.set == RB_CONSTRAINT_INTERVAL) {
-		const double wanted = j->n - row->u.n / row->bound_n;
+		const double trial = j->n - row->u.n / row->bound_n;
 
-		row->closed = wanted >= row->base.low && wanted <= row->base.high;
-		step.n = row->closed ? -row->u.n / row->bound_n : nearest(row, wanted) - j->n;
+		row->closed = trial >= row->base.low && trial <= row->base.high;
+		step.n = row->closed ? -row->u.n / row->bound_n : nearest(row, trial) - j->n;
 		return step;
 	}
 	if (!row->given) {
@@ -155,11 +155,11 @@ static void keep_cone(struct rb_cone *cone, double s, const rb_along_across *x,
 			kept[k].t = rb_vec3_scale(-row->base.friction * kept[k].n, row->slip);
 		if (row->friction_impulse != RB_CONE_STICK && row->friction_impulse != RB_CONE_SLIP)
 			continue;
-		const rb_vec3 wanted = rb_vec3_add(j->t, kept[k].t);
-		const double length = rb_vec3_length(wanted);
+		const rb_vec3 trial = rb_vec3_add(j->t, kept[k].t);
+		const double length = rb_vec3_length(trial);
 		if (length > limit ||
 		    (s == 1 && row->friction_impulse == RB_CONE_SLIP && length > 0))
-			kept[k].t = rb_vec3_sub(rb_vec3_scale(limit / length, wanted), j->t);
+			kept[k].t = rb_vec3_sub(rb_vec3_scale(limit / length, trial), j->t);
 	}
 }
 

@@ -209,7 +209,7 @@ struct series {
 	double gain[TERMS], turn[TERMS],
 		rate[TERMS]; /* rates of slip; of the direction; of w per impulse */
 	double p[TERMS], w[TERMS], qx[TERMS], qy[TERMS], work[TERMS];
-	double aside
+	double transverse
 		/* of the direction from law.n: where it is zero, the rate has an extremum */
 		[TERMS];
 };
@@ -240,7 +240,7 @@ static void expand(const struct impact *c, struct series *t)
 		double work = 0;
 
 		t->rate[k] = (k == 0 ? law->nn : 0) - law->friction * (law->n.x * x + law->n.y * y);
-		t->aside[k] = law->n.x * y - law->n.y * x;
+		t->transverse[k] = law->n.x * y - law->n.y * x;
 		along[k] = (two){x, y};
 		swapped[k] = (two){y, x};
 		bend[k] = (two){ax, ay};
@@ -380,7 +380,7 @@ static void slip_rotating(struct impact *c)
 
 	expand(c, &s);
 	const double end = step_of(&s);
-	const double middle = first_change(s.aside, 0, end);
+	const double middle = first_change(s.transverse, 0, end);
 	const double stop[5] = {0, first_change(s.rate, 0, middle), middle,
 	                        first_change(s.rate, middle, end), end};
 	for (int k = 0; k < 4; k++)

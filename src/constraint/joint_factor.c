@@ -106,10 +106,12 @@ static void fill_side(const struct rb_cone *cone, struct rb_joint_factor *f, int
 		for (int c = 0;
 		     c < rb_joint_factor_width(&cone->row[other]) && f->place[other] + c <= at;
 		     c++) {
-			const struct wrench felt = wrench_of(&cone->row[other], code % 2, c);
+			const struct wrench response = wrench_of(&cone->row[other], code % 2, c);
 
-			to[f->place[other] + c - f->first[at]] += rb_vec3_dot(felt.force, linear) +
-			                                          rb_vec3_dot(felt.torque, angular);
+			to[f->place[other] + c - f->first[at]] += rb_vec3_dot(response.force,
+			                                                      linear) +
+			                                          rb_vec3_dot(response.torque,
+			                                                      angular);
 		}
 	}
 }

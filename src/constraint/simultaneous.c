@@ -677,7 +677,7 @@ double rb_simultaneous_forces(struct rb_simultaneous *problem)
 		scale = fmax(scale, joint_scale(problem, &problem->joint_row[k]));
 	}
 	rb_cone_apply(&cone, guess);
-	const double left = rb_cone_resolve(&cone, scale);
+	const double residual = rb_cone_resolve(&cone, scale);
 	problem->products = cone.iterations;
 	for (size_t k = 0; k < contacts; k++) {
 		struct rb_solver_contact *const c = &problem->contact[k];
@@ -690,5 +690,5 @@ double rb_simultaneous_forces(struct rb_simultaneous *problem)
 	for (int k = 0; k < problem->joint_count; k++)
 		problem->joint_row[k].base.impulse = cone.row[contacts + (size_t)k].base.impulse;
 	rb_arena_back(problem->arena, here);
-	return left;
+	return residual;
 }
