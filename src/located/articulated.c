@@ -7,10 +7,10 @@
 #include "located/arc.h"
 
 /*
- * Of the largest acceleration: by so much, for each body, those by rows may be others. Rounding is
- * well below it, but where what is many orders of magnitude heavier hangs on something light.
+ * Allowed difference from accelerations by rows, per body, relative to the largest acceleration.
+ * Rounding is well below it, unless a body many orders of magnitude heavier hangs on a light one.
  */
-static const double agrees = 64 * DBL_EPSILON;
+static const double agreement_share = 64 * DBL_EPSILON;
 
 static bool is_static(const struct rb_located *l, int body)
 {
@@ -24,8 +24,8 @@ static bool is_member(const struct rb_joint_rows *rows, int body)
 	return place >= 0 && place < rows->body_count && rows->body[place] == body;
 }
 
-/* Is each joint one that a tree may have, and nothing else holds? */
-static bool may_hang(const struct rb_joint_rows *rows)
+/* Can all joints be part of trees, with no other rows that hold? */
+static bool may_be_tree(const struct rb_joint_rows *rows)
 {
 	const struct rb_located *const l = rows->l;
 	bool good = true;
@@ -56,11 +56,11 @@ bool rb_articulated_agrees(const struct rb_joint_rows *rows, double max, const r
 
 		max = fmax(max, rb_vec3_max_abs(by_rows[0]));
 		max = fmax(max, size * rb_vec3_max_abs(by_rows[1]));
-		if (!isfinite(by)) /* an inertia is nothing */
+		if (!isfinite(by)) /* an inertia is zero */
 			return false;
 		off = fmax(off, by);
 	}
-	return off <= agrees * count * max;
+	return off <= agreement_share * count * max;
 }
 
 static struct rb_pose fixed_pose(const void *user, int body, double t)
@@ -74,7 +74,8 @@ bool rb_articulated_take(const struct rb_joint_rows *rows, struct rb_joint_tree 
 	const size_t count = (size_t)rows->body_count;
 
 	*found = NULL;
-	if (!l->top || rows->joint_count == 0 || !may_hang(rows) || rb_joint_rows_is_closed(rows))
+	if (!l->top || rows->joint_count == 0 || !may_be_tree(rows) ||
+	    rb_joint_rows_is_closed(rows))
 		return true;
 	struct rb_joint_tree *const tree = rb_arena_take(l->arena, 1, sizeof *tree);
 	struct rb_joint_tree_link *const link = rb_arena_take(l->arena, count, sizeof *link);

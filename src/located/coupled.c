@@ -8,8 +8,8 @@
 #include "located/external_force.h"
 
 /*
- * What has to be left of a row for factors without pivots: its square root is the least sine of the
- * angle between a row and those before it.
+ * Share of a row that must be independent for factors without pivots: its square root is the least
+ * sine of the angle between a row and the previous ones.
  */
 static const double independent = 0x1p-26;
 
@@ -91,22 +91,22 @@ static rb_vec3 turned_by(const struct rb_coupled *system, int place, rb_vec3 tor
 {
 	if (!system->l->top)
 		return (rb_vec3){0, 0, 0};
-	if (!system->inverse_inertia) /* a row on its own */
+	if (!system->inverse_inertia) /* a single row */
 		return rb_inverse_inertia_apply(system->l, system->body[place],
 		                                system->pose[place].orientation, torque);
 	return rb_mat3_apply(&system->inverse_inertia[place], torque);
 }
 
-struct rb_coupled_row rb_coupled_row(int a, int b, const struct rb_coupled_wrench *asked,
+struct rb_coupled_row rb_coupled_row(int a, int b, const struct rb_coupled_wrench *jacobian,
                                      const struct rb_coupled_wrench *unit)
 {
 	return (struct rb_coupled_row){
 		.a = a,
 		.b = b,
-		.is_couple = rb_vec3_max_abs(asked->linear) == 0,
-		.side = {{rb_vec3_neg(asked->linear), asked->angular_a, rb_vec3_neg(unit->linear),
-	                  unit->angular_a},
-	                 {asked->linear, asked->angular_b, unit->linear, unit->angular_b}}};
+		.is_couple = rb_vec3_max_abs(jacobian->linear) == 0,
+		.side = {{rb_vec3_neg(jacobian->linear), jacobian->angular_a,
+	                  rb_vec3_neg(unit->linear), unit->angular_a},
+	                 {jacobian->linear, jacobian->angular_b, unit->linear, unit->angular_b}}};
 }
 
 void rb_coupled_respond(const struct rb_coupled *system, struct rb_coupled_row *row)
@@ -124,7 +124,7 @@ void rb_coupled_respond(const struct rb_coupled *system, struct rb_coupled_row *
 	}
 }
 
-/* Are the rows of the same bodies as when they were sorted? */
+/* Do the rows have the same bodies as when they were sorted? */
 static bool is_sorted(const struct rb_coupled *system)
 {
 	bool same = system->count == system->sorted;
@@ -136,7 +136,7 @@ static bool is_sorted(const struct rb_coupled *system)
 }
 
 /* The first row that acts on the body at `place`, if it comes before `first`. */
-static int reach(const struct rb_coupled *system, int place, int first)
+static int reach_back(const struct rb_coupled *system, int place, int first)
 {
 	if (place < 0)
 		return first;
@@ -145,17 +145,17 @@ static int reach(const struct rb_coupled *system, int place, int first)
 	return begin < first ? begin : first;
 }
 
-/* Blocks of rows, and how far these reach back. */
+/* Blocks of rows, and their first columns. */
 static void lay_out(struct rb_coupled *system)
 {
 	struct rb_envelope *const factor = &system->factor;
 	int first = system->count;
 
 	for (int k = system->count; k-- > 0;) {
-		/* no later row begins before */
+		/* no later row begins earlier */
 		first = first < k ? first : k;
-		first = reach(system, system->row[k].a, first);
-		first = reach(system, system->row[k].b, first);
+		first = reach_back(system, system->row[k].a, first);
+		first = reach_back(system, system->row[k].b, first);
 		system->reach[k] = first;
 	}
 	factor->n = system->count;
@@ -209,7 +209,7 @@ void rb_coupled_sort(struct rb_coupled *system)
 		memset(system->kept->used, 0, sizeof system->kept->used);
 }
 
-/* Factors of a slot, and the multipliers beside them. */
+/* Uses the factors of a slot, and the multipliers beside them. */
 static void use_slot(struct rb_coupled *system, int slot)
 {
 	struct rb_coupled_kept *const kept = system->kept;
@@ -220,7 +220,7 @@ static void use_slot(struct rb_coupled *system, int slot)
 	system->factor.value = at + 2 * system->count;
 }
 
-/* The same of the dense system. */
+/* The same for the dense system. */
 static void use_pivots(struct rb_coupled *system, struct rb_dense *dense, int slot)
 {
 	const size_t n = (size_t)system->count;
@@ -269,18 +269,18 @@ static void drop(struct rb_coupled *system, double t)
 }
 
 bool rb_coupled_accept(struct rb_coupled *system, const struct rb_dense *dense, double t,
-                       const double *multiplier, double left, double rounding)
+                       const double *multiplier, double residual, double rounding)
 {
 	struct rb_coupled_kept *const kept = system->kept;
 
 	if (!system->kept_multiplier)
 		return true;
-	if (kept->found && !(left <= 4 * fmax(rounding, kept->left))) {
+	if (kept->found && !(residual <= 4 * fmax(rounding, kept->residual))) {
 		drop(system, t);
 		return false;
 	}
 	if (!kept->found)
-		kept->left = fmax(kept->left, left);
+		kept->residual = fmax(kept->residual, residual);
 	if (!kept->found && !system->is_factored) {
 		kept->dense[kept->slot] = *dense;
 		kept->used[kept->slot] = true;
@@ -289,7 +289,7 @@ bool rb_coupled_accept(struct rb_coupled *system, const struct rb_dense *dense, 
 	return true;
 }
 
-/* The oldest slot, for factors of that size at `t`; false: none are kept. */
+/* Takes the oldest slot for factors of that size at `t`; false: none are kept. */
 static bool take_slot(struct rb_coupled *system, size_t size, double t, bool has_pivots)
 {
 	struct rb_coupled_kept *const kept = system->kept;
@@ -302,14 +302,15 @@ static bool take_slot(struct rb_coupled *system, size_t size, double t, bool has
 	kept->size = size;
 	kept->slot = kept->next;
 	kept->time_s[kept->slot] = t;
-	kept->used[kept->slot] = !has_pivots; /* else once they are found */
+	kept->used[kept->slot] = !has_pivots; /* otherwise once they are found */
 	kept->has_pivots[kept->slot] = has_pivots;
 	kept->next = (kept->next + 1) % RB_COUPLED_KEPT;
 	return true;
 }
 
 /*
- * Room for factors of that size: the oldest slot, or what the dense system has; NULL: no memory.
+ * Chooses the storage for factors of that size: the oldest slot, or that of the dense system; NULL:
+ * out of memory.
  */
 static void choose_values(struct rb_coupled *system, size_t size, double t)
 {
@@ -326,7 +327,7 @@ static void choose_values(struct rb_coupled *system, size_t size, double t)
 		system->factor.value = rb_arena_take(system->l->arena, size + 1, sizeof(double));
 }
 
-/* The same of the dense system: its matrix. */
+/* The same for the matrix of the dense system. */
 static void choose_pivots(struct rb_coupled *system, struct rb_dense *dense, double t)
 {
 	enum { PIVOTS_MAX = 1024 }; /* unknowns: eight matrices are 64 MB */
@@ -359,7 +360,7 @@ struct strip {
 	int first, last;
 };
 
-/* Of a side of a row, what its body feels of the unknowns that act on it. */
+/* Adds, for one body of a row, its response to the unknowns that act on it. */
 static void fill_side(const struct rb_coupled *system, int place,
                       const struct rb_coupled_side *side, const struct strip *strip)
 {
@@ -367,8 +368,8 @@ static void fill_side(const struct rb_coupled *system, int place,
 		return;
 	const struct rb_coupled_at *at = system->of + system->first[place];
 	const struct rb_coupled_at *const end = system->of + system->first[place + 1];
-	const rb_vec3 l = side->asked_linear, m = side->asked_angular;
-	/* a product of vectors in each half, in the order of axes: what cancels does so exactly */
+	const rb_vec3 l = side->jacobian_linear, m = side->jacobian_angular;
+	/* a scalar product in each half, in the order of axes: terms that cancel do so exactly */
 	const pair x = {l.x, m.x}, y = {l.y, m.y}, z = {l.z, m.z};
 
 	for (; at < end && at->row <= strip->last; at++) {
@@ -388,7 +389,7 @@ static void fill_strip(const struct rb_coupled *system, int k, const struct stri
 	fill_side(system, row->b, &row->side[1], strip);
 }
 
-/* Factors; false: rows may depend on each other, or factor.value is NULL. */
+/* Factors the system; false: rows may depend on each other, or factor.value is NULL. */
 static bool factor(struct rb_coupled *system, struct rb_dense *dense, double t)
 {
 	struct rb_envelope *const f = &system->factor;
@@ -435,7 +436,10 @@ bool rb_coupled_fill(struct rb_coupled *system, struct rb_dense *dense, double t
 	if (!system->own.matrix)
 		system->own = *dense;
 	dense->first = system->reach;
-	/* of one joint there is nothing to save, and pivots leave less of what balances */
+	/*
+	 * with a single joint there is nothing to save, and pivots leave a smaller residual of
+	 * balanced loads
+	 */
 	const bool tries = system->is_symmetric && system->factor.block_count > 1 &&
 	                   !(kept && kept->depends);
 	system->is_factored = tries && factor(system, dense, t);
@@ -478,7 +482,7 @@ void rb_coupled_again(const struct rb_coupled *system, struct rb_dense *dense)
 		rb_dense_again(dense);
 }
 
-double rb_coupled_felt(const struct rb_coupled_row *row, const rb_vec3 *linear,
+double rb_coupled_rate(const struct rb_coupled_row *row, const rb_vec3 *linear,
                        const rb_vec3 *angular)
 {
 	double sum = 0;
@@ -489,9 +493,9 @@ double rb_coupled_felt(const struct rb_coupled_row *row, const rb_vec3 *linear,
 
 		if (place < 0)
 			continue;
-		sum += rb_vec3_dot(side->asked_angular, angular[place]);
+		sum += rb_vec3_dot(side->jacobian_angular, angular[place]);
 		if (!row->is_couple)
-			sum += rb_vec3_dot(side->asked_linear, linear[place]);
+			sum += rb_vec3_dot(side->jacobian_linear, linear[place]);
 	}
 	return sum;
 }

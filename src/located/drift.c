@@ -8,15 +8,15 @@
 #include <string.h>
 
 enum { ROUNDS_MAX = 200 };
-/* What is left of the square of errors that are near rounding already. */
+/* Square of the residual relative to the errors, which are close to rounding already. */
 static const double tolerance = 1e-20;
-/* A round that leaves more than this share of it is of no use. */
+/* A round that leaves more than this share of the square is useless. */
 static const double stalled = 0.999;
 /*
- * Of a contact's own effective mass: points that lie 1e-7 of the size apart, as where one feature
- * takes over from another, would be put right by turns 1e7 times as large as their errors, and a
- * turn of all is energy from nowhere. With it motions are at most 1/(2 sqrt(share)) times as large
- * (Tikhonov's regularisation).
+ * Compliance relative to a contact's own inverse effective mass: points that are 1e-7 of the size
+ * apart, as when one feature takes over from another, would be corrected by rotations 1e7 times as
+ * large as their errors, which add energy. With it motions are at most 1/(2 sqrt(share)) times as
+ * large (Tikhonov's regularisation).
  */
 static const double compliance_share = 0x1p-20;
 
@@ -51,14 +51,17 @@ static bool sticks(const struct rb_drift *drift, int k)
 	       (!drift->before[k].slipping || drift->before[k].ending);
 }
 
-/* An overlap that steps have left is within the tolerance, and others lean on it. */
+/*
+ * Does the gap need correction? Overlaps left by steps are within the tolerance, and support
+ * others.
+ */
 static bool is_off(const struct rb_drift *drift, const struct rb_contact_point *m)
 {
 	return fabs(m->gap) > 0.5 * rb_contact_point_band(drift->l, m, drift->t) &&
 	       m->gap > -rb_drift_correct * rb_contact_point_size(drift->l, m);
 }
 
-/* ---- one contact ---- */
+/* ---- a single contact ---- */
 
 static void apply(const struct rb_drift *drift, int body, rb_vec3 arm, rb_vec3 impulse)
 {
@@ -81,19 +84,19 @@ static void add_effective_mass(const struct rb_drift *drift, int body, rb_vec3 a
 		rb_mechanics_add_effective_mass(drift->l, body, pose, arm, k);
 }
 
-static void move(struct rb_pose *pose, double way, rb_vec3 normal)
+static void move(struct rb_pose *pose, double distance, rb_vec3 normal)
 {
 	if (!pose)
 		return;
-	rb_arc_move(pose, rb_vec3_scale(way, normal));
-	pose->origin = rb_vec3_add_scaled(pose->origin, way, normal);
+	rb_arc_move(pose, rb_vec3_scale(distance, normal));
+	pose->origin = rb_vec3_add_scaled(pose->origin, distance, normal);
 }
 
-static void correct_one(const struct rb_drift *drift, int which)
+static void correct_one(const struct rb_drift *drift, int contact)
 {
 	const struct rb_model *model = drift->l->model;
-	struct rb_contact_point *const m = &drift->contact_point[which];
-	rb_vec3 wrong = rb_vec3_scale(rb_vec3_dot(m->velocity, m->normal), m->normal);
+	struct rb_contact_point *const m = &drift->contact_point[contact];
+	rb_vec3 velocity_error = rb_vec3_scale(rb_vec3_dot(m->velocity, m->normal), m->normal);
 	rb_mat3 k = {0}, inverse;
 
 	if (is_off(drift, m)) {
@@ -103,22 +106,22 @@ static void correct_one(const struct rb_drift *drift, int which)
 		move(pose_of(drift, m->a), share * model->inverse_mass[m->a], m->normal);
 		move(pose_of(drift, m->b), -share * model->inverse_mass[m->b], m->normal);
 	}
-	if (sticks(drift, which))
-		wrong = m->velocity;
-	if (rb_vec3_max_abs(wrong) > 0) {
+	if (sticks(drift, contact))
+		velocity_error = m->velocity;
+	if (rb_vec3_max_abs(velocity_error) > 0) {
 		add_effective_mass(drift, m->a, m->arm_a, &k);
 		add_effective_mass(drift, m->b, m->arm_b, &k);
 		rb_vec3 impulse;
-		if (sticks(drift, which) && rb_mat3_inverse(&k, &inverse))
-			impulse = rb_vec3_neg(rb_mat3_apply(&inverse, wrong));
+		if (sticks(drift, contact) && rb_mat3_inverse(&k, &inverse))
+			impulse = rb_vec3_neg(rb_mat3_apply(&inverse, velocity_error));
 		else
 			impulse = rb_vec3_scale(
-				-rb_vec3_dot(wrong, m->normal) /
+				-rb_vec3_dot(velocity_error, m->normal) /
 					rb_vec3_dot(m->normal, rb_mat3_apply(&k, m->normal)),
 				m->normal);
 		apply(drift, m->a, m->arm_a, rb_vec3_neg(impulse));
 		apply(drift, m->b, m->arm_b, impulse);
-		if (!drift->tries)
+		if (!drift->is_trial)
 			rb_work_impact(drift->l, m, impulse, m->velocity,
 			               rb_vec3_add(m->velocity, rb_mat3_apply(&k, impulse)));
 	}
@@ -127,16 +130,16 @@ static void correct_one(const struct rb_drift *drift, int which)
 
 /* ---- all points together ---- */
 
-/* What is wrong with each contact, and the impulses (or their kind for places) that end it. */
+/* Errors of contacts, and the impulses (or the equivalents for positions) that correct them. */
 struct errors {
 	const struct rb_drift *drift;
-	bool velocities; /* else places: only along normals */
-	int *row;        /* [n]: contact of each */
+	bool velocities; /* otherwise positions, along normals only */
+	int *row;        /* [n]: contact of a row */
 	int n;
-	double *compliance; /* [n], 1/kg: of places; 0 where joints take part */
-	rb_vec3 *left, *along, *image, *answer, *sum; /* [n] */
-	rb_vec3 *linear, *angular;                    /* [set_count]: motions by impulses */
-	struct rb_joint_hold hold;                    /* what these must respect */
+	double *compliance; /* [n], 1/kg: for positions; 0 with joints */
+	rb_vec3 *residual, *along, *image, *response, *sum; /* [n] */
+	rb_vec3 *linear, *angular; /* [set_count]: motions by the impulses */
+	struct rb_joint_hold hold; /* joints that these must respect */
 };
 
 static struct rb_mechanics_points points_of(const struct errors *e)
@@ -151,7 +154,7 @@ static struct rb_mechanics_points points_of(const struct errors *e)
 	                                    .angular = e->angular};
 }
 
-static rb_vec3 asked_of(const struct errors *e, int k, rb_vec3 v)
+static rb_vec3 constrained_part(const struct errors *e, int k, rb_vec3 v)
 {
 	const rb_vec3 n = e->drift->contact_point[e->row[k]].normal;
 
@@ -159,7 +162,9 @@ static rb_vec3 asked_of(const struct errors *e, int k, rb_vec3 v)
 	                                                    : rb_vec3_scale(rb_vec3_dot(v, n), n);
 }
 
-/* Motions of all bodies by impulses, and what they do to the contacts, into `image`. */
+/*
+ * Computes the motions of all bodies by impulses, and their effects at the contacts, into `image`.
+ */
 static void respond(struct errors *e, const rb_vec3 *impulse, rb_vec3 *image)
 {
 	const struct rb_mechanics_points points = points_of(e);
@@ -167,7 +172,7 @@ static void respond(struct errors *e, const rb_vec3 *impulse, rb_vec3 *image)
 	rb_mechanics_respond(&points, impulse);
 	rb_joint_hold_apply(&e->hold, e->linear, e->angular);
 	for (int k = 0; k < e->n; k++) {
-		image[k] = asked_of(e, k, rb_mechanics_response(&points, k));
+		image[k] = constrained_part(e, k, rb_mechanics_response(&points, k));
 		if (!e->velocities)
 			image[k] = rb_vec3_add_scaled(image[k], e->compliance[k], impulse[k]);
 	}
@@ -183,9 +188,9 @@ static double dots(const rb_vec3 *a, const rb_vec3 *b, int n)
 }
 
 /*
- * The smallest motion that ends the errors in `left`, by conjugate residuals (Stiefel, Comment.
- * Math. Helv. 29 (1955) 157): they go on falling where more contacts than freedoms contradict each
- * other. Leaves it in e->linear and e->angular.
+ * The smallest motion that cancels the errors in `residual`, by conjugate residuals (Stiefel,
+ * Comment. Math. Helv. 29 (1955) 157): these keep falling if more contacts than degrees of freedom
+ * contradict each other. Leaves it in e->linear and e->angular.
  */
 static void solve(struct errors *e)
 {
@@ -193,34 +198,35 @@ static void solve(struct errors *e)
 
 	for (int k = 0; k < n; k++) {
 		e->sum[k] = (rb_vec3){0, 0, 0};
-		e->along[k] = e->left[k];
+		e->along[k] = e->residual[k];
 	}
-	const double start = dots(e->left, e->left, n);
+	const double start = dots(e->residual, e->residual, n);
 	double square = start;
-	respond(e, e->left, e->answer);
-	double bend = dots(e->left, e->answer, n);
-	memcpy(e->image, e->answer, (size_t)n * sizeof *e->image);
-	for (int round = 0; round < ROUNDS_MAX && square > tolerance * start && bend > 0; round++) {
+	respond(e, e->residual, e->response);
+	double curvature = dots(e->residual, e->response, n);
+	memcpy(e->image, e->response, (size_t)n * sizeof *e->image);
+	for (int round = 0; round < ROUNDS_MAX && square > tolerance * start && curvature > 0;
+	     round++) {
 		const double whole = dots(e->image, e->image, n);
 
 		if (!(whole > 0))
 			break;
-		const double share = bend / whole, before = square;
+		const double share = curvature / whole, before = square;
 		for (int k = 0; k < n; k++)
-			e->left[k] = rb_vec3_add_scaled(e->left[k], -share, e->image[k]);
-		square = dots(e->left, e->left, n);
-		/* what does not fall is rounding, and contacts that contradict each other */
+			e->residual[k] = rb_vec3_add_scaled(e->residual[k], -share, e->image[k]);
+		square = dots(e->residual, e->residual, n);
+		/* the rest is rounding, and contacts that contradict each other */
 		if (!(square < stalled * before))
 			break;
 		for (int k = 0; k < n; k++)
 			e->sum[k] = rb_vec3_add_scaled(e->sum[k], share, e->along[k]);
-		respond(e, e->left, e->answer);
-		const double next = dots(e->left, e->answer, n), keep = next / bend;
+		respond(e, e->residual, e->response);
+		const double next = dots(e->residual, e->response, n), keep = next / curvature;
 		for (int k = 0; k < n; k++) {
-			e->along[k] = rb_vec3_add_scaled(e->left[k], keep, e->along[k]);
-			e->image[k] = rb_vec3_add_scaled(e->answer[k], keep, e->image[k]);
+			e->along[k] = rb_vec3_add_scaled(e->residual[k], keep, e->along[k]);
+			e->image[k] = rb_vec3_add_scaled(e->response[k], keep, e->image[k]);
 		}
-		bend = next;
+		curvature = next;
 	}
 	respond(e, e->sum, e->image);
 }
@@ -232,14 +238,14 @@ static bool take(struct errors *e)
 
 	e->row = rb_arena_take(arena, n, sizeof *e->row);
 	e->compliance = rb_arena_take(arena, n, sizeof *e->compliance);
-	e->left = rb_arena_take(arena, 5 * n, sizeof *e->left);
+	e->residual = rb_arena_take(arena, 5 * n, sizeof *e->residual);
 	e->linear = rb_arena_take(arena, 2 * bodies, sizeof *e->linear);
-	if (!e->row || !e->compliance || !e->left || !e->linear)
+	if (!e->row || !e->compliance || !e->residual || !e->linear)
 		return false;
-	e->along = e->left + n;
+	e->along = e->residual + n;
 	e->image = e->along + n;
-	e->answer = e->image + n;
-	e->sum = e->answer + n;
+	e->response = e->image + n;
+	e->sum = e->response + n;
 	e->angular = e->linear + bodies;
 	for (int k = 0; k < e->drift->count; k++)
 		if (e->drift->kept[k])
@@ -254,7 +260,7 @@ static void contact_points_of(const struct rb_drift *drift)
 			rb_drift_point(drift->l, drift->pose, &drift->contact_point[k]);
 }
 
-/* 1/kg: compliance of a contact's place. */
+/* Compliance of a contact's position, 1/kg. */
 static double compliance_of(const struct rb_drift *drift, const struct rb_contact_point *m)
 {
 	rb_mat3 k = {0};
@@ -274,7 +280,7 @@ static void move_places(struct errors *e)
 		const struct rb_contact_point *m = &e->drift->contact_point[e->row[k]];
 		const bool off = is_off(e->drift, m);
 
-		e->left[k] = off ? rb_vec3_scale(-m->gap, m->normal) : (rb_vec3){0, 0, 0};
+		e->residual[k] = off ? rb_vec3_scale(-m->gap, m->normal) : (rb_vec3){0, 0, 0};
 		e->compliance[k] = e->hold.rows.count > 0 ? 0 : compliance_of(e->drift, m);
 		any = any || off;
 	}
@@ -286,7 +292,7 @@ static void move_places(struct errors *e)
 	contact_points_of(e->drift);
 }
 
-/* What the impulses in `sum` do by e->linear and e->angular. */
+/* Enters the effects of the impulses in `sum`, by e->linear and e->angular, into the ledger. */
 static void enter(const struct errors *e)
 {
 	const struct rb_mechanics_points points = points_of(e);
@@ -305,7 +311,7 @@ static void enter(const struct errors *e)
 		const struct rb_joint_row *row = &e->hold.rows.row[k];
 		const double impulse = e->hold.dense.right[k];
 
-		/* a motor that keeps its speed does work, however small the change is */
+		/* a motor that holds its speed does work, however small the change is */
 		rb_entries_energy(&entries, RB_ENERGY_DRIVEN,
 		                  rb_joint_rows_power(&e->hold.rows, row, impulse, e->drift->t));
 		rb_joint_rows_enter(&e->hold.rows, row, impulse, e->drift->t, &entries);
@@ -319,14 +325,14 @@ static void move_velocities(struct errors *e)
 
 	e->velocities = true;
 	for (int k = 0; k < e->n; k++) {
-		e->left[k] = rb_vec3_neg(
-			asked_of(e, k, e->drift->contact_point[e->row[k]].velocity));
-		any = any || rb_vec3_max_abs(e->left[k]) > 0;
+		e->residual[k] = rb_vec3_neg(
+			constrained_part(e, k, e->drift->contact_point[e->row[k]].velocity));
+		any = any || rb_vec3_max_abs(e->residual[k]) > 0;
 	}
 	if (!any)
 		return;
 	solve(e);
-	if (!e->drift->tries)
+	if (!e->drift->is_trial)
 		enter(e);
 	for (int k = 0; k < e->drift->l->set_count; k++) {
 		struct rb_pose *pose = &e->drift->pose[k];
@@ -352,7 +358,7 @@ static void correct_together(struct rb_drift *drift, bool places, bool velocitie
 	const rb_arena_mark here = rb_arena_here(drift->l->arena);
 	struct errors e = {.drift = drift};
 
-	/* without memory the drift stays, and is put right another time */
+	/* without memory the drift remains, and is corrected later */
 	if (drift->count > 0 && take(&e)) {
 		contact_points_of(drift);
 		if (places)

@@ -12,12 +12,12 @@
 #include "located/pair_contacts.h"
 #include "located/piece_scales.h"
 
-/* Above it a double does not hold sums of squares, from which sizes and lengths are known. */
+/* Above this, sums of squares, from which sizes and lengths are computed, overflow a double. */
 static const double rate_max = 1e150;
 
 /*
- * Where no step is short enough: two that attract each other and cannot touch may have met head on.
- * Names them; false: it is no such case.
+ * No step is short enough: two bodies that attract each other and cannot touch may have collided
+ * head on. Names them; false: no such pair.
  */
 bool rb_failure_by_collision(const struct rb_modes *w)
 {
@@ -53,21 +53,21 @@ bool rb_failure_by_collision(const struct rb_modes *w)
 	return true;
 }
 
-/* m/s^2: what the accelerations found leave of a joint's row. */
-static double left_of(const struct rb_modes *w, const struct rb_joint_row *row)
+/* Residual acceleration of a joint's row, m/s^2. */
+static double residual_of(const struct rb_modes *w, const struct rb_joint_row *row)
 {
 	const struct rb_coupled_row coupled = rb_joint_rows_coupled(row);
 
-	return fabs(rb_coupled_felt(&coupled, w->linear, w->angular) + row->bias);
+	return fabs(rb_coupled_rate(&coupled, w->linear, w->angular) + row->bias);
 }
 
 /*
- * Joints that lock: what they leave free to first order is none of the ways that they leave free,
- * as of a straight chain that is held taut at both ends. Rows of theirs are combinations of others,
- * but not what these ask for. Elimination takes a row for a combination (math/dense) where the
- * square of what sets it apart is within 16 n ulp, and a motion there contradicts it by up to about
- * the root of that; what does so by more goes on to, from one piece to the next, each of them as
- * short as rounding makes it. Motors and contacts are let go instead. Names the joint; false: they
+ * Joints that lock: motions that they allow to first order are not allowed to second order, as in a
+ * straight chain that is held taut at both ends. Their rows are combinations of others, but
+ * contradict them. Elimination takes a row for a combination (math/dense) if the square of its
+ * independent share is within 16 n ulp, and an admissible motion contradicts that by up to about
+ * its square root; larger contradictions persist from one piece to the next, each as short as
+ * rounding makes it. Motors and contacts are released instead. Names the joint; false: the rows
  * agree.
  */
 bool rb_failure_by_lock(const struct rb_modes *w)
@@ -76,22 +76,22 @@ bool rb_failure_by_lock(const struct rb_modes *w)
 	const struct rb_joint_rows *rows = &w->joints;
 	const double share = 8 * sqrt(16 * rows->count * DBL_EPSILON);
 	double worst = 0;
-	int which = 0;
+	int joint_index = 0;
 	char label[96], source[96];
 
 	if (rows->count == 0 || !w->dense.open || w->c->held_count > 0 || rb_joint_rows_drive(rows))
 		return false;
 	for (int k = 0; k < rows->count; k++) {
-		const double left = left_of(w, &rows->row[k]);
+		const double residual = residual_of(w, &rows->row[k]);
 
-		if (left > worst) {
-			worst = left;
-			which = rows->row[k].joint;
+		if (residual > worst) {
+			worst = residual;
+			joint_index = rows->row[k].joint;
 		}
 	}
 	if (!(worst > share * fmax(w->max, rb_piece_scales_load(w))))
 		return false;
-	const int def = l->model->joints->joint[which].def;
+	const int def = l->model->joints->joint[joint_index].def;
 
 	l->status = RB_FAIL(
 		l->err, RB_ERR_PHYSICS,
@@ -102,7 +102,7 @@ bool rb_failure_by_lock(const struct rb_modes *w)
 	return true;
 }
 
-/* Names the joint that carries most; false: there are none. */
+/* Names the joint with the largest multiplier; false: there are none. */
 bool rb_failure_by_joints(const struct rb_modes *w, const char *why)
 {
 	struct rb_located *l = w->l;
@@ -111,13 +111,13 @@ bool rb_failure_by_joints(const struct rb_modes *w, const char *why)
 
 	if (w->joints.count == 0)
 		return false;
-	int which = w->joints.row[0].joint;
+	int joint_index = w->joints.row[0].joint;
 	for (int k = 0; k < w->joints.count; k++)
 		if (fabs(w->multiplier[k]) > largest) {
 			largest = fabs(w->multiplier[k]);
-			which = w->joints.row[k].joint;
+			joint_index = w->joints.row[k].joint;
 		}
-	const int def = l->model->joints->joint[which].def;
+	const int def = l->model->joints->joint[joint_index].def;
 
 	l->status = RB_FAIL(
 		l->err, RB_ERR_PHYSICS,

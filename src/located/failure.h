@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Why a piece of a cluster cannot be integrated, as a message that names what is to be changed.
- * Each returns false where it is not its case; else l->status says why.
+ * Error messages for pieces of a cluster that cannot be integrated, which name what to change. Each
+ * function returns false if its case does not apply; otherwise it sets l->status.
  */
 #ifndef RB_LOCATED_FAILURE_H
 #define RB_LOCATED_FAILURE_H

@@ -23,20 +23,24 @@
 #include "located/mechanics.h"
 #include "math/gauss_newton.h"
 
-/* Of the sizes of position and velocity, per step; rounding is below it. */
+/* Error per step, relative to the sizes of position and velocity; rounding is below it. */
 static const double tolerance = 3e-14;
-/* Share of a column by which it is told from others, where that leads to forces that pull. */
+/*
+ * Share of a column that must be independent of the others, where a smaller one leads to forces
+ * that differ from those of the resolution.
+ */
 static const double nearly_open = 1e-6;
 /*
- * Share of the time in which loads would move a member by its size: pieces of joined bodies are
- * within 2^-8 of it. And how many more shorter than this share than others are too many.
+ * Pieces shorter than this share of the time in which loads would move a member by its size creep:
+ * pieces of joined bodies are within 2^-8 of that time. CREPT_MAX: how many more creeping pieces
+ * than others are too many.
  */
 static const double creeping = 0x1p-20;
-/* Of a piece, after which a slip has turned aside by no more than noise: it does by the square. */
-static const double shorter = 0.25;
+/* Factor for the length of a piece in which a slip turns: its deviation falls with the square. */
+static const double shorter_share = 0.25;
 enum { CREPT_MAX = 256 };
 
-/* What a piece to come needs. */
+/* Arrays for the next piece. */
 struct columns {
 	double *value, *scale, *guess, *scratch; /* in the cluster's block; guess: [NODES][n] */
 	int *rate_row;                           /* [n] */
@@ -112,8 +116,8 @@ static void start_rows(const struct rb_modes *w, int k, int *rate_row)
 }
 
 /*
- * The rates of a piece that all members come from, at this moment. Where it has ended with a mode,
- * or by an impact, what they jump by is seen at the beginning (math/gauss).
+ * Guess of the rates, from the piece on which all members have been until this moment. If a mode or
+ * an impact has ended it, the jump is seen at the beginning (math/gauss).
  */
 static struct rb_gauss_guess guess_of(const struct rb_modes *w, double *to)
 {
@@ -140,9 +144,9 @@ static struct rb_gauss_guess guess_of(const struct rb_modes *w, double *to)
 }
 
 /*
- * Its one pair rebounds by the law of eccentric impacts, all its points as one, as where a slip
- * begins that no force allows (located/tangential_impact): its slip may not stop but turn. False:
- * there are several pairs, or there is such a force.
+ * Lets the cluster's single pair rebound by the law of eccentric impacts, with all its points as
+ * one, as when a slip begins that no force allows (located/tangential_impact): its slip may turn
+ * instead of stopping. False: there are several pairs, or a force allows the slip.
  */
 static bool rebounds(struct rb_modes *w)
 {
@@ -194,10 +198,10 @@ static bool rebounds(struct rb_modes *w)
 }
 
 /*
- * All contacts stick after it, or one is slower, and the cluster is to be resolved anew. False: it
- * is no such case.
+ * Painleve impulse: afterwards all contacts stick, or one slips more slowly, and the cluster must
+ * be resolved anew. False: not such a case.
  */
-static bool is_painleve(struct rb_modes *w)
+static bool apply_painleve(struct rb_modes *w)
 {
 	struct rb_located *l = w->l;
 	struct rb_cluster *c = w->c;
@@ -219,7 +223,7 @@ static bool is_painleve(struct rb_modes *w)
 
 	for (int k = 0; k < c->held_count; k++)
 		slips = slips || c->held[k].slipping;
-	/* its impulses know no joints: where friction jams a mechanism the piece fails */
+	/* its impulses ignore joints: where friction jams a mechanism, the piece fails */
 	if (w->joints.count > 0 || !slips || !friction || !painleve.impulse || !painleve.scratch ||
 	    !rb_rates_evaluate(w, w->origin_s, c->piece.start))
 		return false;
@@ -239,7 +243,7 @@ static bool is_painleve(struct rb_modes *w)
 		rb_arc_anchor(l, c->member[k], w->origin_s, &pose, none, none);
 	}
 	for (int k = 0; k < c->held_count; k++) {
-		/* jam.scratch: what the impulses have added */
+		/* painleve.scratch: changes of velocity by the impulses */
 		rb_work_impact(l, &w->contact_point[k], painleve.impulse[k],
 		               w->contact_point[k].velocity,
 		               rb_vec3_add(w->contact_point[k].velocity, painleve.scratch[k]));
@@ -285,46 +289,45 @@ static double next_switch(const struct rb_located *l, double t)
 	return HUGE_VAL;
 }
 
-/* The end of what is known of a body, if it is driven, and that is after `soon`. */
-static double driven_end(const struct rb_located *l, int body, double soon)
+/* End of the known motion of a driven body, if it is later than `after_s`. */
+static double driven_end(const struct rb_located *l, int body, double after_s)
 {
-	return body >= 0 && rb_located_driven(l, body) && l->piece[body].until_s > soon
+	return body >= 0 && rb_located_driven(l, body) && l->piece[body].until_s > after_s
 	               ? l->piece[body].until_s
 	               : HUGE_VAL;
 }
 
 /*
- * Where a driven body that one of the contacts leans on, or that attracts, or what a motor follows,
- * comes to the end of what is known of it.
+ * The first end of the known motion of a driven body that a contact or joint involves, or that
+ * attracts, or of what a motor follows.
  */
 static double partners_end(const struct rb_modes *w)
 {
-	const double soon = w->origin_s * (1 + 4 * DBL_EPSILON);
+	const double after_s = w->origin_s * (1 + 4 * DBL_EPSILON);
 	double end = HUGE_VAL;
 
 	for (int k = 0; k < w->c->held_count; k++) {
-		end = fmin(end, driven_end(w->l, w->c->held[k].a, soon));
-		end = fmin(end, driven_end(w->l, w->c->held[k].b, soon));
+		end = fmin(end, driven_end(w->l, w->c->held[k].a, after_s));
+		end = fmin(end, driven_end(w->l, w->c->held[k].b, after_s));
 	}
 	for (int k = 0; k < w->joints.joint_count; k++) {
 		const struct rb_joint *joint = &w->l->model->joints->joint[w->joints.joint[k]];
 
-		end = fmin(end, driven_end(w->l, joint->a, soon));
-		end = fmin(end, driven_end(w->l, joint->b, soon));
-		end = fmin(end, rb_follow_end(w->l, w->joints.joint[k], soon));
+		end = fmin(end, driven_end(w->l, joint->a, after_s));
+		end = fmin(end, driven_end(w->l, joint->b, after_s));
+		end = fmin(end, rb_follow_end(w->l, w->joints.joint[k], after_s));
 	}
 	for (int i = 0; w->l->model->driven && rb_located_gravitates(w->l) && i < w->l->n; i++)
 		if (rb_located_driven(w->l, i) && w->l->model->attraction[i] > 0 &&
-		    w->l->piece[i].until_s > soon)
+		    w->l->piece[i].until_s > after_s)
 			end = fmin(end, w->l->piece[i].until_s);
 	return end;
 }
 
 /*
- * Time in which the rounding of forces takes bodies that press on each other through the band
- * within which they touch: as long as they would need to fall by their size. Where all else stands
- * still relative to each other, as what gravitation alone holds together, nothing else ends a
- * piece.
+ * Time in which rounding of forces moves bodies that press on each other through their touching
+ * range: the time of a fall by their size. If all of them are at rest relative to each other, as
+ * bodies held together by gravitation alone, nothing else ends a piece.
  */
 static double drifts_within(const struct rb_modes *w)
 {
@@ -344,8 +347,8 @@ static double drifts_within(const struct rb_modes *w)
 }
 
 /*
- * Does anything act that the ledger has a cause for? Not where bodies only attract each other, by
- * their masses: that has a potential, and what one gets another one gives.
+ * Does anything act that has a cause in the ledger? Not if bodies only attract each other, by their
+ * masses: that has a potential, and momentum is exchanged between them.
  */
 static bool has_entries(const struct rb_modes *w)
 {
@@ -359,8 +362,8 @@ static bool has_entries(const struct rb_modes *w)
 	       model->center_count > 0 || !model->attracts_by_mass;
 }
 
-/* Are these other forces than those that the resolution has found? */
-static bool are_others(const struct rb_modes *w)
+/* Do these forces differ from those that the resolution found? */
+static bool differ_from_resolution(const struct rb_modes *w)
 {
 	double off = 0, max = 0;
 
@@ -374,11 +377,11 @@ static bool are_others(const struct rb_modes *w)
 }
 
 /*
- * Forces and accelerations at the beginning. Slips of which no direction is found that forces
- * balance across, or only one with which contacts break the law, do not creep: they turn, however
- * fast that is. And where these are not the forces that the resolution has found, points are one
- * too many but for next to nothing, which would leave the forces to rounding: they keep those, if
- * the modes are as good with them.
+ * Forces and accelerations at the beginning. Slips do not creep if no direction is found that
+ * balances the tangential forces, or only one with which contacts violate the law: they turn,
+ * however fast. If the forces differ from those of the resolution, there is one point too many but
+ * for a nearly dependent column, which would leave the forces to rounding: then the near dependence
+ * is taken as exact, if the modes are satisfied as well.
  */
 static bool begin_modes(struct rb_modes *w)
 {
@@ -393,10 +396,11 @@ static bool begin_modes(struct rb_modes *w)
 		if (!rb_rates_evaluate(w, w->origin_s, w->c->piece.start))
 			return false;
 	}
-	w->dense.least = are_others(w) ? nearly_open : 0;
+	w->dense.least = differ_from_resolution(w) ? nearly_open : 0;
 	if (w->dense.least > 0 && !rb_rates_evaluate(w, w->origin_s, w->c->piece.start))
 		return false;
-	if (w->dense.least > 0 && !(rb_modes_left(w, w->origin_s) <= RB_CHECK_OTHERWISE * w->max)) {
+	if (w->dense.least > 0 &&
+	    !(rb_modes_residual(w, w->origin_s) <= RB_CHECK_OTHERWISE * w->max)) {
 		w->dense.least = 0;
 		if (!rb_rates_evaluate(w, w->origin_s, w->c->piece.start))
 			return false;
@@ -429,8 +433,9 @@ static bool moves_by_joints(const struct rb_modes *w)
 }
 
 /*
- * Joints of which, by rounding, now all and now all but one are independent lock and let go in
- * turn, in pieces that get nowhere (test_located_joints). Counts those; false: there are too many.
+ * Joints of which, by rounding, alternately all or all but one are independent lock and unlock in
+ * turn, in pieces that make no progress (test_located_joints). Counts such pieces; false: there are
+ * too many.
  */
 static bool count_crept(struct rb_modes *w, double length, double natural_s)
 {
@@ -443,11 +448,11 @@ static bool count_crept(struct rb_modes *w, double length, double natural_s)
 	return c->crept < CREPT_MAX;
 }
 
-/* Joints may end the piece before contacts do, of which then none changes its mode. */
-static double check_joints_within(struct rb_modes *w, double length, double *value)
+/* Joints may end the piece before contacts do; then no contact changes its mode. */
+static double limit_by_joints(struct rb_modes *w, double length, double *value)
 {
-	const double met = rb_check_stops_within(w, length, value);
-	const double within = rb_check_drives_within(w, met, value);
+	const double stop_length = rb_check_stops_within(w, length, value);
+	const double within = rb_check_drives_within(w, stop_length, value);
 
 	for (int k = 0; k < w->c->held_count && within < length; k++)
 		w->c->held[k].ending = false;
@@ -455,41 +460,41 @@ static double check_joints_within(struct rb_modes *w, double length, double *val
 	return within;
 }
 
-/* No step is short enough: an impulse ends the slip, or l->status says why. */
+/* No step is short enough: an impulse ends the slip, or l->status gives the reason. */
 static void fail(struct rb_modes *w, enum rb_status status)
 {
 	struct rb_located *l = w->l;
 
 	if (status == RB_ERR_PHYSICS && l->status == RB_OK &&
-	    ((w->c->held_count > 0 && is_painleve(w)) || rb_failure_by_collision(w) ||
+	    ((w->c->held_count > 0 && apply_painleve(w)) || rb_failure_by_collision(w) ||
 	     rb_failure_by_joints(w, "no step is short enough")))
 		return;
 	l->status = status;
 }
 
 /*
- * The piece, of at most `left_s` seconds, and how long it is good for, s; where l->status says that
- * there is none, or velocities have jumped, nothing.
+ * Integrates a piece of at most `left_s` seconds; returns the time for which it is valid, s.
+ * Nothing, if l->status is an error or velocities have jumped.
  */
 static double follow(struct rb_modes *w, const struct columns *columns,
-                     struct rb_gauss_problem *problem, double left_s)
+                     struct rb_gauss_problem *problem, double max_s)
 {
 	struct rb_located *l = w->l;
 	struct rb_cluster *c = w->c;
 	double length = 0;
 
-	/* what is straight at the beginning may turn: on what turns itself, say */
+	/* slips that begin straight may turn, for instance on a rotating body */
 	for (bool starts = false, turns = true; turns && l->status == RB_OK;) {
-		double try_s = fmin(c->try_s, left_s);
-		const double tried = try_s, before = length;
-		const bool cut = tried < c->try_s;
+		double try_s = fmin(c->try_s, max_s);
+		const double requested_s = try_s, before = length;
+		const bool cut = requested_s < c->try_s;
 		const enum rb_status status = rb_singular_step(
 			w, problem, 2 * DBL_EPSILON * w->origin_s, &try_s);
 
 		if (status == RB_ERR_PHYSICS && l->status == RB_OK && !starts &&
 		    rb_check_begins_straight(w)) {
 			starts = true;
-			c->try_s = shorter * (length > 0 ? length : c->try_s);
+			c->try_s = shorter_share * (length > 0 ? length : c->try_s);
 			continue;
 		}
 		if (status != RB_OK) {
@@ -498,35 +503,39 @@ static double follow(struct rb_modes *w, const struct columns *columns,
 		}
 		if (w->parts) {
 			c->account.n = RB_ENTRIES;
-			rb_gauss_integrate(&c->account, c->piece.length_s, w->seen);
+			rb_gauss_integrate(&c->account, c->piece.length_s, w->node_entries);
 		}
 		/*
-		 * room that was short says nothing of the motion, unless the step was shorter still
+		 * a limited step says nothing of the motion, unless the accepted one was shorter
+		 * still
 		 */
-		c->try_s = cut && c->piece.length_s >= tried ? fmax(c->try_s, try_s) : try_s;
+		c->try_s = cut && c->piece.length_s >= requested_s ? fmax(c->try_s, try_s) : try_s;
 		length = c->held_count > 0 ? rb_check_change_within(w, columns->value)
 		                           : c->piece.length_s;
 		length = rb_singular_keep(w, length, columns->value);
 		if (w->joints.joint_count > 0)
-			length = check_joints_within(w, length, columns->value);
+			length = limit_by_joints(w, length, columns->value);
 		c->is_cut = length < c->piece.length_s;
-		/* what begins has gone where friction pulls: it was not where forces led */
+		/*
+		 * a slip that begins went in the direction of its friction: it was not in that of
+		 * the forces
+		 */
 		if (l->status == RB_OK && !starts && length < creeping * c->piece.length_s &&
 		    rb_check_begins_straight(w)) {
 			starts = true;
-			c->try_s = shorter * (before > 0 ? before : c->piece.length_s);
+			c->try_s = shorter_share * (before > 0 ? before : c->piece.length_s);
 			continue;
 		}
 		turns = l->status == RB_OK &&
 		        (rb_check_turns_aside(w, length, columns->value) ||
 		         rb_check_turns_aside(w, 0.5 * length, columns->value));
 		if (turns && starts && rb_check_begins_straight(w))
-			c->try_s = shorter * length;
+			c->try_s = shorter_share * length;
 	}
 	return length;
 }
 
-/* Do forces act that may be stiff, on so few that a matrix of them all is little? */
+/* Do forces act that may be stiff, on so few bodies that a matrix of all of them is small? */
 static bool may_be_stiff(const struct rb_modes *w)
 {
 	return (w->l->model->features & RB_FEATURES_VARIED &
@@ -554,10 +563,7 @@ static void run(struct rb_modes *w, const struct columns *columns)
 		.scale = columns->scale,
 		.tolerance = tolerance,
 		.visited = w->parts ? rb_rates_enter_node : NULL,
-		/*
-		 * a spring that is passed through pulls the other way at once; a field is the
-		 * user's
-		 */
+		/* the force of a spring of length zero reverses at once; a field is the user's */
 		.jumps = (l->model->features & RB_FEATURES_VARIED &
 	                  ~(rb_features)(RB_FEATURE_DRAG | RB_FEATURE_GRAVITATION)) != 0,
 		.scratch = columns->scratch,
@@ -577,12 +583,12 @@ static void run(struct rb_modes *w, const struct columns *columns)
 		w->force_max = fmax(w->force_max, rb_vec3_length(w->force[k]));
 	}
 	/*
-	 * What has just been said to stick sticks: by so much the solver has not seen it slip. The
-	 * next look is where that has grown.
+	 * A contact that was just found to stick sticks: the excess of its friction is the solver's
+	 * error, and is checked again only when it has grown.
 	 */
 	for (int k = 0; k < c->held_count; k++)
-		w->doubt = fmax(w->doubt,
-		                4 * fmin(rb_check_excess(w, k), RB_CHECK_DOUBTFUL * w->force_max));
+		w->uncertainty = fmax(w->uncertainty, 4 * fmin(rb_check_excess(w, k),
+		                                               RB_CHECK_DOUBTFUL * w->force_max));
 	const double guess = rb_piece_scales_of(w, columns->scale);
 	if (rb_failure_by_lock(w))
 		return;
@@ -591,33 +597,33 @@ static void run(struct rb_modes *w, const struct columns *columns)
 	w->scale = columns->scale;
 	if (!(c->try_s > 0))
 		c->try_s = guess;
-	/* never past the end of the run by more than it needs, nor over a switch of forces */
-	const double left_s = fmin(fmin(fmin(next_switch(l, w->origin_s), partners_end(w)),
-	                                w->origin_s + drifts_within(w)),
-	                           fmax(l->end_s * (1 + 1e-9), w->origin_s + guess)) -
-	                      w->origin_s;
+	/* not past the end of the run by more than one piece, nor across a switch of forces */
+	const double max_s = fmin(fmin(fmin(next_switch(l, w->origin_s), partners_end(w)),
+	                               w->origin_s + drifts_within(w)),
+	                          fmax(l->end_s * (1 + 1e-9), w->origin_s + guess)) -
+	                     w->origin_s;
 	if (!rb_rates_take_trees(w, c->piece.start, &problem.rate_noise)) {
 		if (l->status == RB_OK)
 			l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a cluster");
 		return;
 	}
-	const double length = follow(w, columns, &problem, left_s);
+	const double length = follow(w, columns, &problem, max_s);
 
 	l->world->frame_counts.body_steps += calls * (uint64_t)c->member_count;
 	if (l->status != RB_OK || c->has_jumped)
 		return;
-	if (length < left_s && !count_crept(w, length, natural_s) &&
+	if (length < max_s && !count_crept(w, length, natural_s) &&
 	    rb_failure_by_joints(w, "joints lock and let go in turn"))
 		return;
-	/* a piece ends at a moment that is later than its beginning */
+	/* a piece must end later than it begins */
 	put_on_piece(w, fmax(w->origin_s + length, nextafter(w->origin_s, HUGE_VAL)));
 }
 
 /*
- * What has been given up halfway has left the piece before: its members are where this one was to
- * begin.
+ * Puts the members of a failed piece on a constant one, where it was to begin: the previous piece
+ * has been overwritten.
  */
-static void stay(struct rb_modes *w)
+static void stop_at_start(struct rb_modes *w)
 {
 	struct rb_gauss_piece *piece = &w->c->piece;
 
@@ -647,13 +653,13 @@ void rb_integrate_piece(struct rb_located *l, int cluster, double t, bool goes_o
 		                    w.c->member_count);
 		return;
 	}
-	/* rows of the piece that they are on, which is in the same room */
+	/* saves the rows of their present piece, which uses the same storage */
 	for (int k = 0; k < w.c->member_count; k++)
 		rb_piece_warm_start_keep(l, w.c->member[k], t);
 	rb_integrate_lay_out(w.c, w.c->member_count * w.row);
 	run(&w, &columns);
 	if (l->status != RB_OK)
-		stay(&w);
+		stop_at_start(&w);
 	rb_modes_give_back_places(l, w.c, kept);
 	rb_arena_back(l->arena, here);
 }
@@ -682,7 +688,7 @@ bool rb_integrate_forces(struct rb_located *l, int cluster, double t, rb_vec3 *f
 	                     .origin_s = c->integrated ? l->piece[c->member[0]].origin_s : t,
 	                     .row = rb_located_row(l)};
 	const rb_arena_mark here = rb_arena_here(l->arena);
-	/* a look that somebody asks for decides nothing */
+	/* a query must not change decisions */
 	const uint64_t products = l->products;
 	const size_t values = (size_t)c->member_count * (size_t)w.row;
 	double *const value = rb_arena_take(l->arena, values + (size_t)c->piece.n + 1,
@@ -707,7 +713,7 @@ bool rb_integrate_forces(struct rb_located *l, int cluster, double t, rb_vec3 *f
 			rb_joint_rows_wrenches(&w.joints, w.multiplier, t, l->world->joint_load);
 		rb_modes_give_back_places(l, c, kept);
 	}
-	if (l->status == RB_ERR_PHYSICS) /* too much to look at */
+	if (l->status == RB_ERR_PHYSICS) /* too much for a query */
 		l->status = RB_OK;
 	l->products = products;
 	rb_arena_back(l->arena, here);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Motion without a closed form: a cluster's bodies through one piece of the high-order integrator
- * (math/gauss), its contacts held in the modes that they have at its beginning; the piece is cut at
- * the first change of a mode.
+ * Motion without a closed form: integrates a cluster's bodies over one piece of the high-order
+ * integrator (math/gauss), with its contacts in the modes that they have at its beginning; the
+ * piece is cut at the first change of a mode.
  */
 #ifndef RB_LOCATED_INTEGRATE_H
 #define RB_LOCATED_INTEGRATE_H
@@ -10,24 +10,24 @@
 #include "located/event_set.h"
 
 /*
- * From the members' present arcs at `t`; puts them on the piece. `goes_on`: they come from the end
- * of a piece that nothing has cut. Sets l->status.
+ * Integrates from the members' present arcs at `t`, and puts them on the piece. `goes_on`: it
+ * continues a piece that was not cut. Sets l->status.
  */
 void rb_integrate_piece(struct rb_located *l, int cluster, double t, bool goes_on);
 
 /*
- * Forces of a cluster's contacts, N on b, at a moment of its piece; [held_count]. False: they are
- * not to be had. Changes nothing.
+ * Computes the forces of a cluster's contacts at a moment of its piece, N on b, [held_count].
+ * False: not available. Changes nothing.
  */
 bool rb_integrate_forces(struct rb_located *l, int cluster, double t, rb_vec3 *force);
 
 /*
- * Values that a cluster's block holds while it is integrated, for n rows, and those of its piece,
- * which stand first. Arcs point into it, so it must not grow between one piece and the next.
+ * Number of values in a cluster's block during integration of n rows, and in its piece, which comes
+ * first. Arcs point into the block, so it must not grow between pieces.
  */
 size_t rb_integrate_scratch_size(int n);
 size_t rb_integrate_kept_size(int n);
-/* The piece's arrays, in the block; its length is as it was. */
+/* Sets the piece's arrays within the block; its length is unchanged. */
 void rb_integrate_lay_out(struct rb_cluster *c, int n);
 
 #endif

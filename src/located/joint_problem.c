@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 
-/* How many of our rows one of the problem's is: three along the world's axes are one FREE row. */
+/* Number of our rows in one of the problem's: three along the world's axes are one FREE row. */
 static int rows_of(const struct rb_joint_rows *rows, int k)
 {
 	const struct rb_joint_row *row = &rows->row[k];
@@ -12,7 +12,7 @@ static int rows_of(const struct rb_joint_rows *rows, int k)
 	return rb_linkage_has_point(link) && row->drive < 0 && row->row == 0 ? 3 : 1;
 }
 
-/* What of u is not of the bodies that yield. */
+/* The part of u that is not due to dynamic bodies. */
 static double bias_of(const struct rb_joint_rows *rows, const struct rb_joint_row *row, bool forces)
 {
 	const struct rb_joint *joint = &rows->l->model->joints->joint[row->joint];
@@ -32,7 +32,7 @@ static double bias_of(const struct rb_joint_rows *rows, const struct rb_joint_ro
 	return sum;
 }
 
-/* A bounded force gives no impulse, but where that is nothing beside it. */
+/* Is the row left out? A bounded force gives no impulse, unless that is significant. */
 static bool is_left_out(const struct rb_joint_row *row, bool forces)
 {
 	return !forces && row->drive >= 0 && !rb_joint_rows_is_stop(row) && !(row->impulse_max > 0);
@@ -46,13 +46,16 @@ static int place_or_copy(int place, struct rb_solver_body *body, int *bodies)
 	return (*bodies)++;
 }
 
-/* An arm whose moment of the force l is m: all arms do that differ along it; this is across it. */
+/*
+ * An arm at which the force l has the moment m, perpendicular to l: the component along l is
+ * arbitrary.
+ */
 static rb_vec3 arm_of(rb_vec3 linear, rb_vec3 moment)
 {
 	return rb_vec3_cross(linear, moment);
 }
 
-/* From moments of forces along x, y, z, the arm: m_x = (0, z, -y), m_y = (-z, 0, x). */
+/* The arm, from the moments of forces along x, y, z: m_x = (0, z, -y), m_y = (-z, 0, x). */
 static rb_vec3 point_arm(const struct rb_joint_row *row, bool is_b)
 {
 	const rb_vec3 x = is_b ? row[0].wrench.angular_b : rb_vec3_neg(row[0].wrench.angular_a);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Index-1 treatment of joints: accelerations satisfy d2C/dt2 = 0, and what integration leaves of C
- * and dC/dt is taken away after each piece by projection in the metric of mass (Lubich, ZAMP 42
- * (1991) 715), whose energy error is of second order.
+ * Index-1 treatment of joints: accelerations satisfy d2C/dt2 = 0, and the drift of C and dC/dt is
+ * removed after each piece by projection in the metric of mass (Lubich, ZAMP 42 (1991) 715), whose
+ * energy error is of second order.
  */
 #include "located/joint_rows.h"
 
@@ -17,9 +17,9 @@
 #include "located/mechanics.h"
 #include "step/gap.h"
 
-/* Of corrections of positions: each squares what is left. */
+/* Position corrections: each squares the relative error. */
 enum { POSITION_ROUNDS = 2 };
-/* Rounding of a rate and of a gap, in ulp of what they are differences of. */
+/* Rounding of a rate and of a gap, in ulp of the terms that they are differences of. */
 enum { DRIVE_ULP = 64, STOP_ULP = 16 };
 
 bool rb_joint_rows_joined(const struct rb_located *l, int a, int b)
@@ -62,7 +62,7 @@ bool rb_joint_rows_collect(struct rb_joint_rows *rows)
 			const struct rb_joint *joint = &joints->joint[joints->of[e]];
 			const int other = place_of(l, joint->a == i ? joint->b : joint->a);
 
-			/* from the end that comes first */
+			/* counted at its first end only */
 			if ((other >= 0 && other < p) || !rb_joint_rows_holds(l, joints->of[e]))
 				continue;
 			rows->joint[rows->joint_count++] = joints->of[e];
@@ -76,7 +76,7 @@ bool rb_joint_rows_collect(struct rb_joint_rows *rows)
 	return rows->row != NULL;
 }
 
-/* Pose of an end: of its place, else on its arc. */
+/* Pose of an end: rows->pose at its place, otherwise on its arc. */
 static struct rb_pose end_pose(const struct rb_joint_rows *rows, int body, int place, double t)
 {
 	if (body < 0)
@@ -84,7 +84,7 @@ static struct rb_pose end_pose(const struct rb_joint_rows *rows, int body, int p
 	return place >= 0 ? rows->pose[place] : rb_arc_pose(rows->l, body, t);
 }
 
-/* J A of an end that moves on its own, the sign being that of b. */
+/* J times the acceleration of an end that is not dynamic, with the sign of b. */
 static double own_acceleration(const struct rb_located *l, int body, rb_vec3 linear,
                                rb_vec3 angular, double t)
 {
@@ -94,16 +94,16 @@ static double own_acceleration(const struct rb_located *l, int body, rb_vec3 lin
 	       rb_vec3_dot(angular, rb_mechanics_turning(l, body, t));
 }
 
-/* Appends a row, of which what is not its own is given; the rest follows from the geometry. */
-static void add_row(struct rb_joint_rows *rows, int which, const struct rb_joint_row *own,
+/* Appends a row; `own` gives the fields that do not follow from the geometry. */
+static void add_row(struct rb_joint_rows *rows, int joint_index, const struct rb_joint_row *own,
                     const struct rb_linkage_row *found, double t)
 {
 	const struct rb_located *l = rows->l;
-	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const struct rb_joint *joint = &l->model->joints->joint[joint_index];
 	struct rb_joint_row *row = &rows->row[rows->count++];
 
 	*row = *own;
-	row->joint = which;
+	row->joint = joint_index;
 	row->a = place_of(l, joint->a);
 	row->b = place_of(l, joint->b);
 	row->wrench = (struct rb_coupled_wrench){found->linear,
@@ -117,10 +117,10 @@ static void add_row(struct rb_joint_rows *rows, int which, const struct rb_joint
 		row->bias += own_acceleration(l, joint->b, found->linear, row->wrench.angular_b, t);
 }
 
-static void fill_joint(struct rb_joint_rows *rows, int which, double t)
+static void fill_joint(struct rb_joint_rows *rows, int joint_index, double t)
 {
 	const struct rb_located *l = rows->l;
-	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const struct rb_joint *joint = &l->model->joints->joint[joint_index];
 	const int a = place_of(l, joint->a), b = place_of(l, joint->b);
 	const struct rb_pose pose_a = end_pose(rows, joint->a, a, t);
 	const struct rb_pose pose_b = end_pose(rows, joint->b, b, t);
@@ -133,7 +133,7 @@ static void fill_joint(struct rb_joint_rows *rows, int which, double t)
 	for (int k = 0; k < count; k++) {
 		const bool couple = rb_linkage_row_is_couple(&joint->link, k);
 		const double scale = couple ? joint->size : 1;
-		add_row(rows, which,
+		add_row(rows, joint_index,
 		        &(struct rb_joint_row){
 				.row = k,
 				.drive = -1,
@@ -152,42 +152,42 @@ static signed char *mode_of(const struct rb_joint_rows *rows, int joint, int kin
 	return &rows->l->drive_mode[RB_JOINT_PARTS_HELD * joint + kind];
 }
 
-void rb_joint_rows_ends(const struct rb_joint_rows *rows, int which, double t,
+void rb_joint_rows_ends(const struct rb_joint_rows *rows, int joint_index, double t,
                         struct rb_pose end[2])
 {
-	const struct rb_joint *joint = &rows->l->model->joints->joint[which];
+	const struct rb_joint *joint = &rows->l->model->joints->joint[joint_index];
 
 	end[0] = end_pose(rows, joint->a, place_of(rows->l, joint->a), t);
 	end[1] = end_pose(rows, joint->b, place_of(rows->l, joint->b), t);
 }
 
-static struct rb_linkage_free free_of(const struct rb_joint_rows *rows, int which, double t)
+static struct rb_linkage_free free_of(const struct rb_joint_rows *rows, int joint_index, double t)
 {
 	struct rb_pose end[2];
 
-	rb_joint_rows_ends(rows, which, t, end);
-	return rb_linkage_free(&rows->l->model->joints->joint[which].link, &end[0], &end[1]);
+	rb_joint_rows_ends(rows, joint_index, t, end);
+	return rb_linkage_free(&rows->l->model->joints->joint[joint_index].link, &end[0], &end[1]);
 }
 
-double rb_joint_rows_fall(const struct rb_located *l, int which)
+double rb_joint_rows_fall(const struct rb_located *l, int joint_index)
 {
-	return sqrt(2 * l->weight * l->model->joints->joint[which].size);
+	return sqrt(2 * l->weight * l->model->joints->joint[joint_index].size);
 }
 
-double rb_joint_rows_eased(const struct rb_located *l, int which, int stop)
+double rb_joint_rows_eased(const struct rb_located *l, int joint_index, int stop)
 {
-	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const struct rb_joint *joint = &l->model->joints->joint[joint_index];
 
-	if (!l->eased[RB_JOINT_PARTS_HELD * which + stop])
+	if (!l->eased[RB_JOINT_PARTS_HELD * joint_index + stop])
 		return 0;
 	return rb_joint_eased * (rb_linkage_turns(&joint->link) ? 1 : joint->size);
 }
 
-struct rb_joint_stop rb_joint_rows_stop(const struct rb_joint_rows *rows, int which, int stop,
+struct rb_joint_stop rb_joint_rows_stop(const struct rb_joint_rows *rows, int joint_index, int stop,
                                         double t)
 {
 	const struct rb_located *l = rows->l;
-	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const struct rb_joint *joint = &l->model->joints->joint[joint_index];
 	const struct rb_pose a = end_pose(rows, joint->a, place_of(l, joint->a), t);
 	const struct rb_pose b = end_pose(rows, joint->b, place_of(l, joint->b), t);
 	const double sign = stop == RB_STOP_LOW ? 1 : -1;
@@ -208,13 +208,13 @@ struct rb_joint_stop rb_joint_rows_stop(const struct rb_joint_rows *rows, int wh
 		                             .row = row[0]};
 	} else {
 		const struct rb_linkage_free free = rb_linkage_free(&joint->link, &a, &b);
-		const double value = rb_joint_state_angle(&l->world->joint[which], &joint->link, t,
-		                                          &free);
+		const double value = rb_joint_state_angle(&l->world->joint[joint_index],
+		                                          &joint->link, t, &free);
 
 		now = (struct rb_joint_stop){
 			.gap = sign * (value - limit), .rate = sign * free.rate, .row = free.row};
 	}
-	now.gap += rb_joint_rows_eased(l, which, stop);
+	now.gap += rb_joint_rows_eased(l, joint_index, stop);
 	now.row.linear = rb_vec3_scale(sign, now.row.linear);
 	now.row.angular_a = rb_vec3_scale(sign, now.row.angular_a);
 	now.row.angular_b = rb_vec3_scale(sign, now.row.angular_b);
@@ -223,18 +223,20 @@ struct rb_joint_stop rb_joint_rows_stop(const struct rb_joint_rows *rows, int wh
 	                           : joint->size + fmax(rb_vec3_max_abs(a.position),
 	                                                rb_vec3_max_abs(b.position));
 	now.band = STOP_ULP * DBL_EPSILON * (reach + t * fabs(now.rate));
-	const double fall = rb_joint_rows_fall(l, which);
+	const double fall = rb_joint_rows_fall(l, joint_index);
 
 	now.noise = DRIVE_ULP * DBL_EPSILON * (turns ? spins + fall / joint->size : speeds + fall);
 	return now;
 }
 
-/* What a drive keeps at a moment: a speed, or what its motor follows. */
-static struct rb_follow_point kept_by(const struct rb_located *l, int which, int kind, double t)
+/* Target of a drive at a moment: a speed, or the motion that its motor follows. */
+static struct rb_follow_point target_of(const struct rb_located *l, int joint_index, int kind,
+                                        double t)
 {
-	if (kind == RB_DRIVE_MOTOR && rb_follow_has(l, which))
-		return rb_follow_at(l, which, t, true);
-	return (struct rb_follow_point){.rate = rb_joint_rows_drive_now(l, which, kind).speed};
+	if (kind == RB_DRIVE_MOTOR && rb_follow_has(l, joint_index))
+		return rb_follow_at(l, joint_index, t, true);
+	return (struct rb_follow_point){
+		.rate = rb_joint_rows_drive_now(l, joint_index, kind).speed};
 }
 
 double rb_joint_rows_bound(const struct rb_joint_rows *rows, const struct rb_joint_row *row)
@@ -252,57 +254,57 @@ bool rb_joint_rows_drive(const struct rb_joint_rows *rows)
 	return false;
 }
 
-static bool keeps(const struct rb_joint_rows *rows, int which, int kind)
+static bool holds_drive(const struct rb_joint_rows *rows, int joint_index, int kind)
 {
-	return rb_joint_rows_drive_now(rows->l, which, kind).max > 0 &&
-	       *mode_of(rows, which, kind) == RB_DRIVE_HELD;
+	return rb_joint_rows_drive_now(rows->l, joint_index, kind).max > 0 &&
+	       *mode_of(rows, joint_index, kind) == RB_DRIVE_HELD;
 }
 
-/* Rows of what keeps its speed, or follows. */
-static void fill_drives(struct rb_joint_rows *rows, int which, double t)
+/* Rows of drives that hold their speed, or follow. */
+static void fill_drives(struct rb_joint_rows *rows, int joint_index, double t)
 {
 	const struct rb_located *l = rows->l;
-	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const struct rb_joint *joint = &l->model->joints->joint[joint_index];
 	const double scale = rb_linkage_turns(&joint->link) ? joint->size : 1;
 
 	for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
-		if (!keeps(rows, which, kind))
+		if (!holds_drive(rows, joint_index, kind))
 			continue;
-		const struct rb_linkage_free free = free_of(rows, which, t);
-		const struct rb_follow_point to = kept_by(l, which, kind, t);
+		const struct rb_linkage_free free = free_of(rows, joint_index, t);
+		const struct rb_follow_point to = target_of(l, joint_index, kind, t);
 		struct rb_joint_row row = {.row = -1,
 		                           .drive = kind,
 		                           .scale = scale,
 		                           .velocity = scale * (free.rate - to.rate),
 		                           .speed = scale * to.rate};
 
-		if (kind == RB_DRIVE_MOTOR && rb_follow_has(l, which))
-			row.error = scale * (rb_joint_state_angle(&l->world->joint[which],
+		if (kind == RB_DRIVE_MOTOR && rb_follow_has(l, joint_index))
+			row.error = scale * (rb_joint_state_angle(&l->world->joint[joint_index],
 			                                          &joint->link, t, &free) -
 			                     to.value);
-		add_row(rows, which, &row, &free.row, t);
+		add_row(rows, joint_index, &row, &free.row, t);
 		rows->row[rows->count - 1].bias -= scale * to.acceleration;
 	}
 }
 
-/* Rows of stops that hold or, where those are wanted, that touch. */
-static void fill_stops(struct rb_joint_rows *rows, int which, double t)
+/* Rows of stops that hold or, if `touching`, that touch. */
+static void fill_stops(struct rb_joint_rows *rows, int joint_index, double t)
 {
 	const struct rb_located *l = rows->l;
-	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const struct rb_joint *joint = &l->model->joints->joint[joint_index];
 	const double scale = rb_linkage_turns(&joint->link) ? joint->size : 1;
 
 	for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++) {
-		const signed char mode = *mode_of(rows, which, stop);
+		const signed char mode = *mode_of(rows, joint_index, stop);
 
 		if (!rb_joint_rows_has_stop(joint, stop) ||
 		    (mode != RB_DRIVE_HELD && !rows->touching))
 			continue;
-		const struct rb_joint_stop now = rb_joint_rows_stop(rows, which, stop, t);
+		const struct rb_joint_stop now = rb_joint_rows_stop(rows, joint_index, stop, t);
 
 		if (mode == RB_STOP_OPEN && !(now.gap <= now.band))
 			continue;
-		add_row(rows, which,
+		add_row(rows, joint_index,
 		        &(struct rb_joint_row){.row = -1,
 		                               .drive = stop,
 		                               .scale = scale,
@@ -314,16 +316,16 @@ static void fill_stops(struct rb_joint_rows *rows, int which, double t)
 	}
 }
 
-bool rb_joint_rows_adds(const struct rb_joint_rows *rows, int which)
+bool rb_joint_rows_adds(const struct rb_joint_rows *rows, int joint_index)
 {
-	const struct rb_joint *joint = &rows->l->model->joints->joint[which];
+	const struct rb_joint *joint = &rows->l->model->joints->joint[joint_index];
 	bool adds = false;
 
 	for (int kind = 0; kind < RB_JOINT_DRIVES; kind++)
-		adds = adds || keeps(rows, which, kind);
+		adds = adds || holds_drive(rows, joint_index, kind);
 	for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++)
 		adds = adds || (rb_joint_rows_has_stop(joint, stop) &&
-		                *mode_of(rows, which, stop) == RB_DRIVE_HELD);
+		                *mode_of(rows, joint_index, stop) == RB_DRIVE_HELD);
 	return adds;
 }
 
@@ -404,7 +406,7 @@ double rb_joint_rows_power(const struct rb_joint_rows *rows, const struct rb_joi
 {
 	if (row->drive != RB_DRIVE_MOTOR)
 		return 0;
-	return multiplier * row->scale * kept_by(rows->l, row->joint, row->drive, t).rate;
+	return multiplier * row->scale * target_of(rows->l, row->joint, row->drive, t).rate;
 }
 
 void rb_joint_rows_enter_springs(const struct rb_joint_rows *rows, const double *multiplier,
@@ -433,9 +435,9 @@ struct rb_coupled_row rb_joint_rows_coupled(const struct rb_joint_row *row)
 	return rb_coupled_row(row->a, row->b, &row->wrench, &row->wrench);
 }
 
-/* ---- joints alone ---- */
+/* ---- solutions for joints alone ---- */
 
-/* A dense system of all rows at the poses as they are; false: no memory. */
+/* Assembles the dense system of all rows at the present poses; false: out of memory. */
 static bool assemble(const struct rb_joint_rows *rows, struct rb_coupled *system,
                      struct rb_dense *dense)
 {
@@ -493,7 +495,7 @@ void rb_joint_hold_apply(struct rb_joint_hold *hold, rb_vec3 *linear, rb_vec3 *a
 	if (hold->rows.count == 0)
 		return;
 	for (int k = 0; k < hold->rows.count; k++)
-		hold->dense.right[k] = -rb_coupled_felt(&hold->system.row[k], linear, angular);
+		hold->dense.right[k] = -rb_coupled_rate(&hold->system.row[k], linear, angular);
 	rb_coupled_again(&hold->system, &hold->dense);
 	for (int k = 0; k < hold->rows.count; k++)
 		rb_coupled_add(&hold->system.row[k], hold->dense.right[k], linear, angular);
@@ -508,7 +510,7 @@ bool rb_joint_rows_accelerate(const struct rb_joint_rows *rows, rb_vec3 *linear,
 	if (!assemble(rows, &system, &dense))
 		return fail_memory(rows);
 	for (int k = 0; k < rows->count; k++)
-		dense.right[k] = -(rb_coupled_felt(&system.row[k], linear, angular) +
+		dense.right[k] = -(rb_coupled_rate(&system.row[k], linear, angular) +
 		                   rows->row[k].bias);
 	rb_coupled_solve(&system, &dense);
 	for (int k = 0; k < rows->count; k++)
@@ -517,7 +519,7 @@ bool rb_joint_rows_accelerate(const struct rb_joint_rows *rows, rb_vec3 *linear,
 	return true;
 }
 
-/* Moves poses by the motion, by place. */
+/* Displaces poses by the motion, by place. */
 static void move(const struct rb_joint_rows *rows, struct rb_pose *pose, const rb_vec3 *linear,
                  const rb_vec3 *angular)
 {
@@ -577,7 +579,7 @@ void rb_joint_rows_enter(const struct rb_joint_rows *rows, const struct rb_joint
 
 	if (row->a >= 0 && row->b >= 0)
 		return;
-	/* on the end that yields, about the origin */
+	/* on the dynamic end, about the origin */
 	const int place = on_b ? row->b : row->a;
 	const rb_vec3 force = rb_vec3_scale(on_b ? multiplier : -multiplier, row->wrench.linear);
 	const rb_vec3 torque = rb_vec3_scale(multiplier,
@@ -587,7 +589,7 @@ void rb_joint_rows_enter(const struct rb_joint_rows *rows, const struct rb_joint
 	                    rb_vec3_add(torque, rb_vec3_cross(rows->pose[place].position, force)));
 	if (!driven)
 		return;
-	/* what it takes from the end that is driven, that gives */
+	/* the energy that it takes from the driven end */
 	const struct rb_pose pose = end_pose(rows, fixed, -1, t);
 	const rb_vec3 other = on_b ? row->wrench.angular_a : row->wrench.angular_b;
 
@@ -596,7 +598,7 @@ void rb_joint_rows_enter(const struct rb_joint_rows *rows, const struct rb_joint
 	                          multiplier * rb_vec3_dot(other, pose.spin));
 }
 
-/* Adds to the ledger what impulses at joints do: they take what was against the joints. */
+/* Adds impulses at joints to the ledger: they take the energy of the motion against the joints. */
 static void enter(const struct rb_joint_rows *rows, const double *impulse, double t)
 {
 	struct rb_entries e = {0};
@@ -604,7 +606,7 @@ static void enter(const struct rb_joint_rows *rows, const double *impulse, doubl
 	if (!rows->l->account_s)
 		return;
 	for (int k = 0; k < rows->count; k++) {
-		/* of the mean of J V before and after, which is zero */
+		/* by the mean of J V before and after, the latter being zero */
 		rb_entries_energy(&e, RB_ENERGY_IMPACTS, -0.5 * impulse[k] * rows->row[k].velocity);
 		rb_entries_energy(&e, RB_ENERGY_DRIVEN,
 		                  rb_joint_rows_power(rows, &rows->row[k], impulse[k], t));
@@ -613,17 +615,17 @@ static void enter(const struct rb_joint_rows *rows, const double *impulse, doubl
 	rb_ledger_enter(&rows->l->world->ledger, &e);
 }
 
-/* What a projection is to do. */
+/* Input of a projection. */
 struct projection {
 	struct rb_joint_rows *rows;
 	double t;
 	struct rb_pose *pose;
 	rb_vec3 *linear, *angular; /* scratch, by place */
-	bool enters;               /* the ledger is told */
-	bool near;                 /* no joint is off by more than it may be, nor in a ring */
+	bool enters;               /* adds the impulses to the ledger */
+	bool near;                 /* errors are within the allowed drift, and there is no loop */
 };
 
-/* One round; the motion is in the arrays. `known`: the system is that of poses next to these. */
+/* One round, whose motion is in the arrays. `known`: reuses the system of nearby poses. */
 static bool correct_once(const struct projection *p, bool places, bool known,
                          struct rb_coupled *system, struct rb_dense *dense)
 {
@@ -647,9 +649,9 @@ static bool correct_once(const struct projection *p, bool places, bool known,
 }
 
 /*
- * Positions, then velocities; rows are filled. Where joints have drifted by less than the share of
- * their size that they may, one round and one system will do: these are off by that share, whose
- * square is nothing, unless rows depend on each other.
+ * Projects positions, then velocities; rows are filled. If joints have drifted by less than the
+ * allowed share of their size, one round and one system suffice: the remaining error is the square
+ * of that share, unless rows depend on each other.
  */
 static void project(const struct projection *p)
 {
@@ -689,7 +691,7 @@ bool rb_joint_rows_project(struct rb_joint_rows *rows, double t, struct rb_pose 
 bool rb_joint_rows_is_closed(const struct rb_joint_rows *rows)
 {
 	const rb_arena_mark here = rb_arena_here(rows->l->arena);
-	const int world = rows->body_count; /* what does not yield is one */
+	const int world = rows->body_count; /* all non-dynamic bodies are one */
 	int *const parent = rb_arena_take(rows->l->arena, (size_t)world + 1, sizeof *parent);
 	bool closed = false;
 
@@ -710,7 +712,7 @@ bool rb_joint_rows_is_closed(const struct rb_joint_rows *rows)
 	return closed;
 }
 
-/* m: the range of touching where the members are: by so much their places round. */
+/* Touching range at the members' coordinates, m: the rounding of positions. */
 static double rounding_of(const struct rb_joint_rows *rows)
 {
 	double largest = 0;
@@ -720,7 +722,7 @@ static double rounding_of(const struct rb_joint_rows *rows)
 	return RB_TOUCHING_ULP * DBL_EPSILON * largest;
 }
 
-/* The first joint that has drifted too far, as a failure. */
+/* Sets l->status to the first joint that has drifted too far. */
 static bool has_drifted(const struct rb_joint_rows *rows, double t)
 {
 	struct rb_located *l = rows->l;
@@ -756,7 +758,7 @@ void rb_joint_rows_correct(struct rb_joint_rows *rows, double t, struct rb_pose 
 	const size_t bodies = (size_t)rows->body_count;
 
 	RB_ASSERT(rows->pose == pose);
-	if (rows->count == 0 || l->status != RB_OK) /* of what a motor follows, say */
+	if (rows->count == 0 || l->status != RB_OK) /* for instance of a motor's function */
 		return;
 	rb_vec3 *const linear = rb_arena_take(l->arena, 2 * bodies, sizeof *linear);
 
@@ -775,14 +777,14 @@ void rb_joint_rows_correct(struct rb_joint_rows *rows, double t, struct rb_pose 
 		                             .near = !moved && !rb_joint_rows_is_closed(rows)});
 	rb_joint_rows_fill(rows, t);
 	for (int k = 0; k < rows->joint_count; k++) {
-		const int which = rows->joint[k];
-		const struct rb_linkage *link = &l->model->joints->joint[which].link;
+		const int joint_index = rows->joint[k];
+		const struct rb_linkage *link = &l->model->joints->joint[joint_index].link;
 
 		if (!rb_linkage_has_free(link))
 			continue;
-		const struct rb_linkage_free free = free_of(rows, which, t);
+		const struct rb_linkage_free free = free_of(rows, joint_index, t);
 
-		rb_joint_state_see(&l->world->joint[which], link, t, &free);
+		rb_joint_state_see(&l->world->joint[joint_index], link, t, &free);
 	}
 	rb_arena_back(l->arena, here);
 }

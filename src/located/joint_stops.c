@@ -10,16 +10,16 @@
 #include "located/follow.h"
 #include "world/joint_events.h"
 
-/* Height of the smallest rebound in ulp of the joint's size. */
+/* Height of the smallest rebound, in ulp of the joint's size. */
 enum { SMALLEST_ULP = 8 };
 /*
- * How many times the impulse that changes a body by the speed that a drive would soon take back it
- * may give: what it holds may be heavier. Bounded, since stops may be against it.
+ * Limit of a drive's impulse, in multiples of that which changes a body's speed by what the drive
+ * would soon correct: it may hold a heavier mass. Bounded, because stops may act against it.
  */
 enum { HEAVIER_MAX = 16 };
 /*
- * Of what a row does to itself, the least that joints are to leave: forces round by an ulp, and
- * what they do along what may move by that over this share.
+ * Least share of a row's own response that joints must leave: forces round by an ulp, and their
+ * effects on possible motions by that over this share.
  */
 enum { SHARE_ULP = 1 << 10 };
 
@@ -33,33 +33,34 @@ static bool fail_memory(const struct rb_joint_rows *rows)
 int rb_joint_stops_hit(const struct rb_joint_rows *rows, double t, double slack)
 {
 	for (int k = 0; k < rows->joint_count; k++) {
-		const int which = rows->joint[k];
-		const struct rb_joint *joint = &rows->l->model->joints->joint[which];
-		const signed char *mode = &rows->l->drive_mode[RB_JOINT_PARTS_HELD * which];
-		/* what an impact leaves of what it stops is rounding of what was before */
-		const double left = slack / (rb_linkage_turns(&joint->link) ? joint->size : 1);
+		const int joint_index = rows->joint[k];
+		const struct rb_joint *joint = &rows->l->model->joints->joint[joint_index];
+		const signed char *mode = &rows->l->drive_mode[RB_JOINT_PARTS_HELD * joint_index];
+		/* residual velocities of stopped bodies are rounding of those before the impact */
+		const double residual = slack / (rb_linkage_turns(&joint->link) ? joint->size : 1);
 
 		for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++) {
 			if (!rb_joint_rows_has_stop(joint, stop) ||
 			    (mode[stop] == RB_DRIVE_HELD && !rows->l->starting))
 				continue;
-			const struct rb_joint_stop now = rb_joint_rows_stop(rows, which, stop, t);
+			const struct rb_joint_stop now = rb_joint_rows_stop(rows, joint_index, stop,
+			                                                    t);
 
-			if (now.gap <= now.band && now.rate < -(now.noise + left))
-				return which;
+			if (now.gap <= now.band && now.rate < -(now.noise + residual))
+				return joint_index;
 		}
 	}
 	return -1;
 }
 
-/* ---- stops that nothing is left of ---- */
+/* ---- dependent stops ---- */
 
 /*
- * Of what the row's unit does to itself, what joints alone leave. Projected twice: the first one
- * leaves rounding of what it takes away.
+ * Share of a row's own response that joints leave. Projected twice: the first time leaves rounding
+ * of what it removes.
  */
-static double share_left(struct rb_joint_hold *hold, const struct rb_joint_row *row,
-                         rb_vec3 *linear, rb_vec3 *angular)
+static double independent_share(struct rb_joint_hold *hold, const struct rb_joint_row *row,
+                                rb_vec3 *linear, rb_vec3 *angular)
 {
 	const size_t bodies = (size_t)hold->rows.body_count;
 	struct rb_coupled_row coupled = rb_joint_rows_coupled(row);
@@ -68,18 +69,18 @@ static double share_left(struct rb_joint_hold *hold, const struct rb_joint_row *
 	memset(angular, 0, bodies * sizeof *angular);
 	rb_coupled_respond(&hold->system, &coupled);
 	rb_coupled_add(&coupled, 1, linear, angular);
-	const double all = rb_coupled_felt(&coupled, linear, angular);
+	const double all = rb_coupled_rate(&coupled, linear, angular);
 
 	for (int round = 0; round < 2; round++)
 		rb_joint_hold_apply(hold, linear, angular);
-	return all > 0 ? rb_coupled_felt(&coupled, linear, angular) / all : 1;
+	return all > 0 ? rb_coupled_rate(&coupled, linear, angular) / all : 1;
 }
 
-/* Of a stop that is hit, although it is eased. */
-static void fail_by(const struct rb_joint_rows *rows, int which, double t)
+/* Fails because of a stop that is hit although it is eased. */
+static void fail_by(const struct rb_joint_rows *rows, int joint_index, double t)
 {
 	struct rb_located *l = rows->l;
-	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const struct rb_joint *joint = &l->model->joints->joint[joint_index];
 	char label[96], source[96];
 
 	l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
@@ -90,7 +91,7 @@ static void fail_by(const struct rb_joint_rows *rows, int which, double t)
 	                    rb_joint_label(l->model->scene, joint->def, label), t, joint->size);
 }
 
-/* Of rows of stops that touch those of which less is left than they may be eased by. */
+/* Eases the touching stops whose independent share is below that of easing. */
 static bool ease(const struct rb_joint_rows *touching, double t)
 {
 	struct rb_located *l = touching->l;
@@ -113,7 +114,7 @@ static bool ease(const struct rb_joint_rows *touching, double t)
 			return false;
 		if (hold.rows.count == 0)
 			break;
-		const double share = share_left(&hold, row, linear, linear + bodies);
+		const double share = independent_share(&hold, row, linear, linear + bodies);
 
 		if (l->eased[part]) {
 			if (share < SHARE_ULP * DBL_EPSILON)
@@ -126,19 +127,21 @@ static bool ease(const struct rb_joint_rows *touching, double t)
 	return linear != NULL;
 }
 
-/* Those that were eased, and are open without. */
+/* Restores eased stops that are open without it. */
 static void end_ease(const struct rb_joint_rows *rows, double t)
 {
 	for (int k = 0; k < rows->joint_count; k++)
 		for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++) {
-			const int which = rows->joint[k], part = RB_JOINT_PARTS_HELD * which + stop;
+			const int joint_index = rows->joint[k],
+				  part = RB_JOINT_PARTS_HELD * joint_index + stop;
 
 			if (!rows->l->eased[part] || rows->l->drive_mode[part] == RB_DRIVE_HELD)
 				continue;
-			const struct rb_joint_stop now = rb_joint_rows_stop(rows, which, stop, t);
+			const struct rb_joint_stop now = rb_joint_rows_stop(rows, joint_index, stop,
+			                                                    t);
 
-			rows->l->eased[part] = now.gap -
-			                               rb_joint_rows_eased(rows->l, which, stop) <=
+			rows->l->eased[part] = now.gap - rb_joint_rows_eased(rows->l, joint_index,
+			                                                     stop) <=
 			                       now.band;
 		}
 }
@@ -160,16 +163,16 @@ void rb_joint_stops_ease(const struct rb_joint_rows *rows, double t)
 	rb_arena_back(rows->l->arena, here);
 }
 
-int rb_joint_stops_body(const struct rb_located *l, int which)
+int rb_joint_stops_body(const struct rb_located *l, int joint_index)
 {
-	const struct rb_joint *joint = &l->model->joints->joint[which];
+	const struct rb_joint *joint = &l->model->joints->joint[joint_index];
 
 	return rb_located_fixed(l, joint->a) ? joint->b : joint->a;
 }
 
 /* ---- rebounds that end ---- */
 
-/* Accelerations by place at the rows' poses, by all that acts but contacts. */
+/* Accelerations by place at the rows' poses, by everything except contacts. */
 static bool accelerate(struct rb_joint_rows *rows, double t, rb_vec3 *linear, rb_vec3 *angular)
 {
 	const struct rb_force_query view = {
@@ -185,26 +188,26 @@ static bool accelerate(struct rb_joint_rows *rows, double t, rb_vec3 *linear, rb
 	return rows->count == 0 || rb_joint_rows_accelerate(rows, linear, angular);
 }
 
-/* The row of that part of that joint; NULL: it has none. */
-static const struct rb_joint_row *row_like(const struct rb_joint_rows *rows,
-                                           const struct rb_joint_row *like)
+/* The row of the same part of the same joint; NULL: there is none. */
+static const struct rb_joint_row *matching_row(const struct rb_joint_rows *rows,
+                                               const struct rb_joint_row *key)
 {
 	for (int k = 0; k < rows->count; k++)
-		if (rows->row[k].joint == like->joint && rows->row[k].drive == like->drive)
+		if (rows->row[k].joint == key->joint && rows->row[k].drive == key->drive)
 			return &rows->row[k];
 	return NULL;
 }
 
 /*
  * Does the series of rebounds that begins with the row's velocity end within rounding? `pressed`,
- * m/s^2: what contacts may close the gap with, whose forces are not known yet.
+ * m/s^2: bound of the acceleration by contacts, whose forces are not known yet.
  */
 static bool ends_here(const struct rb_joint_rows *after, const struct rb_joint_row *row,
                       const rb_vec3 *linear, const rb_vec3 *angular, double pressed)
 {
 	const struct rb_joint *joint = &after->l->model->joints->joint[row->joint];
 	const struct rb_coupled_row coupled = rb_joint_rows_coupled(row);
-	const double closing = fmax(-(rb_coupled_felt(&coupled, linear, angular) + row->bias),
+	const double closing = fmax(-(rb_coupled_rate(&coupled, linear, angular) + row->bias),
 	                            pressed);
 
 	return row->velocity > 0 && closing > 0 &&
@@ -212,15 +215,15 @@ static bool ends_here(const struct rb_joint_rows *after, const struct rb_joint_r
 	               2 * closing * SMALLEST_ULP * DBL_EPSILON * joint->size;
 }
 
-/* Index of the problem's row for each of ours that is a stop, in their order. */
-static struct rb_cone_row *next_stop(const struct rb_simultaneous *joint, int *at)
+/* The problem's next row of a stop; these are in the order of ours. */
+static struct rb_cone_row *next_stop(const struct rb_simultaneous *problem, int *at)
 {
-	while (*at < joint->joint_count && rb_constraint_side(&joint->joint_row[*at].base) <= 0)
+	while (*at < problem->joint_count && rb_constraint_side(&problem->joint_row[*at].base) <= 0)
 		++*at;
-	return *at < joint->joint_count ? &joint->joint_row[(*at)++] : NULL;
+	return *at < problem->joint_count ? &problem->joint_row[(*at)++] : NULL;
 }
 
-static bool end_rebounds(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint,
+static bool end_rebounds(const struct rb_joint_rows *rows, const struct rb_simultaneous *problem,
                          double t)
 {
 	struct rb_arena *arena = rows->l->arena;
@@ -238,20 +241,20 @@ static bool end_rebounds(const struct rb_joint_rows *rows, const struct rb_simul
 		return fail_memory(rows);
 	for (size_t p = 0; p < bodies; p++) {
 		pose[p] = rows->pose[p];
-		pose[p].velocity = joint->body[p].linear;
-		pose[p].spin = joint->body[p].angular;
+		pose[p].velocity = problem->body[p].linear;
+		pose[p].spin = problem->body[p].angular;
 	}
 	if (!accelerate(&after, t, linear, linear + bodies))
 		return false;
-	for (size_t p = 0; p < bodies && joint->contact_count > 0; p++)
+	for (size_t p = 0; p < bodies && problem->contact_count > 0; p++)
 		pressed = fmax(pressed, rb_vec3_max_abs(linear[p]));
 	after.touching = true;
 	rb_joint_rows_fill(&after, t);
 	for (int k = 0; k < rows->count; k++) {
 		if (!rb_joint_rows_is_stop(&rows->row[k]))
 			continue;
-		struct rb_cone_row *const stop = next_stop(joint, &at);
-		const struct rb_joint_row *row = row_like(&after, &rows->row[k]);
+		struct rb_cone_row *const stop = next_stop(problem, &at);
+		const struct rb_joint_row *row = matching_row(&after, &rows->row[k]);
 
 		if (!(stop->approach > 0) || !(stop->restitution > 0) || !row ||
 		    !ends_here(&after, row, linear, linear + bodies, pressed))
@@ -262,7 +265,7 @@ static bool end_rebounds(const struct rb_joint_rows *rows, const struct rb_simul
 	return any;
 }
 
-bool rb_joint_stops_end(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint,
+bool rb_joint_stops_end(const struct rb_joint_rows *rows, const struct rb_simultaneous *problem,
                         double t)
 {
 	const rb_arena_mark here = rb_arena_here(rows->l->arena);
@@ -270,14 +273,14 @@ bool rb_joint_stops_end(const struct rb_joint_rows *rows, const struct rb_simult
 
 	for (int k = 0; k < rows->count; k++)
 		any = any || rb_joint_rows_is_stop(&rows->row[k]);
-	any = any && end_rebounds(rows, joint, t);
+	any = any && end_rebounds(rows, problem, t);
 	rb_arena_back(rows->l->arena, here);
 	return any;
 }
 
-/* m/s: the row's velocity after the impact. */
+/* The row's velocity after the impact, m/s. */
 static double velocity_after(const struct rb_joint_rows *rows, const struct rb_joint_row *row,
-                             const struct rb_simultaneous *joint)
+                             const struct rb_simultaneous *problem)
 {
 	const struct rb_coupled_wrench *const wrench = &row->wrench;
 	double sum = row->velocity;
@@ -287,9 +290,9 @@ static double velocity_after(const struct rb_joint_rows *rows, const struct rb_j
 
 		if (place < 0)
 			continue;
-		const rb_vec3 linear = rb_vec3_sub(joint->body[place].linear,
+		const rb_vec3 linear = rb_vec3_sub(problem->body[place].linear,
 		                                   rows->pose[place].velocity);
-		const rb_vec3 angular = rb_vec3_sub(joint->body[place].angular,
+		const rb_vec3 angular = rb_vec3_sub(problem->body[place].angular,
 		                                    rows->pose[place].spin);
 
 		sum += (on_b ? 1 : -1) * rb_vec3_dot(wrench->linear, linear) +
@@ -298,7 +301,7 @@ static double velocity_after(const struct rb_joint_rows *rows, const struct rb_j
 	return sum;
 }
 
-bool rb_joint_stops_include(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint)
+bool rb_joint_stops_include(const struct rb_joint_rows *rows, const struct rb_simultaneous *problem)
 {
 	bool any = false;
 
@@ -307,7 +310,7 @@ bool rb_joint_stops_include(const struct rb_joint_rows *rows, const struct rb_si
 
 		if (row->drive < 0 || rb_joint_rows_is_stop(row) || row->impulse_max > 0)
 			continue;
-		const double off = fabs(velocity_after(rows, row, joint)) / row->scale;
+		const double off = fabs(velocity_after(rows, row, problem)) / row->scale;
 		double impulse;
 
 		if (!(off > 0) ||
@@ -319,7 +322,7 @@ bool rb_joint_stops_include(const struct rb_joint_rows *rows, const struct rb_si
 	return any;
 }
 
-void rb_joint_stops_end_drives(const struct rb_joint_rows *rows, struct rb_simultaneous *joint,
+void rb_joint_stops_end_drives(const struct rb_joint_rows *rows, struct rb_simultaneous *problem,
                                struct rb_pose *pose, double t, double slack)
 {
 	const rb_arena_mark here = rb_arena_here(rows->l->arena);
@@ -328,8 +331,8 @@ void rb_joint_stops_end_drives(const struct rb_joint_rows *rows, struct rb_simul
 	RB_ASSERT(rows->pose == pose);
 	after.touching = false;
 	for (int p = 0; p < rows->body_count; p++) {
-		pose[p].velocity = joint->body[p].linear;
-		pose[p].spin = joint->body[p].angular;
+		pose[p].velocity = problem->body[p].linear;
+		pose[p].spin = problem->body[p].angular;
 	}
 	if (!rb_joint_rows_collect(&after)) {
 		fail_memory(rows);
@@ -338,13 +341,13 @@ void rb_joint_stops_end_drives(const struct rb_joint_rows *rows, struct rb_simul
 	if (rb_joint_drives_end(&after, t, slack))
 		rb_joint_rows_correct(&after, t, pose, true);
 	for (int p = 0; p < rows->body_count; p++) {
-		joint->body[p].linear = pose[p].velocity;
-		joint->body[p].angular = pose[p].spin;
+		problem->body[p].linear = pose[p].velocity;
+		problem->body[p].angular = pose[p].spin;
 	}
 	rb_arena_back(rows->l->arena, here);
 }
 
-/* ---- what is told ---- */
+/* ---- events and ledger ---- */
 
 static struct rb_pose pose_of(const struct rb_joint_rows *rows, int body, double t)
 {
@@ -355,12 +358,12 @@ static struct rb_pose pose_of(const struct rb_joint_rows *rows, int body, double
 	return rb_arc_pose(rows->l, body, t);
 }
 
-static void add(const struct rb_joint_rows *rows, enum rb_event_kind kind, int which,
-                double impulse, double approach, double t)
+static void add_event(const struct rb_joint_rows *rows, enum rb_event_kind kind, int joint_index,
+                      double impulse, double approach, double t)
 {
 	struct rb_located *l = rows->l;
-	const struct rb_joint *joint = &l->model->joints->joint[which];
-	const struct rb_joint_moment moment = {.joint = which,
+	const struct rb_joint *joint = &l->model->joints->joint[joint_index];
+	const struct rb_joint_moment moment = {.joint = joint_index,
 	                                       .time_s = t,
 	                                       .a = pose_of(rows, joint->a, t),
 	                                       .b = pose_of(rows, joint->b, t)};
@@ -371,8 +374,11 @@ static void add(const struct rb_joint_rows *rows, enum rb_event_kind kind, int w
 		l->status = status;
 }
 
-/* Adds what stops have taken, given impulses [rows->count], and records those that were met. */
-static void enter_stops(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint,
+/*
+ * Adds the energy that stops have taken by impulses [rows->count], and records the stops that were
+ * hit.
+ */
+static void enter_stops(const struct rb_joint_rows *rows, const struct rb_simultaneous *problem,
                         const double *impulse, double t, struct rb_entries *e)
 {
 	const struct rb_located *l = rows->l;
@@ -383,8 +389,8 @@ static void enter_stops(const struct rb_joint_rows *rows, const struct rb_simult
 
 		if (!rb_joint_rows_is_stop(row))
 			continue;
-		const struct rb_cone_row *stop = next_stop(joint, &at);
-		const struct rb_solver_bodies bodies = rb_simultaneous_bodies(joint);
+		const struct rb_cone_row *stop = next_stop(problem, &at);
+		const struct rb_solver_bodies bodies = rb_simultaneous_bodies(problem);
 		const rb_vec3 u = rb_vec3_add(rb_constraint_velocity(&bodies, &stop->base),
 		                              stop->bias);
 		const double after = rb_vec3_dot(u, stop->base.normal);
@@ -394,13 +400,13 @@ static void enter_stops(const struct rb_joint_rows *rows, const struct rb_simult
 		rb_entries_energy(e, RB_ENERGY_IMPACTS,
 		                  -0.5 * impulse[k] * (row->velocity + after));
 		if (stop->approach > 0)
-			add(rows, rope ? RB_EVENT_TAUT : RB_EVENT_LIMIT, row->joint,
-			    sign * impulse[k] * row->scale, stop->approach / row->scale, t);
+			add_event(rows, rope ? RB_EVENT_TAUT : RB_EVENT_LIMIT, row->joint,
+			          sign * impulse[k] * row->scale, stop->approach / row->scale, t);
 	}
 }
 
 void rb_joint_stops_enter_impact(const struct rb_joint_rows *rows,
-                                 const struct rb_simultaneous *joint, double t)
+                                 const struct rb_simultaneous *problem, double t)
 {
 	struct rb_located *l = rows->l;
 	struct rb_entries e = {0};
@@ -410,19 +416,22 @@ void rb_joint_stops_enter_impact(const struct rb_joint_rows *rows,
 		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for an impact");
 		return;
 	}
-	rb_joint_rows_read_problem(rows, false, joint->joint_row, impulse);
-	enter_stops(rows, joint, impulse, t, &e);
+	rb_joint_rows_read_problem(rows, false, problem->joint_row, impulse);
+	enter_stops(rows, problem, impulse, t, &e);
 	for (int k = 0; k < rows->count; k++) {
 		const struct rb_joint_row *row = &rows->row[k];
 
-		/* of the mean of J V before and after: 0, but of what a scene begins with */
+		/*
+		 * by the mean of J V before and after: zero, except for a scene's initial
+		 * velocities
+		 */
 		if (!rb_joint_rows_is_stop(row))
 			rb_entries_energy(
 				&e, RB_ENERGY_IMPACTS,
 				-0.5 * impulse[k] *
-					(row->velocity + (row->impulse_max > 0
-			                                          ? velocity_after(rows, row, joint)
-			                                          : 0)));
+					(row->velocity +
+			                 (row->impulse_max > 0 ? velocity_after(rows, row, problem)
+			                                       : 0)));
 		rb_entries_energy(&e, RB_ENERGY_DRIVEN, impulse[k] * row->speed);
 		rb_joint_rows_enter(rows, row, impulse[k], t, &e);
 	}
@@ -435,24 +444,24 @@ void rb_joint_stops_note(const struct rb_joint_rows *rows, double t)
 	const struct rb_located *l = rows->l;
 
 	for (int k = 0; k < rows->joint_count; k++) {
-		const int which = rows->joint[k];
-		const signed char *mode = &l->drive_mode[RB_JOINT_PARTS_HELD * which];
-		struct rb_joint_state *const state = &l->world->joint[which];
+		const int joint_index = rows->joint[k];
+		const signed char *mode = &l->drive_mode[RB_JOINT_PARTS_HELD * joint_index];
+		struct rb_joint_state *const state = &l->world->joint[joint_index];
 		enum rb_event_kind kind;
 
 		for (int drive = 0; drive < RB_JOINT_DRIVES; drive++) {
 			const bool back = drive == RB_DRIVE_MOTOR &&
-			                  rb_follow_is_returning(l, which);
+			                  rb_follow_is_returning(l, joint_index);
 
-			if (rb_joint_rows_drive_now(l, which, drive).max > 0 &&
+			if (rb_joint_rows_drive_now(l, joint_index, drive).max > 0 &&
 			    rb_joint_event_notes(state, drive,
 			                         mode[drive] == RB_DRIVE_HELD && !back, &kind))
-				add(rows, kind, which, 0, 0, t);
+				add_event(rows, kind, joint_index, 0, 0, t);
 		}
-		if (rb_joint_rows_has_stop(&l->model->joints->joint[which], RB_STOP_HIGH) &&
-		    l->model->joints->joint[which].link.type->one_sided &&
+		if (rb_joint_rows_has_stop(&l->model->joints->joint[joint_index], RB_STOP_HIGH) &&
+		    l->model->joints->joint[joint_index].link.type->one_sided &&
 		    rb_joint_event_notes(state, RB_JOINT_TAUT, mode[RB_STOP_HIGH] == RB_DRIVE_HELD,
 		                         &kind))
-			add(rows, kind, which, 0, 0, t);
+			add_event(rows, kind, joint_index, 0, 0, t);
 	}
 }

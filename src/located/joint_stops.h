@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Stops: limits of free coordinates, and ropes, which are a limit of a length. While they hold they
- * are rows of located/joint_rows; here is how they come to touch, and what their impacts leave.
+ * Stops: limits of free coordinates, and ropes, which limit a length. While they hold they are rows
+ * of located/joint_rows; this is about their impacts and the ends of these.
  */
 #ifndef RB_LOCATED_JOINT_STOPS_H
 #define RB_LOCATED_JOINT_STOPS_H
@@ -11,57 +11,57 @@
 #include "located/joint_problem.h"
 
 /*
- * The first of the rows' joints of which a stop touches and approaches beyond rounding, `slack`,
- * m/s, of velocities that have come in; -1: none.
+ * Returns the first of the rows' joints with a stop that touches and approaches by more than
+ * rounding, with `slack`, m/s, that of the velocities before; -1: none.
  */
 int rb_joint_stops_hit(const struct rb_joint_rows *rows, double t, double slack);
 
 /*
- * Eases stops that touch and of whose rows joints leave next to nothing: no force holds a rope that
- * is across to all that its bodies may do, such as one of the least distance of two that slide side
- * by side. They are open until they are exceeded by a share of the joint's size, within what joints
- * may be open; there so much is left that they hold, or bodies do not get there. Those that are hit
- * there although too little is left are a failure (l->status). Stops that have opened again are as
- * they are said to be.
+ * Eases touching stops whose rows are nearly dependent on those of joints: no force holds a rope
+ * that is perpendicular to all possible motions of its bodies, such as one of the least distance
+ * between two that slide side by side. They are open until they are exceeded by a share of the
+ * joint's size, within the error allowed for joints; there they are independent enough to hold, or
+ * bodies do not get there. Stops that are hit there and still dependent are a failure (l->status).
+ * Stops that have opened again are restored.
  */
 void rb_joint_stops_ease(const struct rb_joint_rows *rows, double t);
 
-/* A body of the joint that yields. */
+/* Returns a dynamic body of the joint. */
 int rb_joint_stops_body(const struct rb_located *l, int joint);
 
 /*
- * Where rebounds of contacts end: stops drives that would come to their speed within rounding,
- * which changes velocities of the solution. Else a box that rocks and a joint that rubs go on in
- * turn.
+ * If rebounds of contacts end: stops drives that would reach their speed within rounding, which
+ * changes velocities of the solution. Otherwise a rocking box and a joint with friction would
+ * alternate without end.
  */
 void rb_joint_stops_end_drives(const struct rb_joint_rows *rows, struct rb_simultaneous *joint,
                                struct rb_pose *pose, double t, double slack);
 
 /*
- * After an impact, whose bodies are by place and whose rows of joints are `rows`: stops of which
- * infinitely many rebounds would follow within rounding lose their restitution in the problem.
- * True: there are some, and the impact is to be taken anew. Drives and stops are left in the modes
- * that the new velocities say. l->status: no memory.
+ * After an impact, with bodies by place and the rows of joints `rows`: sets restitution to zero for
+ * stops whose infinite series of rebounds would stay within rounding. True: there are some, and the
+ * impact must be repeated. Leaves drives and stops in the modes of the new velocities. l->status:
+ * out of memory.
  */
 bool rb_joint_stops_end(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint,
                         double t);
 
 /*
- * After an impact: drives that held, and that it leaves off their speeds by what they would take
- * back within rounding of sizes, are to take part in it (rb_joint_row.impulse_max): what they would
- * take back one after the other, the same stops would meet again, at the speed of a fall through
- * their rounding. True: there are some, and the impact is to be taken anew, with rows posed again.
+ * After an impact: drives that held, and whose speeds are now off by less than they would correct
+ * within rounding of sizes, must take part in it (rb_joint_row.impulse_max): if they corrected that
+ * one after the other, the same stops would be hit again, at the speed of a fall through their
+ * rounding. True: there are some, and the impact must be repeated with new rows.
  */
 bool rb_joint_stops_include(const struct rb_joint_rows *rows, const struct rb_simultaneous *joint);
 
 /*
- * After an impact, before poses have its velocities: enters what joints have taken and given, and
- * records the stops that were met. A failure sets the located status.
+ * After an impact, before poses have its velocities: enters the work of joints, and records the
+ * stops that were hit. A failure sets l->status.
  */
 void rb_joint_stops_enter_impact(const struct rb_joint_rows *rows,
                                  const struct rb_simultaneous *joint, double t);
 
-/* Records drives and ropes that have begun or ended to hold, by their modes. */
+/* Records drives and ropes that have begun or ceased to hold, from their modes. */
 void rb_joint_stops_note(const struct rb_joint_rows *rows, double t);
 
 #endif

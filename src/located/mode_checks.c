@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Ends of contact modes within a piece: stick that needs more than its friction, slip that stops, a
- * contact that pulls, a point that leaves its features. Laws are tested at samples of the piece and
- * the first failure is bisected on the dense output.
+ * Ends of contact modes within a piece: sticking that needs more than its friction, slip that
+ * stops, a contact that pulls, a point that leaves its features. Laws are tested at samples of the
+ * piece, and the first violation is bisected on the dense output.
  */
 #include "located/mode_checks.h"
 
@@ -17,19 +17,19 @@
 #include "located/event_set.h"
 
 /*
- * Share of the forces by which a law must be violated to count, so that the next mode does not see
- * it hold again.
+ * Violation of a law relative to the forces at which it counts, such that the next mode does not
+ * find it satisfied again.
  */
-static const double clear = 1e-11;
-/* A piece cut within 1/1024 of its length was cut at once. */
+static const double violation = 1e-11;
+/* A piece cut within 1/1024 of its length was cut at its beginning. */
 enum { AT_ONCE = 1024 };
 enum { SAMPLES = 8, GAP_SAMPLES = 16, BISECTIONS = 80, HIT_ULP = 8 };
-/* Of time: a piece within it has no length. */
+/* Rounding of time in ulp: shorter pieces have no length. */
 enum { RISE_ULP = 2 };
 
 /*
- * A creeping slip goes against all of its friction. What turning it has left across is far more
- * than what two solutions for the same motion differ by.
+ * Directs creeping slips opposite to all of their friction. The friction that turning has left
+ * across them is far larger than the difference of two solutions for the same motion.
  */
 static void oppose_creeping(struct rb_modes *w)
 {
@@ -47,28 +47,28 @@ bool rb_check_holds_otherwise(struct rb_modes *w, double t)
 	const struct rb_cluster *c = w->c;
 	const size_t count = (size_t)c->member_count;
 	const rb_arena_mark here = rb_arena_here(w->l->arena);
-	rb_vec3 *const moves = rb_arena_take(w->l->arena, count, sizeof *moves);
+	rb_vec3 *const linear_before = rb_arena_take(w->l->arena, count, sizeof *linear_before);
 	struct rb_solver_body *found = NULL;
 	double max = 0, off = 0;
 
-	if (!moves)
+	if (!linear_before)
 		return false;
-	rb_vec3 *const turns = rb_arena_take(w->l->arena, count, sizeof *turns);
+	rb_vec3 *const angular_before = rb_arena_take(w->l->arena, count, sizeof *angular_before);
 
-	if (!turns)
+	if (!angular_before)
 		return false;
-	memcpy(moves, w->linear, count * sizeof *moves);
-	memcpy(turns, w->angular, count * sizeof *turns);
+	memcpy(linear_before, w->linear, count * sizeof *linear_before);
+	memcpy(angular_before, w->angular, count * sizeof *angular_before);
 	oppose_creeping(w);
 	if (!rb_rates_external(w, t, &max) || !rb_modes_solve_any(w, t, &found))
 		return false;
 	for (size_t k = 0; k < count; k++) {
 		max = fmax(max, rb_vec3_max_abs(found[k].linear));
-		off = fmax(off, rb_vec3_max_abs(rb_vec3_sub(found[k].linear, moves[k])));
+		off = fmax(off, rb_vec3_max_abs(rb_vec3_sub(found[k].linear, linear_before[k])));
 		if (w->l->top)
 			off = fmax(off, rb_model_reach(w->l->model, w->c->member[k]) *
-			                        rb_vec3_max_abs(
-							rb_vec3_sub(found[k].angular, turns[k])));
+			                        rb_vec3_max_abs(rb_vec3_sub(found[k].angular,
+			                                                    angular_before[k])));
 	}
 	rb_arena_back(w->l->arena, here);
 	return off <= RB_CHECK_OTHERWISE * max;
@@ -86,14 +86,15 @@ double rb_check_excess(const struct rb_modes *w, int k)
 	                                   w->contact[k].friction * normal_force);
 }
 
-/* True if contact k keeps its mode's law within the uncertainty of the forces. */
+/* True if contact k satisfies its mode's law within the uncertainty of the forces. */
 static bool is_lawful(const struct rb_modes *w, int k)
 {
 	const struct rb_held *held = &w->c->held[k];
 	const double *const inverse = w->l->model->inverse_mass;
 	const double weight = w->max / (inverse[held->a] + inverse[held->b]);
 
-	return rb_check_excess(w, k) <= fmax(clear * fmax(w->force_max, weight), w->doubt);
+	return rb_check_excess(w, k) <=
+	       fmax(violation * fmax(w->force_max, weight), w->uncertainty);
 }
 
 /* True if the pair approaches at a point that is not among its held ones [first, end). */
@@ -118,7 +119,7 @@ static bool approaches_elsewhere(const struct rb_modes *w, int first, int end)
 	return false;
 }
 
-/* m: gap of the lowest held point of the pair whose first one is k; *end: past its last one. */
+/* Gap of the lowest held point of the pair whose first one is k, m; *end: after its last one. */
 static double lowest_held(const struct rb_modes *w, int k, int *end)
 {
 	const struct rb_held *held = &w->c->held[k];
@@ -132,9 +133,7 @@ static double lowest_held(const struct rb_modes *w, int k, int *end)
 	return low;
 }
 
-/*
- * m: how far the named point lies below the held ones of its pair, the first of which is k, at s.
- */
+/* Depth of the named point below the pair's held ones, the first of which is k, at time s, m. */
 static double depth_at(struct rb_modes *w, int k, const struct rb_contact_name *name, double s,
                        double *value)
 {
@@ -149,10 +148,10 @@ static double depth_at(struct rb_modes *w, int k, const struct rb_contact_name *
 }
 
 /*
- * When the other point that has been found below the held ones at `s` came down to them (false
- * position, the older end halved: Dowell, Jarratt, BIT 11 (1971) 168). It is found by more than
- * rounding, and putting it right from there would lift the body at each impact, so that what rocks
- * does so without end.
+ * Time at which the point found below the held ones at `s` reached their level (false position,
+ * with the older end halved: Dowell, Jarratt, BIT 11 (1971) 168). At `s` it is deeper than
+ * rounding; correcting it there would lift the body at each impact, so that rocking would never
+ * end.
  */
 static double touch_time(struct rb_modes *w, int k, double s, double *value)
 {
@@ -174,7 +173,7 @@ static double touch_time(struct rb_modes *w, int k, double s, double *value)
 		above = depth_at(w, k, &name, above_s, value);
 		if (above <= 0)
 			break;
-		if (!(above_s > 0)) /* it never was above */
+		if (!(above_s > 0)) /* it was never above */
 			return s;
 	}
 	for (int round = 0, side = 0; round < BISECTIONS; round++) {
@@ -202,8 +201,8 @@ static double touch_time(struct rb_modes *w, int k, double s, double *value)
 
 /*
  * True if the pair of the held points [k, end) approached elsewhere when the point that is lowest
- * at `s` came down to them in this piece: what drifts aside as it falls has left its features once
- * it is deep. Leaves the state as it is at `s`.
+ * at `s` reached their level in this piece: a point that moves sideways as it falls has left its
+ * features once it is deep. Restores the state at `s`.
  */
 static bool has_approached(struct rb_modes *w, int k, int end,
                            const struct rb_contact_point *lowest, double s, double *value)
@@ -225,10 +224,10 @@ static bool has_approached(struct rb_modes *w, int k, int end,
 }
 
 /*
- * True if another point of the pair, which is not held, lies below the held ones: the bodies touch
- * there. Asked once for each pair; held points may have drifted by integration.
+ * True if another point of the pair, not held, lies below the held ones: the bodies collide there.
+ * Checked once per pair; held points may have drifted by integration.
  */
-static bool is_hit(struct rb_modes *w, int k, double s, double *value)
+static bool collides_elsewhere(struct rb_modes *w, int k, double s, double *value)
 {
 	const struct rb_contact_point *m = &w->contact_point[k];
 	const struct rb_held *held = &w->c->held[k];
@@ -243,12 +242,12 @@ static bool is_hit(struct rb_modes *w, int k, double s, double *value)
 	const struct rb_contact_point now = rb_contact_point_poses(w->l, held->a, held->b,
 	                                                           &m->pose_a, &m->pose_b);
 
-	/* in a piece gaps are of differences: rounding of the sizes, wherever they are */
+	/* gaps in a piece round by the sizes, wherever the bodies are */
 	return now.gap < low - HIT_ULP * DBL_EPSILON * rb_contact_point_largest(w->l, &now) &&
 	       (approaches_elsewhere(w, k, end) || has_approached(w, k, end, &now, s, value));
 }
 
-/* The first contact that violates its mode at this state; -1: none. */
+/* The first contact that violates its mode in this state; -1: none. */
 static int broken(struct rb_modes *w, double s, double *value)
 {
 	const double t = w->origin_s + s;
@@ -260,7 +259,7 @@ static int broken(struct rb_modes *w, double s, double *value)
 		const struct rb_contact_point *m = &w->contact_point[k];
 
 		w->slip_ends = false;
-		w->hits = is_hit(w, k, s, value);
+		w->hits = collides_elsewhere(w, k, s, value);
 		if (held->creeps &&
 		    rb_vec3_dot(m->velocity, w->contact[k].slip) > 2 * rb_event_set_creep(w->l, m))
 			return k;
@@ -271,7 +270,7 @@ static int broken(struct rb_modes *w, double s, double *value)
 				return k;
 			inspected = true;
 		}
-		/* without friction nothing happens where it turns back */
+		/* without friction, reversal of the slip changes nothing */
 		w->slip_ends = held->slipping && held->friction > 0 &&
 		               (held->straight || held->creeps) &&
 		               rb_vec3_dot(m->velocity, w->contact[k].slip) < 0;
@@ -290,7 +289,7 @@ static int broken_at(struct rb_modes *w, double s, double *value)
 	return rb_rates_evaluate(w, w->origin_s + s, value) ? broken(w, s, value) : -1;
 }
 
-/* Points of one body stop slipping together: marks all whose slip is zero at s. */
+/* Points of a body stop slipping together: marks all whose slip is zero at s. */
 static void end_slips(struct rb_modes *w, double s, double *value)
 {
 	rb_gauss_values(&w->c->piece, s, value);
@@ -308,26 +307,26 @@ static void end_slips(struct rb_modes *w, double s, double *value)
 }
 
 /*
- * True if a sticking contact needs more than its friction as soon as the piece begins. Where forces
- * are open, some distribution may hold at every moment while none holds on; with a friction of
- * thousands the solver's residue along the normal is much across it. Then it slips.
+ * True if a sticking contact needs more than its friction from the beginning of the piece. If
+ * forces are open, every moment may have an admissible distribution, but none that lasts; with
+ * friction of thousands, the solver's normal residual is large tangentially. Then it slips.
  */
-static bool rest_ends(struct rb_modes *w, double s, int which, double *value)
+static bool stick_ends(struct rb_modes *w, double s, int contact, double *value)
 {
-	struct rb_held *const held = &w->c->held[which];
-	const rb_vec3 n = w->contact_point[which].normal;
+	struct rb_held *const held = &w->c->held[contact];
+	const rb_vec3 n = w->contact_point[contact].normal;
 
 	if (held->slipping || w->hits || s > w->c->piece.length_s / AT_ONCE)
 		return false;
 	rb_gauss_values(&w->c->piece, s, value);
 	if (!rb_rates_evaluate(w, w->origin_s + s, value))
 		return false;
-	const double normal_force = rb_vec3_dot(w->force[which], n);
+	const double normal_force = rb_vec3_dot(w->force[contact], n);
 
-	if (!(normal_force > 0) || !(rb_vec3_length(rb_vec3_reject(w->force[which], n)) >
-	                             w->contact[which].friction * normal_force))
+	if (!(normal_force > 0) || !(rb_vec3_length(rb_vec3_reject(w->force[contact], n)) >
+	                             w->contact[contact].friction * normal_force))
 		return false;
-	held->force = w->force[which];
+	held->force = w->force[contact];
 	return true;
 }
 
@@ -335,16 +334,16 @@ double rb_check_change_within(struct rb_modes *w, double *value)
 {
 	const double length = w->c->piece.length_s;
 	double good = 0, bad = length;
-	int which = -1;
+	int contact = -1;
 
 	w->c->hits = false;
-	for (int k = 1; k <= SAMPLES && which < 0; k++) {
+	for (int k = 1; k <= SAMPLES && contact < 0; k++) {
 		bad = k < SAMPLES ? length * k / SAMPLES : length;
-		which = broken_at(w, bad, value);
-		if (which < 0)
+		contact = broken_at(w, bad, value);
+		if (contact < 0)
 			good = bad;
 	}
-	if (which < 0 || w->l->status != RB_OK)
+	if (contact < 0 || w->l->status != RB_OK)
 		return length;
 	bool ends = w->slip_ends, hits = w->hits;
 	for (int round = 0; round < BISECTIONS && bad - good > 0; round++) {
@@ -355,7 +354,7 @@ double rb_check_change_within(struct rb_modes *w, double *value)
 		const int now = broken_at(w, middle, value);
 		if (now >= 0) {
 			bad = middle;
-			which = now;
+			contact = now;
 			ends = w->slip_ends;
 			hits = w->hits;
 		} else {
@@ -363,13 +362,13 @@ double rb_check_change_within(struct rb_modes *w, double *value)
 		}
 	}
 	if (hits)
-		bad = touch_time(w, which, bad, value);
+		bad = touch_time(w, contact, bad, value);
 	if (ends)
 		end_slips(w, bad, value);
-	w->c->held[which].ending = ends || rest_ends(w, bad, which, value);
+	w->c->held[contact].ending = ends || stick_ends(w, bad, contact, value);
 	w->c->hits = hits;
-	w->c->hit_a = w->c->held[which].a;
-	w->c->hit_b = w->c->held[which].b;
+	w->c->hit_a = w->c->held[contact].a;
+	w->c->hit_b = w->c->held[contact].b;
 	return bad;
 }
 
@@ -439,28 +438,28 @@ bool rb_check_creeping_breaks_laws(struct rb_modes *w)
 
 /* ---- limits and ropes of joints ---- */
 
-/* A stop that is open, as it was at the sample before. */
-struct seen_stop {
+/* An open stop, with its state at the previous sample. */
+struct open_stop {
 	int joint, stop;
 	double gap, rate;
 };
 
-static struct rb_joint_stop stop_now(const struct rb_modes *w, const struct seen_stop *seen,
+static struct rb_joint_stop stop_now(const struct rb_modes *w, const struct open_stop *open,
                                      double s)
 {
-	return rb_joint_rows_stop(&w->joints, seen->joint, seen->stop, w->origin_s + s);
+	return rb_joint_rows_stop(&w->joints, open->joint, open->stop, w->origin_s + s);
 }
 
-static struct rb_joint_stop stop_at(struct rb_modes *w, const struct seen_stop *seen, double s,
+static struct rb_joint_stop stop_at(struct rb_modes *w, const struct open_stop *open, double s,
                                     double *value)
 {
 	rb_gauss_values(&w->c->piece, s, value);
 	rb_rates_poses(w, value);
-	return stop_now(w, seen, s);
+	return stop_now(w, open, s);
 }
 
-/* Where a rate that falls before and rises after changes its sign, s. */
-static double turning_point(struct rb_modes *w, const struct seen_stop *seen, double low,
+/* Time of the zero of a rate that is negative before and positive after it, s. */
+static double turning_point(struct rb_modes *w, const struct open_stop *open, double low,
                             double high, double *value)
 {
 	for (int round = 0; round < BISECTIONS; round++) {
@@ -468,7 +467,7 @@ static double turning_point(struct rb_modes *w, const struct seen_stop *seen, do
 
 		if (middle <= low || middle >= high)
 			break;
-		if (stop_at(w, seen, middle, value).rate < 0)
+		if (stop_at(w, open, middle, value).rate < 0)
 			low = middle;
 		else
 			high = middle;
@@ -476,8 +475,8 @@ static double turning_point(struct rb_modes *w, const struct seen_stop *seen, do
 	return high;
 }
 
-/* Where the gap closes, s: the first moment at which it is found to be negative. */
-static double closing_time(struct rb_modes *w, const struct seen_stop *seen, double good,
+/* Time at which the gap closes, s: the first at which it is negative. */
+static double closing_time(struct rb_modes *w, const struct open_stop *open, double good,
                            double bad, double *value)
 {
 	for (int round = 0; round < BISECTIONS; round++) {
@@ -485,7 +484,7 @@ static double closing_time(struct rb_modes *w, const struct seen_stop *seen, dou
 
 		if (middle <= good || middle >= bad)
 			break;
-		if (stop_at(w, seen, middle, value).gap < 0)
+		if (stop_at(w, open, middle, value).gap < 0)
 			bad = middle;
 		else
 			good = middle;
@@ -494,10 +493,10 @@ static double closing_time(struct rb_modes *w, const struct seen_stop *seen, dou
 }
 
 /*
- * May the gap close between two samples: is it closed at the second one, or does it dip below zero
- * where the tangents meet?
+ * Can the gap close between two samples: is it closed at the second one, or negative at the
+ * intersection of the tangents?
  */
-static bool may_close(const struct seen_stop *before, const struct rb_joint_stop *now, double time)
+static bool may_close(const struct open_stop *before, const struct rb_joint_stop *now, double time)
 {
 	const double low = before->rate, high = now->rate;
 
@@ -508,45 +507,45 @@ static bool may_close(const struct seen_stop *before, const struct rb_joint_stop
 	return before->gap + low * (now->gap - before->gap - high * time) / (low - high) < 0;
 }
 
-/* Where it closes within (from, to], s; INFINITY: nowhere beyond rounding. */
-static double closed_within(struct rb_modes *w, const struct seen_stop *before,
+/* Time at which it closes within (from, to], s; INFINITY: it does not, beyond rounding. */
+static double closed_within(struct rb_modes *w, const struct open_stop *before,
                             const struct rb_joint_stop *now, double from, double to, double *value)
 {
 	if (now->gap < -now->band)
 		return closing_time(w, before, from, to, value);
-	const double least_s = turning_point(w, before, from, to, value);
-	const struct rb_joint_stop least = stop_at(w, before, least_s, value);
+	const double lowest_s = turning_point(w, before, from, to, value);
+	const struct rb_joint_stop lowest = stop_at(w, before, lowest_s, value);
 
-	return least.gap < -least.band ? closing_time(w, before, from, least_s, value)
-	                               : (double)INFINITY;
+	return lowest.gap < -lowest.band ? closing_time(w, before, from, lowest_s, value)
+	                                 : (double)INFINITY;
 }
 
-/* Stops that are open; NULL and l->status: no memory. */
-static struct seen_stop *open_stops(const struct rb_modes *w, int *count)
+/* Returns the open stops; NULL and l->status: out of memory. */
+static struct open_stop *open_stops(const struct rb_modes *w, int *count)
 {
 	struct rb_located *l = w->l;
-	struct seen_stop *const seen = rb_arena_take(
-		l->arena, 2 * (size_t)w->joints.joint_count + 1, sizeof *seen);
+	struct open_stop *const open = rb_arena_take(
+		l->arena, 2 * (size_t)w->joints.joint_count + 1, sizeof *open);
 
 	*count = 0;
-	if (!seen)
+	if (!open)
 		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for joints");
-	for (int k = 0; seen && k < w->joints.joint_count; k++)
+	for (int k = 0; open && k < w->joints.joint_count; k++)
 		for (int stop = RB_STOP_LOW; stop < RB_JOINT_PARTS_HELD; stop++) {
 			const int joint = w->joints.joint[k];
 
 			if (rb_joint_rows_has_stop(&l->model->joints->joint[joint], stop) &&
 			    l->drive_mode[RB_JOINT_PARTS_HELD * joint + stop] != RB_DRIVE_HELD)
-				seen[(*count)++] = (struct seen_stop){.joint = joint, .stop = stop};
+				open[(*count)++] = (struct open_stop){.joint = joint, .stop = stop};
 		}
-	return seen;
+	return open;
 }
 
 /*
- * A stop that touches and closes as soon as the piece begins, while it parts, rises less than gaps
- * round by: it may hold from then on, or it would come to touch for ever.
+ * A stop that touches, separates, and closes again from the beginning of the piece rises by less
+ * than the rounding of gaps: it may hold from then on, otherwise it would touch again forever.
  */
-static void end_rise(struct rb_modes *w, const struct seen_stop *stop, double s, double *value)
+static void end_rise(struct rb_modes *w, const struct open_stop *stop, double s, double *value)
 {
 	const struct rb_joint_stop now = stop_at(w, stop, s, value);
 
@@ -558,7 +557,7 @@ double rb_check_stops_within(struct rb_modes *w, double length, double *value)
 {
 	const rb_arena_mark here = rb_arena_here(w->l->arena);
 	int count;
-	struct seen_stop *const seen = open_stops(w, &count);
+	struct open_stop *const open = open_stops(w, &count);
 	double end = (double)INFINITY;
 
 	for (int k = 0; k <= GAP_SAMPLES && count > 0 && isinf(end); k++) {
@@ -568,30 +567,30 @@ double rb_check_stops_within(struct rb_modes *w, double length, double *value)
 		rb_gauss_values(&w->c->piece, s, value);
 		rb_rates_poses(w, value);
 		for (int i = 0; i < count; i++) {
-			const struct rb_joint_stop now = stop_now(w, &seen[i], s);
-			const bool near = k > 0 && may_close(&seen[i], &now, s - before);
+			const struct rb_joint_stop now = stop_now(w, &open[i], s);
+			const bool near = k > 0 && may_close(&open[i], &now, s - before);
 
 			if (near)
-				end = fmin(end, closed_within(w, &seen[i], &now, before, s, value));
+				end = fmin(end, closed_within(w, &open[i], &now, before, s, value));
 			if (near) {
 				rb_gauss_values(&w->c->piece, s, value);
 				rb_rates_poses(w, value);
 			}
-			seen[i].gap = now.gap;
-			seen[i].rate = now.rate;
+			open[i].gap = now.gap;
+			open[i].rate = now.rate;
 		}
 	}
 	if (end <= RISE_ULP * DBL_EPSILON * w->origin_s)
 		for (int i = 0; i < count; i++)
-			end_rise(w, &seen[i], end, value);
+			end_rise(w, &open[i], end, value);
 	rb_arena_back(w->l->arena, here);
 	return fmin(end, length);
 }
 
-/* ---- what of joints holds ---- */
+/* ---- drives and stops of joints ---- */
 
-/* N: forces of a stop below this share of it are rounding. */
-static double weight_of(const struct rb_modes *w, const struct rb_joint_row *row)
+/* Force to which the rounding of a stop's forces is relative, N. */
+static double force_scale(const struct rb_modes *w, const struct rb_joint_row *row)
 {
 	const double *const inverse = w->l->model->inverse_mass;
 	const double a = row->a >= 0 ? inverse[w->c->member[row->a]] : 0;
@@ -603,8 +602,8 @@ static double weight_of(const struct rb_modes *w, const struct rb_joint_row *row
 	return max;
 }
 
-/* rad/s^2, m/s^2: by how much the free coordinate is accelerated against what is followed. */
-static double off_acceleration(const struct rb_modes *w, int k)
+/* Acceleration of the free coordinate relative to the followed motion, rad/s^2 or m/s^2. */
+static double relative_acceleration(const struct rb_modes *w, int k)
 {
 	struct rb_joint_spring_row spring;
 
@@ -612,85 +611,86 @@ static double off_acceleration(const struct rb_modes *w, int k)
 		return 0;
 	const struct rb_coupled_row row = rb_joint_rows_coupled(&spring.row);
 
-	return rb_coupled_felt(&row, w->linear, w->angular) + spring.row.bias -
+	return rb_coupled_rate(&row, w->linear, w->angular) + spring.row.bias -
 	       rb_follow_at(w->l, spring.row.joint, w->time_s, false).acceleration;
 }
 
 /*
- * On its way back at a bound: does the motor of the k-th joint, which follows, need its share to
- * brake from here on, of what it has beside the force that keeps the rate as it is? Forces are
- * linear in accelerations: that one follows from the bound and from what braking needs. Leaves
- * forces as if it braked.
+ * For the motor of the k-th joint, which returns to the motion that it follows at its bound: must
+ * it begin to brake now? That is, does braking need its share of the force beyond the one that
+ * keeps the rate constant? Forces are linear in accelerations: that one follows from the bound and
+ * the braking force. Leaves forces as if it braked.
  */
-static bool brakes(struct rb_modes *w, int k, const struct rb_joint_off *off, const double *value)
+static bool must_brake(struct rb_modes *w, int k, const struct rb_joint_off *off,
+                       const double *value)
 {
 	struct rb_located *l = w->l;
-	const int which = w->joints.joint[k];
-	signed char *const mode = &l->drive_mode[RB_JOINT_PARTS_HELD * which + RB_DRIVE_MOTOR];
+	const int joint = w->joints.joint[k];
+	signed char *const mode = &l->drive_mode[RB_JOINT_PARTS_HELD * joint + RB_DRIVE_MOTOR];
 	const signed char now = *mode;
-	/* another look may have left other forces */
+	/* another check may have left other forces */
 	const bool known = rb_rates_evaluate(w, w->time_s, value);
-	const double pushed = now * off_acceleration(w, k);
+	const double pushed = now * relative_acceleration(w, k);
 	const double braked = now * off->rate * off->rate / (2 * off->value);
-	double needed = -1; /* of the bound, to brake: with all of it, it pushes */
+	double needed = -1; /* braking force relative to the bound; -1: the bound accelerates it */
 
 	*mode = RB_DRIVE_HELD;
-	rb_follow_begin_return(l, which, w->time_s, off->value, off->rate);
+	rb_follow_begin_return(l, joint, w->time_s, off->value, off->rate);
 	const bool good = known && rb_rates_evaluate(w, w->time_s, value);
 	for (int r = 0; r < w->joints.count && good; r++) {
 		const struct rb_joint_row *row = &w->joints.row[r];
 
-		if (row->joint == which && row->drive == RB_DRIVE_MOTOR)
+		if (row->joint == joint && row->drive == RB_DRIVE_MOTOR)
 			needed = -now * w->multiplier[r] / rb_joint_rows_bound(&w->joints, row);
 	}
 	*mode = now;
-	rb_follow_end_return(l, which);
+	rb_follow_end_return(l, joint);
 	const double kept = needed + (needed + 1) * braked / (pushed - braked);
 
 	return needed >= kept + rb_follow_brake * (1 - kept);
 }
 
 /*
- * Of a motor that follows, at a bound: the mode that comes then; KEEPS: it goes on. A stop that
- * holds leaves nothing to brake: what comes back to it does so by what is followed.
+ * Next mode of a motor that follows, at a bound; RB_DRIVE_KEEPS: none. A stop that holds leaves
+ * nothing to brake: the followed motion leads away from it.
  */
 static signed char follow_then(struct rb_modes *w, int k, const double *value)
 {
-	const int which = w->joints.joint[k];
-	const int mode = w->l->drive_mode[RB_JOINT_PARTS_HELD * which + RB_DRIVE_MOTOR];
+	const int joint = w->joints.joint[k];
+	const int mode = w->l->drive_mode[RB_JOINT_PARTS_HELD * joint + RB_DRIVE_MOTOR];
 
 	if (mode != RB_DRIVE_LOW && mode != RB_DRIVE_HIGH)
 		return RB_DRIVE_KEEPS;
-	const struct rb_joint_off off = rb_joint_drives_off(&w->joints, which, w->time_s);
+	const struct rb_joint_off off = rb_joint_drives_off(&w->joints, joint, w->time_s);
 
 	if (rb_joint_off_ends(&off, mode))
 		return mode == RB_DRIVE_LOW ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
-	if (!w->goes_on && w->l->drive_next[RB_JOINT_PARTS_HELD * which + RB_DRIVE_MOTOR] == mode)
+	if (!w->goes_on && w->l->drive_next[RB_JOINT_PARTS_HELD * joint + RB_DRIVE_MOTOR] == mode)
 		return RB_DRIVE_KEEPS;
-	return !rb_joint_drives_stopped(w->l, which) && mode * off.value < -off.band &&
-	                       mode * off.rate > off.noise && brakes(w, k, &off, value)
+	return !rb_joint_drives_stopped(w->l, joint) && mode * off.value < -off.band &&
+	                       mode * off.rate > off.noise && must_brake(w, k, &off, value)
 	               ? RB_DRIVE_REACHED
 	               : RB_DRIVE_KEEPS;
 }
 
-/* Has a drive, off by `v`, come to its speed? Where loads balance it, its rate is rounding. */
+/* Has a drive, off by `v`, reached its speed? Where loads balance it, its rate is rounding. */
 static bool has_reached(const struct rb_modes *w, const struct rb_joint_spring_row *spring,
                         int mode, double v)
 {
-	const int which = spring->row.joint;
-	const struct rb_joint *joint = &w->l->model->joints->joint[which];
+	const int joint_index = spring->row.joint;
+	const struct rb_joint *joint = &w->l->model->joints->joint[joint_index];
 	const double lever = rb_linkage_turns(&joint->link) ? joint->size : 1;
 	const struct rb_coupled_row row = rb_joint_rows_coupled(&spring->row);
-	const double gains = rb_coupled_felt(&row, w->linear, w->angular) + spring->row.bias;
+	const double acceleration = rb_coupled_rate(&row, w->linear, w->angular) + spring->row.bias;
 
 	return (mode == RB_DRIVE_LOW || mode == RB_DRIVE_HIGH) && mode * v > 0 &&
-	       (mode * gains * lever > clear * w->max ||
-	        mode * v > rb_joint_drives_noise(&w->joints, which, w->time_s));
+	       (mode * acceleration * lever > violation * w->max ||
+	        mode * v > rb_joint_drives_noise(&w->joints, joint_index, w->time_s));
 }
 
 /*
- * The mode that a drive has no more at this state (its place among those that come next), and what
- * it has then; NULL: all hold.
+ * Returns the first drive or stop whose mode ends in this state, as the address of its next mode,
+ * and in `then` that mode; NULL: all hold.
  */
 static signed char *broken_drive(struct rb_modes *w, const double *value, signed char *then)
 {
@@ -700,29 +700,29 @@ static signed char *broken_drive(struct rb_modes *w, const double *value, signed
 		const struct rb_joint_row *row = &w->joints.row[k];
 		const bool stop = rb_joint_rows_is_stop(row);
 		const bool holds = row->drive < 0 ||
-		                   (stop ? w->multiplier[k] >= -clear * weight_of(w, row)
+		                   (stop ? w->multiplier[k] >= -violation * force_scale(w, row)
 		                         : fabs(w->multiplier[k]) <=
 		                                    rb_joint_rows_bound(&w->joints, row) *
-		                                            (1 + clear));
+		                                            (1 + violation));
 
 		if (holds)
 			continue;
 		*then = stop ? RB_STOP_OPEN : w->multiplier[k] > 0 ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
-		/* of forces that are open, others than the smallest may do */
+		/* if forces are open, others than the smallest may be admissible */
 		if (w->dense.open && rb_check_holds_otherwise(w, w->time_s))
 			break;
 		return &l->drive_next[RB_JOINT_PARTS_HELD * row->joint + row->drive];
 	}
 	for (int k = 0; k < w->joints.joint_count; k++) {
-		const int which = w->joints.joint[k];
+		const int joint = w->joints.joint[k];
 		struct rb_joint_spring_row spring;
 
-		if (rb_joint_drives_stopped(l, which) ||
+		if (rb_joint_drives_stopped(l, joint) ||
 		    !rb_joint_rows_spring(&w->joints, k, w->time_s, &spring))
 			continue;
 		for (int kind = 0; kind < RB_JOINT_DRIVES; kind++) {
-			const struct rb_joint_drive drive = rb_joint_rows_drive_now(l, which, kind);
-			const int part = RB_JOINT_PARTS_HELD * which + kind;
+			const struct rb_joint_drive drive = rb_joint_rows_drive_now(l, joint, kind);
+			const int part = RB_JOINT_PARTS_HELD * joint + kind;
 			const double v = spring.row.velocity - drive.speed;
 
 			if (!(drive.max > 0) || isnan(v))
@@ -732,16 +732,16 @@ static signed char *broken_drive(struct rb_modes *w, const double *value, signed
 				return &l->drive_next[part];
 		}
 	}
-	/* last, since looking at what brakes leaves other forces */
+	/* last, because must_brake leaves other forces */
 	for (int k = 0; k < w->joints.joint_count; k++) {
-		const int which = w->joints.joint[k];
+		const int joint = w->joints.joint[k];
 
-		if (!rb_follow_has(l, which) ||
-		    !(rb_joint_rows_drive_now(l, which, RB_DRIVE_MOTOR).max > 0))
+		if (!rb_follow_has(l, joint) ||
+		    !(rb_joint_rows_drive_now(l, joint, RB_DRIVE_MOTOR).max > 0))
 			continue;
 		*then = follow_then(w, k, value);
 		if (*then != RB_DRIVE_KEEPS)
-			return &l->drive_next[RB_JOINT_PARTS_HELD * which + RB_DRIVE_MOTOR];
+			return &l->drive_next[RB_JOINT_PARTS_HELD * joint + RB_DRIVE_MOTOR];
 	}
 	return NULL;
 }
@@ -767,17 +767,17 @@ static bool has_held(const struct rb_modes *w)
 double rb_check_drives_within(struct rb_modes *w, double length, double *value)
 {
 	double good = 0, bad = length;
-	signed char *which = NULL, then = 0;
+	signed char *next_mode = NULL, then = 0;
 
 	if (!has_held(w))
 		return length;
-	for (int k = 1; k <= SAMPLES && !which; k++) {
+	for (int k = 1; k <= SAMPLES && !next_mode; k++) {
 		bad = k < SAMPLES ? length * k / SAMPLES : length;
-		which = broken_drive_at(w, bad, value, &then);
-		if (!which)
+		next_mode = broken_drive_at(w, bad, value, &then);
+		if (!next_mode)
 			good = bad;
 	}
-	if (!which || w->l->status != RB_OK)
+	if (!next_mode || w->l->status != RB_OK)
 		return length;
 	for (int round = 0; round < BISECTIONS && bad - good > 0; round++) {
 		const double middle = good + 0.5 * (bad - good);
@@ -788,12 +788,12 @@ double rb_check_drives_within(struct rb_modes *w, double length, double *value)
 		signed char *const now = broken_drive_at(w, middle, value, &mode);
 		if (now) {
 			bad = middle;
-			which = now;
+			next_mode = now;
 			then = mode;
 		} else {
 			good = middle;
 		}
 	}
-	*which = then;
+	*next_mode = then;
 	return bad;
 }

@@ -1,58 +1,58 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Checks of the modes of a cluster's contacts on its piece: does one end, where does it first, is
- * another solution possible?
+ * Checks of the modes of a cluster's contacts on its piece: does a mode end, when does the first
+ * one end, is another solution possible?
  */
 #ifndef RB_LOCATED_MODE_CHECKS_H
 #define RB_LOCATED_MODE_CHECKS_H
 
 #include "located/modes.h"
 
-/* Share of accelerations by which two solutions for the same motion differ. */
+/* Relative difference of accelerations between two solutions for the same motion. */
 #define RB_CHECK_OTHERWISE 1e-10
 
-/* Share of forces up to which the solver's residue may be taken for a mode that holds. */
+/* Excess relative to forces that may be the solver's residual, with the mode still holding. */
 #define RB_CHECK_DOUBTFUL 1e-8
 
 /*
- * Where modes leave forces open, those that were found may be outside the cones while others are
- * within: are there forces by the law that move all bodies as the modes do? They are then the
+ * If modes leave forces open, those that were found may be outside the cones while others are
+ * within: are there lawful forces with the same motion of all bodies? If so, these become the
  * forces.
  */
 bool rb_check_holds_otherwise(struct rb_modes *w, double t);
 
-/* Excess of a contact's force over what its mode allows, N; below zero: it is allowed. */
+/* Excess of a contact's force over the limit of its mode, N; below zero: it is within. */
 double rb_check_excess(const struct rb_modes *w, int k);
 
 /*
- * Where in the piece a mode ends first, seconds from its beginning; the whole length where none
- * does. `value`: scratch.
+ * Returns the time at which the first mode ends, s from the beginning of the piece; its whole
+ * length if none does. `value`: scratch.
  */
 double rb_check_change_within(struct rb_modes *w, double *value);
 
-/* Does a slip that was taken for straight turn aside within [0, s]? */
+/* Does a slip that was assumed straight turn within [0, s]? */
 bool rb_check_turns_aside(struct rb_modes *w, double s, double *value);
 
 /*
- * A slip that has just begun turns towards where it goes at a rate of friction over speed. That is
- * without bound at its beginning, where no step is short enough if other slips turn beside it: it
- * goes straight for as long as noise hides what it turns by. True: there are such slips, which do.
+ * A slip that has just begun turns towards its direction at a rate of friction over speed. That is
+ * unbounded at its beginning, where no step is short enough if other slips turn, too: such a slip
+ * is taken as straight while its turning is below noise. True: there are such slips, now straight.
  */
 bool rb_check_begins_straight(struct rb_modes *w);
 
 /*
- * Do contacts pull, or stick with more than their friction, by more than the solver's residue,
- * whatever forces move all as slips that creep do? Or go some that creep against the way in which
- * forces across them balance?
+ * Do contacts pull, or stick with more than their friction, by more than the solver's residual, for
+ * all forces with the same motion of the bodies as that of the creeping slips? Or does a creeping
+ * contact move opposite to the direction in which tangential forces balance?
  */
 bool rb_check_creeping_breaks_laws(struct rb_modes *w);
 
-/* The same of joints that come to a limit, and ropes that come taut: within `length` seconds. */
+/* Returns the time at which a joint reaches a limit or a rope becomes taut, at most `length` s. */
 double rb_check_stops_within(struct rb_modes *w, double length, double *value);
 
 /*
- * The same of motors and friction of joints, within `length` seconds: until one leaves its bounds,
- * or comes to its speed; and of stops that hold, until one would pull. Returns how long that is.
+ * Returns the time, at most `length` s, at which a motor or friction of a joint leaves its bounds
+ * or reaches its speed, or a stop that holds would pull.
  */
 double rb_check_drives_within(struct rb_modes *w, double length, double *value);
 

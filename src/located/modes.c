@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Equations of a cluster in its modes: accelerations at each contact are linear in the forces; a
+ * Equations of a cluster in its modes: accelerations at each contact are linear in the forces. A
  * sticking contact has three unknowns (relative acceleration zero), a slipping one its normal force
- * with friction along the slip, one that creeps a second one across. One dense solve gives the
- * forces; redundant systems leave some open, which are chosen by least squares. Forces are refined
- * by the residual accelerations, so that what is at rest stays at rest to rounding.
+ * with friction along the slip, a creeping one a second, across the slip. One dense solve gives the
+ * forces; those that redundant systems leave open are chosen by least squares. Forces are refined
+ * by the residual accelerations, so that bodies at rest stay at rest to rounding.
  */
 #include "located/modes.h"
 
@@ -18,16 +18,14 @@
 #include "located/open_forces.h"
 #include "located/event_set.h"
 
-/* Rounds for creeping slips and for refinement; noises that a slip may have aside. */
+/* Rounds for creeping slips and for refinement; deviation of a straight slip, in noises. */
 enum { TURNS = 6, REFINEMENTS = 4, STRAIGHT_NOISES = 8 };
-/* Share of a slip's speed beside its direction at which it counts as turned. */
-static const double aside_share = 1e-9;
-/*
- * Share of friction that may be left across a creeping slip: friction is too large by its square.
- */
+/* Share of a slip's speed across its direction at which it has turned. */
+static const double turned_share = 1e-9;
+/* Share of friction that may remain across a creeping slip: friction is too large by its square. */
 static const double balanced_share = 1e-7;
-/* Largest relative error granted to the rounding of positions. */
-static const double coarse = 1e-6;
+/* Largest relative error attributed to rounding of positions. */
+static const double rounding_error_max = 1e-6;
 
 bool rb_modes_move(const struct rb_modes *w)
 {
@@ -46,22 +44,22 @@ int rb_modes_unknowns(const struct rb_held *held)
 }
 
 /* Unit vector across normal and slip. */
-static inline rb_vec3 aside(const struct rb_modes *w, int contact)
+static inline rb_vec3 across_slip(const struct rb_modes *w, int contact)
 {
 	return rb_vec3_cross(w->contact_point[contact].normal, w->contact[contact].slip);
 }
 
-/* Component of a relative acceleration that the k-th unknown of a contact is to make zero. */
-static inline double asked_of(const struct rb_modes *w, int contact, int k, rb_vec3 a)
+/* Component of a relative acceleration that the k-th unknown of a contact makes zero. */
+static inline double component_of(const struct rb_modes *w, int contact, int k, rb_vec3 a)
 {
 	if (!w->c->held[contact].slipping)
 		return k == 0 ? a.x : k == 1 ? a.y : a.z;
-	return rb_vec3_dot(a, k == 0 ? w->contact_point[contact].normal : aside(w, contact));
+	return rb_vec3_dot(a, k == 0 ? w->contact_point[contact].normal : across_slip(w, contact));
 }
 
 /*
  * Force per unit of the k-th unknown of a contact: an axis; the normal with its friction; for a
- * creeping slip also across it.
+ * creeping slip also the direction across it.
  */
 static inline rb_vec3 unit_of(const struct rb_modes *w, int contact, int k)
 {
@@ -71,13 +69,13 @@ static inline rb_vec3 unit_of(const struct rb_modes *w, int contact, int k)
 	if (!held->slipping)
 		return (rb_vec3){k == 0, k == 1, k == 2};
 	if (k == 1)
-		return aside(w, contact);
+		return across_slip(w, contact);
 	return rb_vec3_add_scaled(m->normal, -w->contact[contact].friction,
 	                          w->contact[contact].slip);
 }
 
-/* Acceleration at an arm of a member by a force at another arm. */
-static rb_vec3 answer(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 at, rb_vec3 f)
+/* Acceleration at the arm `at` of a member by a force at `arm`. */
+static rb_vec3 response(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 at, rb_vec3 f)
 {
 	return rb_mechanics_point_response(w->l, body, &w->pose[rb_modes_place(w, body)], arm, at,
 	                                   f);
@@ -91,15 +89,15 @@ static rb_vec3 coupling(const struct rb_modes *w, int i, int j, rb_vec3 f)
 
 	if (rb_modes_place(w, y->b) >= 0) {
 		if (x->b == y->b)
-			sum = rb_vec3_add(sum, answer(w, y->b, y->arm_b, x->arm_b, f));
+			sum = rb_vec3_add(sum, response(w, y->b, y->arm_b, x->arm_b, f));
 		if (x->a == y->b)
-			sum = rb_vec3_sub(sum, answer(w, y->b, y->arm_b, x->arm_a, f));
+			sum = rb_vec3_sub(sum, response(w, y->b, y->arm_b, x->arm_a, f));
 	}
 	if (rb_modes_place(w, y->a) >= 0) {
 		if (x->b == y->a)
-			sum = rb_vec3_sub(sum, answer(w, y->a, y->arm_a, x->arm_b, f));
+			sum = rb_vec3_sub(sum, response(w, y->a, y->arm_a, x->arm_b, f));
 		if (x->a == y->a)
-			sum = rb_vec3_add(sum, answer(w, y->a, y->arm_a, x->arm_a, f));
+			sum = rb_vec3_add(sum, response(w, y->a, y->arm_a, x->arm_a, f));
 	}
 	return sum;
 }
@@ -157,12 +155,13 @@ static void fill_row(struct rb_modes *w, int i, int row, double t)
 
 			free = rb_vec3_add_scaled(free, guess_of(w, j, k), a);
 			for (int r = 0; r < rows; r++)
-				w->dense.matrix[(row + r) * n + column + k] = asked_of(w, i, r, a);
+				w->dense.matrix[(row + r) * n + column + k] = component_of(w, i, r,
+				                                                           a);
 		}
 		column += unknowns;
 	}
 	for (int r = 0; r < rows; r++)
-		w->dense.right[row + r] = -asked_of(w, i, r, free);
+		w->dense.right[row + r] = -component_of(w, i, r, free);
 }
 
 static rb_vec3 relative_acceleration(const struct rb_modes *w, int i, double t)
@@ -174,21 +173,22 @@ static rb_vec3 relative_acceleration(const struct rb_modes *w, int i, double t)
 	                   w->contact[i].bias);
 }
 
-/* The k-th unknown of a contact among those of joints. */
+/* The k-th unknown of a contact as a row of the coupled system. */
 static struct rb_coupled_row contact_row(const struct rb_modes *w, int contact, int k)
 {
 	const struct rb_contact_point *m = &w->contact_point[contact];
 	const rb_vec3 unit = unit_of(w, contact, k);
-	rb_vec3 asked = {k == 0, k == 1, k == 2};
+	rb_vec3 direction = {k == 0, k == 1, k == 2};
 
 	if (w->c->held[contact].slipping)
-		asked = k == 0 ? m->normal : aside(w, contact);
-	const struct rb_coupled_wrench asks = {asked, rb_vec3_cross(asked, m->arm_a),
-	                                       rb_vec3_cross(m->arm_b, asked)};
-	const struct rb_coupled_wrench does = {unit, rb_vec3_cross(unit, m->arm_a),
-	                                       rb_vec3_cross(m->arm_b, unit)};
+		direction = k == 0 ? m->normal : across_slip(w, contact);
+	const struct rb_coupled_wrench measured = {direction, rb_vec3_cross(direction, m->arm_a),
+	                                           rb_vec3_cross(m->arm_b, direction)};
+	const struct rb_coupled_wrench exerted = {unit, rb_vec3_cross(unit, m->arm_a),
+	                                          rb_vec3_cross(m->arm_b, unit)};
 
-	return rb_coupled_row(rb_modes_place(w, m->a), rb_modes_place(w, m->b), &asks, &does);
+	return rb_coupled_row(rb_modes_place(w, m->a), rb_modes_place(w, m->b), &measured,
+	                      &exerted);
 }
 
 /* Forces from unknowns. */
@@ -209,8 +209,8 @@ static void set_forces(struct rb_modes *w, const double *unknown)
 }
 
 /*
- * All rows, those of joints first; the matrix; the right side with the guessed forces. False:
- * multipliers are there.
+ * Fills all rows, joints first, the matrix, and the right side with the guessed forces. False: the
+ * solution is known already, and set.
  */
 static bool fill_coupled(struct rb_modes *w, double t)
 {
@@ -220,13 +220,13 @@ static bool fill_coupled(struct rb_modes *w, double t)
 	int row = joints;
 
 	system->count = w->dense.n;
-	/* pivots tell how near rows are to each other */
+	/* pivots measure how dependent rows are */
 	system->is_symmetric = w->c->held_count == 0 && !w->singular.projects;
 	system->keeps_pivots = !w->singular.projects;
 	for (int k = 0; k < joints; k++)
 		system->row[k] = rb_joint_rows_coupled(&w->joints.row[k]);
 	for (int i = 0; i < w->c->held_count; i++) {
-		/* the directions of those that creep change from solution to solution */
+		/* directions of creeping slips change from solution to solution */
 		system->keeps_pivots = system->keeps_pivots && !w->c->held[i].creeps;
 		for (int k = 0; k < rb_modes_unknowns(&w->c->held[i]); k++, row++)
 			system->row[row] = contact_row(w, i, k);
@@ -237,13 +237,13 @@ static bool fill_coupled(struct rb_modes *w, double t)
 	}
 	row = joints;
 	for (int k = 0; k < joints; k++)
-		right[k] = -(rb_coupled_felt(&system->row[k], w->linear, w->angular) +
+		right[k] = -(rb_coupled_rate(&system->row[k], w->linear, w->angular) +
 		             w->joints.row[k].bias);
 	for (int i = 0; i < w->c->held_count; i++) {
 		const rb_vec3 free = relative_acceleration(w, i, t);
 
 		for (int k = 0; k < rb_modes_unknowns(&w->c->held[i]); k++, row++)
-			right[row] = -asked_of(w, i, k, free);
+			right[row] = -component_of(w, i, k, free);
 	}
 	rb_coupled_turn(system);
 	for (int k = 0; k < system->count; k++)
@@ -276,7 +276,7 @@ bool rb_modes_are_lawful(const struct rb_modes *w)
 	return true;
 }
 
-/* Its contacts among its unknowns; NULL: no memory. Those that creep are left alone. */
+/* The contacts with their unknowns, without the creeping ones; NULL: out of memory. */
 static struct rb_open_contact *open_contacts(const struct rb_modes *w, int *count)
 {
 	struct rb_open_contact *const to = rb_arena_take(w->l->arena, (size_t)w->c->held_count + 1,
@@ -304,8 +304,8 @@ static struct rb_open_contact *open_contacts(const struct rb_modes *w, int *coun
 	return to;
 }
 
-/* Sets the forces nearest to these that keep the law, if there are some; false: no memory. */
-static bool keep_law(struct rb_modes *w, struct rb_open_forces *open, double *unknown)
+/* Sets the nearest forces that satisfy the law, if there are any; false: out of memory. */
+static bool enforce_law(struct rb_modes *w, struct rb_open_forces *open, double *unknown)
 {
 	const bool good = rb_open_forces_keep_law(open, unknown);
 
@@ -315,9 +315,9 @@ static bool keep_law(struct rb_modes *w, struct rb_open_forces *open, double *un
 }
 
 /*
- * Chooses open forces: the smallest, which have the bodies' symmetry; where these violate a law,
- * the nearest to them that do not and move all alike; else those nearest to the forces when the
- * cluster was resolved.
+ * Chooses open forces: the smallest, which have the bodies' symmetry; if these violate a law, the
+ * nearest ones that satisfy it with the same accelerations; if there are none, those nearest to the
+ * forces when the cluster was resolved.
  */
 static bool choose_forces(struct rb_modes *w)
 {
@@ -342,7 +342,7 @@ static bool choose_forces(struct rb_modes *w)
 		set_forces(w, least);
 	if (good && w->dense.open && !rb_modes_are_lawful(w)) {
 		open.contact = open_contacts(w, &open.contacts);
-		good = open.contact && keep_law(w, &open, least);
+		good = open.contact && enforce_law(w, &open, least);
 	}
 	if (good && w->dense.open && !rb_modes_are_lawful(w)) {
 		row = w->joints.count;
@@ -350,7 +350,7 @@ static bool choose_forces(struct rb_modes *w)
 			for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
 				change[row] += guess_of(w, i, k);
 		set_forces(w, change);
-		good = rb_modes_are_lawful(w) || keep_law(w, &open, change);
+		good = rb_modes_are_lawful(w) || enforce_law(w, &open, change);
 	}
 	rb_arena_back(w->l->arena, here);
 	return good;
@@ -380,7 +380,7 @@ static bool solve_modes(struct rb_modes *w, double t)
 	return choose_forces(w);
 }
 
-/* True if the contact's slip has one direction with others of its pair. */
+/* True if the contact's slip has a common direction with others of its pair. */
 static inline bool is_joined(const struct rb_held *held)
 {
 	return rb_vec3_max_abs(held->common) > 0;
@@ -431,7 +431,7 @@ void rb_modes_part_slips(struct rb_modes *w)
 }
 
 /*
- * Turns creeping slips so that no friction is left across them, joined ones together; true: one
+ * Turns creeping slips such that no friction remains across them, joined ones together; true: one
  * turned.
  */
 static bool turn_creeping(struct rb_modes *w)
@@ -444,7 +444,7 @@ static bool turn_creeping(struct rb_modes *w)
 
 		end = is_joined(&held[first]) ? pair_end(w->c, first) : first + 1;
 		for (int k = first; k < end; k++) {
-			const double across = rb_vec3_dot(w->force[k], aside(w, k));
+			const double across = rb_vec3_dot(w->force[k], across_slip(w, k));
 
 			limit += w->contact[k].friction *
 			         rb_vec3_dot(w->force[k], w->contact_point[k].normal);
@@ -456,7 +456,7 @@ static bool turn_creeping(struct rb_modes *w)
 		for (int k = first; k < end; k++)
 			w->contact[k].slip = rb_vec3_unit(
 				rb_vec3_add_scaled(rb_vec3_scale(limit, w->contact[k].slip), -off,
-			                           aside(w, k)),
+			                           across_slip(w, k)),
 				w->contact[k].slip);
 		turned = true;
 	}
@@ -487,7 +487,7 @@ static void press(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force
 	sum[2 * place + 1] = rb_vec3_add(sum[2 * place + 1], rb_vec3_cross(arm, force));
 }
 
-/* Adds what a multiplier of a joint's row exerts. */
+/* Adds force and torque of a multiplier of a joint's row. */
 static void press_joint(const struct rb_joint_row *row, double multiplier, rb_vec3 *sum)
 {
 	const struct rb_coupled_wrench *wrench = &row->wrench;
@@ -556,17 +556,16 @@ bool rb_modes_turns_aside(const struct rb_modes *w, int contact)
 	const struct rb_contact_point *m = &w->contact_point[contact];
 	const bool single = rb_event_set_is_single(w->l, held->a, held->b);
 	const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
-	const rb_vec3 way = w->contact[contact].slip;
-	const rb_vec3 off = rb_vec3_add_scaled(slip, -rb_vec3_dot(slip, way), way);
-	const double least = single ? 0 : aside_share * rb_vec3_length(slip);
+	const rb_vec3 direction = w->contact[contact].slip;
+	const rb_vec3 off = rb_vec3_add_scaled(slip, -rb_vec3_dot(slip, direction), direction);
+	const double least = single ? 0 : turned_share * rb_vec3_length(slip);
 
 	return held->straight && held->friction > 0 && !held->creeps &&
 	       (single || !w->slow[contact]) &&
 	       rb_vec3_length(off) > fmax(least, STRAIGHT_NOISES * rb_contact_point_noise(w->l, m));
 }
 
-/* Largest residual acceleration of a mode, m/s^2; the residuals become the right side. */
-double rb_modes_left(struct rb_modes *w, double t)
+double rb_modes_residual(struct rb_modes *w, double t)
 {
 	const struct rb_cluster *c = w->c;
 	double max = 0;
@@ -574,15 +573,15 @@ double rb_modes_left(struct rb_modes *w, double t)
 
 	for (; row < w->joints.count; row++) {
 		w->dense.right[row] = -(
-			rb_coupled_felt(&w->coupled.row[row], w->linear, w->angular) +
+			rb_coupled_rate(&w->coupled.row[row], w->linear, w->angular) +
 			w->joints.row[row].bias);
 		max = fmax(max, fabs(w->dense.right[row]));
 	}
 	for (int i = 0; i < c->held_count; i++) {
-		const rb_vec3 left = relative_acceleration(w, i, t);
+		const rb_vec3 residual = relative_acceleration(w, i, t);
 
 		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++) {
-			w->dense.right[row] = -asked_of(w, i, k, left);
+			w->dense.right[row] = -component_of(w, i, k, residual);
 			max = fmax(max, fabs(w->dense.right[row]));
 		}
 	}
@@ -595,15 +594,15 @@ bool rb_modes_refine(struct rb_modes *w, double t)
 	double before = HUGE_VAL;
 
 	for (int round = 0; round < REFINEMENTS; round++) {
-		const double left = rb_modes_left(w, t);
+		const double residual = rb_modes_residual(w, t);
 		int row = w->joints.count;
 
-		w->left = left;
+		w->residual = residual;
 
-		/* redundant contacts may contradict each other: then a residual remains */
-		if (!(left > 4 * DBL_EPSILON * w->max) || !(left < 0.5 * before))
+		/* redundant contacts may contradict each other; then a residual remains */
+		if (!(residual > 4 * DBL_EPSILON * w->max) || !(residual < 0.5 * before))
 			return true;
-		before = left;
+		before = residual;
 		if (row > 0)
 			rb_coupled_again(&w->coupled, &w->dense);
 		else
@@ -628,14 +627,14 @@ bool rb_modes_refine(struct rb_modes *w, double t)
 }
 
 /* The member's place, or a copy of a fixed body's accelerations. */
-static int joint_body(const struct rb_modes *w, struct rb_simultaneous *joint, int body, double t)
+static int body_of(const struct rb_modes *w, struct rb_simultaneous *problem, int body, double t)
 {
 	const int place = rb_modes_place(w, body);
 
 	if (place >= 0)
 		return place;
-	joint->body[joint->body_count] = rb_mechanics_fixed(w->l, body, t);
-	return joint->body_count++;
+	problem->body[problem->body_count] = rb_mechanics_fixed(w->l, body, t);
+	return problem->body_count++;
 }
 
 bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **found)
@@ -643,45 +642,45 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **fo
 	struct rb_located *l = w->l;
 	const struct rb_cluster *c = w->c;
 	const rb_arena_mark here = rb_arena_here(l->arena);
-	struct rb_simultaneous joint = {.arena = l->arena, .contact_count = c->held_count};
+	struct rb_simultaneous problem = {.arena = l->arena, .contact_count = c->held_count};
 
-	joint.body = rb_arena_take(
+	problem.body = rb_arena_take(
 		l->arena, (size_t)(c->member_count + 2 * c->held_count + 2 * w->joints.count),
-		sizeof *joint.body);
-	joint.joint_row = rb_arena_take(l->arena, (size_t)w->joints.count + 1,
-	                                sizeof *joint.joint_row);
-	joint.contact = rb_arena_take(l->arena, (size_t)c->held_count, sizeof *joint.contact);
+		sizeof *problem.body);
+	problem.joint_row = rb_arena_take(l->arena, (size_t)w->joints.count + 1,
+	                                  sizeof *problem.joint_row);
+	problem.contact = rb_arena_take(l->arena, (size_t)c->held_count, sizeof *problem.contact);
 	rb_mat3 *const root = rb_arena_take(l->arena, (size_t)c->member_count, sizeof *root);
-	if (!joint.body || !joint.contact || !root || !joint.joint_row)
+	if (!problem.body || !problem.contact || !root || !problem.joint_row)
 		return false;
-	joint.root = root;
-	joint.body_count = c->member_count;
-	joint.interrupt = &l->world->interrupt;
-	joint.products_max = rb_modes_move(w) ? rb_located_products(l, c->held_count) : 0;
+	problem.root = root;
+	problem.body_count = c->member_count;
+	problem.interrupt = &l->world->interrupt;
+	problem.products_max = rb_modes_move(w) ? rb_located_products(l, c->held_count) : 0;
 	for (int k = 0; k < c->member_count; k++) {
-		joint.body[k] = rb_mechanics_body(l, c->member[k], w->linear[k], w->angular[k]);
+		problem.body[k] = rb_mechanics_body(l, c->member[k], w->linear[k], w->angular[k]);
 		root[k] = rb_mechanics_root(l, c->member[k], &w->pose[k]);
 	}
 	for (int k = 0; k < c->held_count; k++) {
-		joint.contact[k] = w->contact[k];
-		joint.contact[k].mode = c->held[k].slipping ? RB_SOLVER_SLIDE : RB_SOLVER_STICK;
-		joint.contact[k].a = joint_body(w, &joint, c->held[k].a, t);
-		joint.contact[k].b = joint_body(w, &joint, c->held[k].b, t);
-		joint.contact[k].impulse = c->held[k].force;
+		problem.contact[k] = w->contact[k];
+		problem.contact[k].mode = c->held[k].slipping ? RB_SOLVER_SLIDE : RB_SOLVER_STICK;
+		problem.contact[k].a = body_of(w, &problem, c->held[k].a, t);
+		problem.contact[k].b = body_of(w, &problem, c->held[k].b, t);
+		problem.contact[k].impulse = c->held[k].force;
 	}
-	joint.probes = found != NULL;
-	joint.joint_count = rb_joint_rows_pose_problem(&w->joints, true, joint.joint_row,
-	                                               joint.body, &joint.body_count);
-	if (found) /* others than those that are known */
-		rb_joint_rows_guess(&w->joints, true, w->multiplier, joint.joint_row);
-	rb_simultaneous_forces(&joint);
-	rb_joint_rows_read_problem(&w->joints, true, joint.joint_row, w->multiplier);
+	problem.probes = found != NULL;
+	problem.joint_count = rb_joint_rows_pose_problem(&w->joints, true, problem.joint_row,
+	                                                 problem.body, &problem.body_count);
+	if (found) /* for forces other than the known ones */
+		rb_joint_rows_guess(&w->joints, true, w->multiplier, problem.joint_row);
+	rb_simultaneous_forces(&problem);
+	rb_joint_rows_read_problem(&w->joints, true, problem.joint_row, w->multiplier);
 	if (rb_modes_move(w))
-		rb_located_count(l, joint.products, c->held_count);
+		rb_located_count(l, problem.products, c->held_count);
 	for (int k = 0; k < c->held_count; k++)
-		w->force[k] = joint.contact[k].impulse;
+		w->force[k] = problem.contact[k].impulse;
 	if (found)
-		*found = joint.body;
+		*found = problem.body;
 	else
 		rb_arena_back(l->arena, here);
 	return true;
@@ -694,7 +693,7 @@ double rb_modes_noise(void *user, const double *coefficient)
 
 	for (int k = 0; k < w->c->member_count; k++) {
 		const double step = 2 * DBL_EPSILON * rb_vec3_max_abs(w->base[k]);
-		double way = step, change = 0;
+		double path = step, change = 0;
 
 		for (int m = 0; m < 3; m++) {
 			const int x = k * w->row + RB_PIECE_POSITION + m, v = x + RB_PIECE_VELOCITY;
@@ -704,12 +703,12 @@ double rb_modes_noise(void *user, const double *coefficient)
 				along += fabs(coefficient[p * w->c->piece.n + x]);
 				more += fabs(coefficient[p * w->c->piece.n + v]);
 			}
-			way = fmax(way, along);
+			path = fmax(path, along);
 			change = fmax(change, more / w->scale[v]);
 		}
-		worst = fmax(worst, change > 0 ? change * (step / way) : 0);
+		worst = fmax(worst, change > 0 ? change * (step / path) : 0);
 	}
-	return fmin(worst, coarse);
+	return fmin(worst, rounding_error_max);
 }
 
 int *rb_modes_take_places(struct rb_located *l, const struct rb_cluster *c)
@@ -729,7 +728,9 @@ void rb_modes_give_back_places(struct rb_located *l, const struct rb_cluster *c,
 		l->place[c->member[k]] = kept[k];
 }
 
-/* The elimination, and what joints of the members need; places are not the members' yet. */
+/*
+ * Takes the arrays of the elimination and of the members' joints; places are not the members' yet.
+ */
 static bool reserve_joints(struct rb_modes *w, size_t unknowns)
 {
 	struct rb_arena *const arena = w->l->arena;
@@ -790,9 +791,9 @@ bool rb_modes_reserve(struct rb_modes *w)
 	w->slow = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->slow);
 	if (w->l->account_s) {
 		w->parts = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->parts);
-		w->seen = rb_arena_take(arena, (size_t)RB_GAUSS_NODES * RB_ENTRIES,
-		                        sizeof *w->seen);
-		if (!w->parts || !w->seen)
+		w->node_entries = rb_arena_take(arena, (size_t)RB_GAUSS_NODES * RB_ENTRIES,
+		                                sizeof *w->node_entries);
+		if (!w->parts || !w->node_entries)
 			return false;
 	}
 	return reserve_joints(w, unknowns) && w->pose && w->base && w->linear && w->angular &&

@@ -2,8 +2,8 @@
 /*
  * Painleve impacts: where friction makes the equations of rigid contact inconsistent, forces grow
  * without bound and stop the slip at once. The impulses solve the linear system "all contact points
- * stop" by conjugate gradients (Hestenes, Stiefel 1952), started along the present forces so that
- * of many solutions the one that these lead to is found.
+ * stop" by conjugate gradients (Hestenes, Stiefel 1952), started along the present forces, in order
+ * to find the solution to which these lead.
  */
 #include "located/painleve.h"
 
@@ -14,11 +14,9 @@
 #include "constraint/eccentric.h"
 #include "located/mechanics.h"
 
-/*
- * Share by which impulses may be outside of the friction cone: the forces have not quite diverged.
- */
+/* Share by which impulses may exceed the friction cone: the forces have not quite diverged. */
 static const double beyond_cone = 0.01;
-/* Of impulses that balance each other, in ulp of what each does alone. */
+/* Effect of balanced impulses, in ulp of their individual effects. */
 enum { BALANCE_ULP = 16 };
 
 /* Changes of the relative velocities of the contact points by impulses. */
@@ -46,7 +44,7 @@ static double sum_of_dots(const rb_vec3 *a, const rb_vec3 *b, int count)
 	return sum;
 }
 
-/* 1/kg: of the contact that moves most, by the masses alone. */
+/* Largest inverse mass of a contact, by the masses alone, 1/kg. */
 static double largest_inverse_mass(const struct rb_painleve *painleve)
 {
 	const double *const inverse_mass = painleve->l->model->inverse_mass;
@@ -61,49 +59,49 @@ static double largest_inverse_mass(const struct rb_painleve *painleve)
 }
 
 /*
- * Impulses that stop all contact points, by conjugate gradients, until what they go along balances
- * itself to rounding: two points of a body cannot be pushed apart, and a step that divides by the
- * rounding of that is 1e14 times as long as what stops them.
+ * Impulses that stop all contact points, by conjugate gradients, until the effect of a direction
+ * cancels to rounding: two points of a body cannot be pushed apart, and a step that divides by the
+ * rounding of that would be 1e14 times too long.
  */
 static void stop_points(struct rb_painleve *painleve)
 {
 	const int n = painleve->count;
-	rb_vec3 *const impulse = painleve->impulse, *const left = painleve->scratch,
-		       *const along = left + n, *const image = along + n;
+	rb_vec3 *const impulse = painleve->impulse, *const residual = painleve->scratch,
+		       *const direction = residual + n, *const image = direction + n;
 
 	respond(painleve, painleve->force, image);
 	for (int k = 0; k < n; k++) {
 		impulse[k] = (rb_vec3){0, 0, 0};
-		left[k] = rb_vec3_neg(painleve->contact_point[k].velocity);
-		along[k] = painleve->force[k];
+		residual[k] = rb_vec3_neg(painleve->contact_point[k].velocity);
+		direction[k] = painleve->force[k];
 	}
-	const double start = sum_of_dots(left, left, n),
+	const double start = sum_of_dots(residual, residual, n),
 		     inverse_mass_max = largest_inverse_mass(painleve);
 	double square = start;
 	for (int round = 0; round < 6 * n + 8 && square > 1e-28 * start; round++) {
-		const double bend = sum_of_dots(along, image, n);
-		const bool moves = bend > BALANCE_ULP * n * DBL_EPSILON * inverse_mass_max *
-		                                  sum_of_dots(along, along, n);
+		const double curvature = sum_of_dots(direction, image, n);
+		const bool moves = curvature > BALANCE_ULP * n * DBL_EPSILON * inverse_mass_max *
+		                                       sum_of_dots(direction, direction, n);
 
 		if (!moves && round > 0)
 			break;
-		if (!moves) { /* forces that only balance each other lead nowhere */
-			memcpy(along, left, (size_t)n * sizeof *along);
-			respond(painleve, along, image);
+		if (!moves) { /* forces that balance each other are no descent direction */
+			memcpy(direction, residual, (size_t)n * sizeof *direction);
+			respond(painleve, direction, image);
 			continue;
 		}
-		const double share = sum_of_dots(along, left, n) / bend;
+		const double share = sum_of_dots(direction, residual, n) / curvature;
 		for (int k = 0; k < n; k++) {
-			impulse[k] = rb_vec3_add_scaled(impulse[k], share, along[k]);
-			left[k] = rb_vec3_add_scaled(left[k], -share, image[k]);
+			impulse[k] = rb_vec3_add_scaled(impulse[k], share, direction[k]);
+			residual[k] = rb_vec3_add_scaled(residual[k], -share, image[k]);
 		}
-		const double now = sum_of_dots(left, left, n);
+		const double now = sum_of_dots(residual, residual, n);
 		/* the first direction is that of the forces, not the residual's */
 		const double keep = round == 0 ? 0 : now / square;
 		for (int k = 0; k < n; k++)
-			along[k] = rb_vec3_add_scaled(left[k], keep, along[k]);
+			direction[k] = rb_vec3_add_scaled(residual[k], keep, direction[k]);
 		square = now;
-		respond(painleve, along, image);
+		respond(painleve, direction, image);
 	}
 }
 
@@ -131,10 +129,10 @@ bool rb_painleve_slow(struct rb_painleve *painleve)
 	for (int k = 0; k < painleve->count; k++) {
 		const struct rb_contact_point *const m = &painleve->contact_point[k];
 		const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
-		const double slows = -rb_vec3_dot(slip, painleve->scratch[k]);
+		const double deceleration = -rb_vec3_dot(slip, painleve->scratch[k]);
 
-		if (slows > 0 && rb_vec3_dot(painleve->force[k], m->normal) > 0)
-			share = fmin(share, rb_vec3_dot(slip, slip) / slows);
+		if (deceleration > 0 && rb_vec3_dot(painleve->force[k], m->normal) > 0)
+			share = fmin(share, rb_vec3_dot(slip, slip) / deceleration);
 	}
 	if (!(share < HUGE_VAL))
 		return false;
@@ -144,7 +142,7 @@ bool rb_painleve_slow(struct rb_painleve *painleve)
 	return true;
 }
 
-/* True for a body that has a place: others do not yield. */
+/* True for a body that has a place; others are not dynamic. */
 static bool is_dynamic(const struct rb_located *l, int body)
 {
 	return body < l->n && l->place[body] >= 0;
@@ -169,11 +167,12 @@ struct rb_contact_point rb_painleve_middle(const struct rb_located *l,
 		return all;
 	for (int i = 0; i < count; i++) {
 		const struct rb_contact_point *const m = &points[i];
-		const double pushes = fmax(0, rb_vec3_dot(force[i], m->normal));
+		const double normal_force = fmax(0, rb_vec3_dot(force[i], m->normal));
 
-		off = rb_vec3_add_scaled(off, pushes, rb_vec3_sub(arm_of(l, m), arm_of(l, &all)));
-		velocity = rb_vec3_add_scaled(velocity, pushes, m->velocity);
-		sum += pushes;
+		off = rb_vec3_add_scaled(off, normal_force,
+		                         rb_vec3_sub(arm_of(l, m), arm_of(l, &all)));
+		velocity = rb_vec3_add_scaled(velocity, normal_force, m->velocity);
+		sum += normal_force;
 	}
 	RB_ASSERT_COSTLY(sum > 0);
 	off = rb_vec3_scale(1 / sum, off);
@@ -211,20 +210,20 @@ int rb_painleve_alone(const struct rb_located *l, const struct rb_contact_point 
                       const rb_vec3 *force, int count)
 {
 	double largest = 0;
-	int which = -1;
+	int index = -1;
 
 	RB_ASSERT(count > 0);
 	for (int k = 0; k < count; k++) {
-		const double pushes = rb_vec3_dot(force[k], points[k].normal);
+		const double normal_force = rb_vec3_dot(force[k], points[k].normal);
 		rb_vec3 change;
 
-		if (!(pushes > largest))
+		if (!(normal_force > largest))
 			continue;
 		const rb_vec3 impulse = rb_painleve_impulse(l, &points[k], &change);
 		if (!(rb_vec3_dot(impulse, points[k].normal) > 0))
 			continue;
-		largest = pushes;
-		which = k;
+		largest = normal_force;
+		index = k;
 	}
-	return which;
+	return index;
 }

@@ -2,7 +2,7 @@
 /*
  * Right-hand side of a cluster's differential equation for math/gauss: poses from values, external
  * accelerations, contact points, forces by the modes, accelerations. Every evaluation counts its
- * multiplications, so that clusters too large to locate are given to steps.
+ * multiplications, so that clusters too large for this method are left to the stepped one.
  */
 #include "located/rates.h"
 
@@ -16,8 +16,8 @@
 #include "located/work.h"
 
 /*
- * Share of the external accelerations below which accelerations are residue of the solver: of a
- * cluster at rest, and of one that slides.
+ * Share of the external accelerations below which accelerations are residuals of the solver: of a
+ * cluster at rest, and of a sliding one.
  */
 static const double rest_share = 1e-12, rounding_share = 16 * DBL_EPSILON;
 
@@ -28,10 +28,10 @@ static void read_pose(struct rb_modes *w, int k, const double *value)
 	const int i = w->c->member[k];
 	const double *v = value + (size_t)k * (size_t)w->row;
 	struct rb_pose *pose = &w->pose[k];
-	const rb_vec3 base = w->base[k], way = rb_vec3_from(v + RB_PIECE_POSITION);
+	const rb_vec3 base = w->base[k], offset = rb_vec3_from(v + RB_PIECE_POSITION);
 
-	pose->position = rb_vec3_add(base, way);
-	pose->rest = rb_vec3_lost(base, way, pose->position);
+	pose->position = rb_vec3_add(base, offset);
+	pose->rest = rb_vec3_lost(base, offset, pose->position);
 	pose->velocity = rb_vec3_from(v + RB_PIECE_VELOCITY);
 	if (l->top) {
 		pose->orientation = rb_quat_unit(rb_quat_from(v + RB_PIECE_ORIENTATION));
@@ -48,10 +48,10 @@ static void read_pose(struct rb_modes *w, int k, const double *value)
 }
 
 /*
- * Zeroes accelerations that are rounding. In a cluster at rest the sum of forces leaves rounding,
- * which must not accumulate over many evaluations; in one that slides it would grow.
+ * Zeroes accelerations that are rounding. In a cluster at rest the sum of forces has a rounding
+ * error, which must not accumulate over many evaluations; in a sliding one it would grow.
  */
-static void are_at_rest(struct rb_modes *w, double external)
+static void zero_rounding(struct rb_modes *w, double external)
 {
 	bool sleeps = true;
 
@@ -102,7 +102,7 @@ bool rb_rates_external(struct rb_modes *w, double t, double *max)
 
 /*
  * Scale of accelerations, m/s^2: of members' surfaces by external forces, and of the contacts'
- * bias.
+ * biases.
  */
 static double largest_acceleration(const struct rb_modes *w)
 {
@@ -125,7 +125,9 @@ static bool count_inspection(struct rb_modes *w)
 	struct rb_located *l = w->l;
 	const struct rb_cluster *c = w->c;
 
-	/* a piece that nothing has cut is as long as motion allows: it is no crowd */
+	/*
+	 * a piece after one that was not cut is as long as the motion allows: this is not a crowd
+	 */
 	if (rb_located_gravitates(l) && w->goes_on)
 		return true;
 	if (!rb_modes_move(w))
@@ -133,7 +135,7 @@ static bool count_inspection(struct rb_modes *w)
 	if (rb_located_gravitates(l))
 		l->products += RB_LOCATED_ATTRACTION * (uint64_t)c->member_count *
 		               (uint64_t)c->member_count / 2;
-	/* products of an elimination go four at a time */
+	/* an elimination does four products at a time */
 	l->products += c->held_count + w->joints.count > 0
 	                       ? (uint64_t)w->dense.products / 2 +
 	                                 RB_LOCATED_INSPECTION *
@@ -156,7 +158,7 @@ void rb_rates_poses(struct rb_modes *w, const double *value)
 		read_pose(w, k, value);
 }
 
-/* Multiplications of an evaluation: of each body, and of an elimination. */
+/* Work of an evaluation, in multiplications: per body, and of an elimination. */
 static uint64_t work_of(const struct rb_modes *w)
 {
 	enum { BODY_WORK = 256 };
@@ -169,7 +171,7 @@ bool rb_rates_are_stopped(struct rb_modes *w)
 {
 	struct rb_located *l = w->l;
 
-	/* what only asks for accelerations, as `check` does, is no run that could be stopped */
+	/* queries for accelerations, as by `check`, are no run that could be stopped */
 	if (!l->err)
 		return false;
 	if (l->status == RB_OK && rb_interrupt_after(&l->world->interrupt, work_of(w)))
@@ -178,11 +180,11 @@ bool rb_rates_are_stopped(struct rb_modes *w)
 }
 
 /*
- * m/s: a slower slip of this contact is rounding and has the direction in which it began. Where
- * friction jams, the normal force changes by as many times itself as the direction is off, in units
- * of 1 / friction.
+ * Speed below which a slip of this contact is rounding, and keeps the direction in which it began,
+ * m/s. Where friction jams, the relative change of the normal force is the error of the direction
+ * times the friction coefficient.
  */
-static double aimed(const struct rb_modes *w, int k)
+static double direction_speed(const struct rb_modes *w, int k)
 {
 	return 4 * rb_contact_point_noise(w->l, &w->contact_point[k]) *
 	       fmax(1, w->c->held[k].friction);
@@ -193,16 +195,16 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 {
 	struct rb_located *l = w->l;
 	const struct rb_cluster *c = w->c;
-	const bool flies = c->held_count == 0 && w->joints.joint_count == 0;
+	const bool is_free = c->held_count == 0 && w->joints.joint_count == 0;
 	double external;
 
 	w->time_s = t;
 	rb_rates_poses(w, value);
 	if (w->singular.projects && !rb_joint_rows_project(&w->joints, t, w->pose))
 		return false;
-	if (!rb_rates_external(w, t, flies ? NULL : &external))
+	if (!rb_rates_external(w, t, is_free ? NULL : &external))
 		return false;
-	if (flies)
+	if (is_free)
 		return count_inspection(w);
 	for (int k = 0; k < c->held_count; k++) {
 		const struct rb_held *held = &c->held[k];
@@ -222,15 +224,16 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 		if (held->slipping)
 			w->contact[k].friction = held->friction;
 		/* a kept direction turns with the normal */
-		const rb_vec3 way = rb_vec3_max_abs(held->common) > 0 ? held->common : held->slip;
-		w->contact[k].slip = rb_vec3_unit(rb_vec3_reject(way, w->contact_point[k].normal),
-		                                  way);
+		const rb_vec3 direction = rb_vec3_max_abs(held->common) > 0 ? held->common
+		                                                            : held->slip;
+		w->contact[k].slip = rb_vec3_unit(
+			rb_vec3_reject(direction, w->contact_point[k].normal), direction);
 		if (held->slipping && !held->straight && !held->creeps) {
 			const rb_vec3 slip = rb_vec3_reject(w->contact_point[k].velocity,
 			                                    w->contact_point[k].normal);
 			const double speed = rb_vec3_length(slip);
 
-			if (speed > aimed(w, k))
+			if (speed > direction_speed(w, k))
 				w->contact[k].slip = rb_vec3_scale(1 / speed, slip);
 		}
 	}
@@ -244,14 +247,14 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 	if (!rb_modes_press(w, w->force, w->multiplier) || (solved && !rb_modes_refine(w, t)))
 		return false;
 	if (solved && w->joints.count > 0 &&
-	    !rb_coupled_accept(&w->coupled, &w->dense, t, w->unknown, w->left,
+	    !rb_coupled_accept(&w->coupled, &w->dense, t, w->unknown, w->residual,
 	                       DBL_EPSILON * w->max))
 		return rb_rates_evaluate(w, t, value);
-	are_at_rest(w, external);
+	zero_rounding(w, external);
 	return count_inspection(w);
 }
 
-/* The same by trees of joints. */
+/* The same, by trees of joints. */
 static bool evaluate_trees(struct rb_modes *w, double t, const double *value)
 {
 	double external;
@@ -261,11 +264,11 @@ static bool evaluate_trees(struct rb_modes *w, double t, const double *value)
 	if (!rb_rates_external(w, t, &external))
 		return false;
 	rb_joint_tree_accelerate(w->articulated, t, w->linear, w->angular);
-	are_at_rest(w, external);
+	zero_rounding(w, external);
 	return count_inspection(w);
 }
 
-/* 1/s: by so much they are others than those known, of scale: what both round. */
+/* Difference from the known accelerations, relative to scale: the rounding of both, 1/s. */
 static double noise_of(const struct rb_modes *w, const rb_vec3 *known)
 {
 	double max = 0;
@@ -302,7 +305,7 @@ bool rb_rates_take_trees(struct rb_modes *w, const double *value, double *noise)
 	if (!rb_articulated_agrees(&w->joints, w->max, w->linear, w->angular, known))
 		w->articulated = NULL;
 	*noise = w->articulated ? noise_of(w, known) : 0;
-	w->l->products = products; /* it decides nothing */
+	w->l->products = products; /* a trial must not change decisions */
 	for (size_t k = 0; k < count; k++) {
 		w->linear[k] = known[2 * k];
 		w->angular[k] = known[2 * k + 1];
@@ -327,9 +330,9 @@ void rb_rates_turning(void *user, const double *value, double *rate)
 }
 
 /*
- * Whether all that moves is in this cluster and nothing but attraction acts there, on a piece that
- * goes on from one that nothing has cut, which is not counted. With few bodies poses would take
- * longer than forces do.
+ * Does this cluster contain everything that moves, with no other force than attraction, on a piece
+ * that continues one that was not cut, whose cost is not counted? With few bodies poses would take
+ * longer than forces.
  */
 static bool is_attraction(const struct rb_modes *w)
 {
@@ -354,11 +357,11 @@ static enum rb_status attract(void *user, double t, const double *value, double 
 	w->time_s = t;
 	w->counted = *w->calls;
 	for (size_t k = 0; k < count; k++) {
-		const rb_vec3 way = rb_vec3_from(value + k * row + RB_PIECE_POSITION);
-		const rb_vec3 at = rb_vec3_add(w->base[k], way);
+		const rb_vec3 offset = rb_vec3_from(value + k * row + RB_PIECE_POSITION);
+		const rb_vec3 at = rb_vec3_add(w->base[k], offset);
 
 		rb_gravitation_place(&l->gravitation, member[k], at,
-		                     rb_vec3_lost(w->base[k], way, at));
+		                     rb_vec3_lost(w->base[k], offset, at));
 	}
 	rb_gravitation_find_by(&l->gravitation, l->world->team);
 	for (size_t k = 0; k < count; k++) {
@@ -389,7 +392,7 @@ static enum rb_status all_rates(void *user, double t, const double *value, doubl
 	for (int k = 0; k < w->c->member_count; k++) {
 		double *r = rate + (size_t)k * (size_t)w->row;
 
-		/* those of positions are rows */
+		/* the rates of positions are rows */
 		rb_vec3_to(r + RB_PIECE_VELOCITY, w->linear[k]);
 		if (w->l->top)
 			rb_vec3_to(r + RB_PIECE_SPIN, w->angular[k]);
@@ -410,5 +413,5 @@ void rb_rates_enter_node(void *user, int node)
 	struct rb_entries rate;
 
 	rb_work_rates(w, w->parts, w->time_s, &rate);
-	memcpy(w->seen + (size_t)node * RB_ENTRIES, rate.row, sizeof rate.row);
+	memcpy(w->node_entries + (size_t)node * RB_ENTRIES, rate.row, sizeof rate.row);
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Impacts of all that touches, solved simultaneously (constraint/simultaneous) with Newton's
+ * Impacts of all touching bodies, solved simultaneously (constraint/simultaneous) with Newton's
  * restitution and Coulomb's friction.
- * A rebound that would stay below rounding is the start of an infinite series (Zeno): it ends at
- * once and is reported at the time of its limit (located/bounces).
+ * A rebound that would stay below rounding begins an infinite series (Zeno): it ends at once and is
+ * reported at the time of its limit (located/bounces).
  */
 #include "located/resolve_impact.h"
 
@@ -26,43 +26,43 @@
 #include "located/work.h"
 
 /*
- * Factor by which stopping rebounds may change velocities: more means that it is not a matter of
- * rebounds.
+ * Largest change of velocities by stopping rebounds, relative to these; beyond it, the cause is not
+ * the rebounds.
  */
-static const double dear = 1e3;
+static const double stop_ratio_max = 1e3;
 
 /*
- * Passes of stopping; rounds of impact and contacts, each of which doubles the digits of a rim's
+ * Passes of stopping; rounds of impacts and contacts, each of which doubles the digits of a rim's
  * point.
  */
 enum { STOP_PASSES = 64, ROUNDS_MAX = 16 };
 
-/* ---- all that touch ---- */
+/* ---- simultaneous impacts ---- */
 
-/* A simultaneous impact in work. */
+/* State of a simultaneous impact. */
 struct impact {
 	struct rb_located *l;
 	double t;
 	struct rb_contact_point *contact_point;
 	int contact_point_count;
 	struct rb_pose *pose; /* [set_count] */
-	struct rb_simultaneous joint;
+	struct rb_simultaneous problem;
 	struct rb_joint_rows joints;
-	int fixed;    /* bodies of the problem before those that are ends of joints */
-	double slack; /* m/s: rounding of the velocities that came in */
+	int fixed;    /* number of bodies before those added as ends of joints */
+	double slack; /* m/s: rounding of the velocities before */
 };
 
 /* Place of a member, or a new copy of a fixed body. */
-static int joint_body(struct impact *s, int body, const struct rb_pose *pose)
+static int body_of(struct impact *s, int body, const struct rb_pose *pose)
 {
 	struct rb_located *l = s->l;
 
 	if (body < l->n && l->place[body] >= 0)
 		return l->place[body];
-	/* fixed: each contact has its own copy of what does not yield */
-	s->joint.body[s->joint.body_count] = (struct rb_solver_body){.linear = pose->velocity,
-	                                                             .angular = pose->spin};
-	return s->joint.body_count++;
+	/* fixed: each contact has its own copy of a body that is not dynamic */
+	s->problem.body[s->problem.body_count] = (struct rb_solver_body){.linear = pose->velocity,
+	                                                                 .angular = pose->spin};
+	return s->problem.body_count++;
 }
 
 static struct rb_drift drift_of(struct impact *s, const bool *kept)
@@ -76,10 +76,10 @@ static struct rb_drift drift_of(struct impact *s, const bool *kept)
 }
 
 /*
- * Removes the drift of pairs held at several points that now touch at another: it would feed a
- * series of impacts.
+ * Removes the drift of pairs held at several points that now touch at another one: it would sustain
+ * a series of impacts.
  */
-static bool put_right(struct impact *s)
+static bool correct_drift(struct impact *s)
 {
 	struct rb_located *l = s->l;
 	bool *const kept = rb_arena_take(l->arena, (size_t)s->contact_point_count + 1,
@@ -95,15 +95,15 @@ static bool put_right(struct impact *s)
 	return true;
 }
 
-/* Joints for the solver, as they are to take part. */
+/* Sets the joints that take part. */
 static void pose_joints(struct impact *s)
 {
-	s->joint.body_count = s->fixed;
-	s->joint.joint_count = rb_joint_rows_pose_problem(&s->joints, false, s->joint.joint_row,
-	                                                  s->joint.body, &s->joint.body_count);
+	s->problem.body_count = s->fixed;
+	s->problem.joint_count = rb_joint_rows_pose_problem(
+		&s->joints, false, s->problem.joint_row, s->problem.body, &s->problem.body_count);
 }
 
-/* Bodies and contacts for the solver. */
+/* Sets bodies and contacts. */
 static bool build(struct impact *s)
 {
 	struct rb_located *l = s->l;
@@ -116,41 +116,41 @@ static bool build(struct impact *s)
 	                                   .touching = true};
 	if (!rb_joint_rows_collect(&s->joints))
 		return false;
-	s->joint.body = rb_arena_take(
+	s->problem.body = rb_arena_take(
 		l->arena,
 		(size_t)(l->set_count + 2 * s->contact_point_count + 2 * s->joints.count + 1),
-		sizeof *s->joint.body);
-	s->joint.joint_row = rb_arena_take(l->arena, (size_t)s->joints.count + 1,
-	                                   sizeof *s->joint.joint_row);
-	s->joint.contact = rb_arena_take(l->arena, (size_t)s->contact_point_count + 1,
-	                                 sizeof *s->joint.contact);
+		sizeof *s->problem.body);
+	s->problem.joint_row = rb_arena_take(l->arena, (size_t)s->joints.count + 1,
+	                                     sizeof *s->problem.joint_row);
+	s->problem.contact = rb_arena_take(l->arena, (size_t)s->contact_point_count + 1,
+	                                   sizeof *s->problem.contact);
 	rb_mat3 *const root = rb_arena_take(l->arena, (size_t)l->set_count + 1, sizeof *root);
-	if (!s->pose || !s->joint.body || !s->joint.contact || !root || !s->joint.joint_row)
+	if (!s->pose || !s->problem.body || !s->problem.contact || !root || !s->problem.joint_row)
 		return false;
-	s->joint.root = root;
-	s->joint.arena = l->arena;
-	s->joint.body_count = l->set_count;
-	s->joint.contact_count = s->contact_point_count;
+	s->problem.root = root;
+	s->problem.arena = l->arena;
+	s->problem.body_count = l->set_count;
+	s->problem.contact_count = s->contact_point_count;
 	for (int k = 0; k < l->set_count; k++)
 		s->pose[k] = rb_arc_pose(l, l->set[k], s->t);
-	if (!put_right(s))
+	if (!correct_drift(s))
 		return false;
 	for (int k = 0; k < l->set_count; k++) {
-		s->joint.body[k] = rb_mechanics_body(l, l->set[k], s->pose[k].velocity,
-		                                     s->pose[k].spin);
+		s->problem.body[k] = rb_mechanics_body(l, l->set[k], s->pose[k].velocity,
+		                                       s->pose[k].spin);
 		root[k] = rb_mechanics_root(l, l->set[k], &s->pose[k]);
 	}
 	for (int k = 0; k < s->contact_point_count; k++) {
 		struct rb_contact_point *m = &s->contact_point[k];
 
-		s->joint.contact[k] = rb_mechanics_contact(l, m);
-		s->joint.contact[k].noise = rb_contact_point_noise(l, m);
-		s->joint.contact[k].a = joint_body(s, m->a, &m->pose_a);
-		s->joint.contact[k].b = joint_body(s, m->b, &m->pose_b);
-		s->slack = fmax(s->slack, s->joint.contact[k].noise);
+		s->problem.contact[k] = rb_mechanics_contact(l, m);
+		s->problem.contact[k].noise = rb_contact_point_noise(l, m);
+		s->problem.contact[k].a = body_of(s, m->a, &m->pose_a);
+		s->problem.contact[k].b = body_of(s, m->b, &m->pose_b);
+		s->slack = fmax(s->slack, s->problem.contact[k].noise);
 	}
 	rb_joint_rows_fill(&s->joints, s->t);
-	s->fixed = s->joint.body_count;
+	s->fixed = s->problem.body_count;
 	pose_joints(s);
 	for (int k = 0; k < s->joints.count; k++)
 		s->slack = fmax(s->slack, s->joints.row[k].noise);
@@ -160,14 +160,14 @@ static bool build(struct impact *s)
 /* Relative velocity at contact k after the impact. */
 static rb_vec3 velocity_after(const struct impact *s, int k)
 {
-	const struct rb_solver_contact *c = &s->joint.contact[k];
-	const struct rb_solver_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
+	const struct rb_solver_contact *c = &s->problem.contact[k];
+	const struct rb_solver_body *a = &s->problem.body[c->a], *b = &s->problem.body[c->b];
 
 	return rb_vec3_sub(rb_solver_point_velocity(b, c->arm_b),
 	                   rb_solver_point_velocity(a, c->arm_a));
 }
 
-/* Lever arm of a normal impulse, m; zero where only rounding keeps it from the centre. */
+/* Lever arm of a normal impulse, m; zero if it is only rounding. */
 static rb_vec3 lever_of(rb_vec3 arm, rb_vec3 normal)
 {
 	const rb_vec3 lever = rb_vec3_cross(arm, normal);
@@ -184,11 +184,11 @@ static rb_vec3 turn_by(const struct impact *s, int place, rb_vec3 lever)
 	return rb_inverse_inertia_apply(s->l, s->l->set[place], s->pose[place].orientation, lever);
 }
 
-/* Takes the normal velocity of contact k away. */
+/* Removes the normal velocity of contact k. */
 static void stop_normal(struct impact *s, int k, double target_velocity)
 {
-	const struct rb_solver_contact *c = &s->joint.contact[k];
-	struct rb_solver_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
+	const struct rb_solver_contact *c = &s->problem.contact[k];
+	struct rb_solver_body *a = &s->problem.body[c->a], *b = &s->problem.body[c->b];
 	const rb_vec3 lever_a = lever_of(c->arm_a, c->normal);
 	const rb_vec3 lever_b = lever_of(c->arm_b, c->normal);
 	const rb_vec3 turn_a = turn_by(s, c->a, lever_a), turn_b = turn_by(s, c->b, lever_b);
@@ -217,26 +217,26 @@ static bool is_taken_over(const struct impact *s, int k)
 		if (i != k &&
 		    rb_event_set_is_shared_place(s->l, &s->contact_point[k],
 		                                 &s->contact_point[i]) &&
-		    fabs(rb_vec3_dot(velocity_after(s, i), s->joint.contact[i].normal)) <=
-		            s->joint.contact[i].noise)
+		    fabs(rb_vec3_dot(velocity_after(s, i), s->problem.contact[i].normal)) <=
+		            s->problem.contact[i].noise)
 			return true;
 	return false;
 }
 
 /*
- * Duration of the infinite series of rebounds that begins with this one, s; < 0: none does, but it
- * may be a bounce of one.
+ * Duration of the infinite series of rebounds that begins with this one, s; < 0: none begins,
+ * though this may be a bounce of one.
  */
 static double accumulation(struct impact *s, int k)
 {
 	struct rb_located *l = s->l;
-	const struct rb_solver_contact *c = &s->joint.contact[k];
+	const struct rb_solver_contact *c = &s->problem.contact[k];
 	struct rb_pose pose_a = s->contact_point[k].pose_a, pose_b = s->contact_point[k].pose_b;
 
-	pose_a.velocity = s->joint.body[c->a].linear;
-	pose_a.spin = s->joint.body[c->a].angular;
-	pose_b.velocity = s->joint.body[c->b].linear;
-	pose_b.spin = s->joint.body[c->b].angular;
+	pose_a.velocity = s->problem.body[c->a].linear;
+	pose_a.spin = s->problem.body[c->a].angular;
+	pose_b.velocity = s->problem.body[c->b].linear;
+	pose_b.spin = s->problem.body[c->b].angular;
 	const struct rb_contact_point *m = &s->contact_point[k];
 	const struct rb_contact_name name = rb_contact_name_of(m);
 	const struct rb_contact_point after = rb_event_set_is_single(l, m->a, m->b)
@@ -245,7 +245,7 @@ static double accumulation(struct impact *s, int k)
 	                                              : rb_contact_point_of(l, &name, &pose_a,
 	                                                                    &pose_b);
 	const double target_velocity = rb_vec3_dot(velocity_after(s, k), c->normal);
-	/* the other end of a rocking body, or another link, lifts without an impulse */
+	/* the other end of a rocking body, or another link, lifts without impulse */
 	const bool took_part = c->approach > 0 || rb_vec3_dot(c->impulse, c->normal) > 0 ||
 	                       rb_event_set_continued(l, m);
 	if (!took_part || !(target_velocity > 0))
@@ -266,7 +266,7 @@ static double accumulation(struct impact *s, int k)
 static void record_ends(struct impact *s)
 {
 	for (int k = 0; k < s->contact_point_count; k++) {
-		const struct rb_solver_contact *c = &s->joint.contact[k];
+		const struct rb_solver_contact *c = &s->problem.contact[k];
 
 		if (k > 0 && s->contact_point[k - 1].a == s->contact_point[k].a &&
 		    s->contact_point[k - 1].b == s->contact_point[k].b)
@@ -277,7 +277,7 @@ static void record_ends(struct impact *s)
 	}
 }
 
-/* Stops contacts one after the other, repeatedly, since stopping one may move another. */
+/* Stops contacts one after the other, repeatedly, because stopping one may move another. */
 static void stop_one_by_one(struct impact *s, const bool *ends)
 {
 	/* until all are at rest */
@@ -285,7 +285,7 @@ static void stop_one_by_one(struct impact *s, const bool *ends)
 		bool moved = false;
 
 		for (int k = 0; k < s->contact_point_count; k++) {
-			const struct rb_solver_contact *c = &s->joint.contact[k];
+			const struct rb_solver_contact *c = &s->problem.contact[k];
 			const double target_velocity = rb_vec3_dot(velocity_after(s, k), c->normal);
 
 			if (!ends[k] || fabs(target_velocity) <= 0.5 * c->noise)
@@ -298,15 +298,13 @@ static void stop_one_by_one(struct impact *s, const bool *ends)
 	}
 }
 
-/*
- * Adds the contacts that approach now, or separate where they were at rest; true: there were any.
- */
-static bool keep_what_moves(const struct impact *s, const bool *stopped, bool *kept)
+/* Adds the contacts that now approach, or that separate and were at rest; true: there were any. */
+static bool add_moving(const struct impact *s, const bool *stopped, bool *kept)
 {
 	bool any = false;
 
 	for (int k = 0; k < s->contact_point_count; k++) {
-		const struct rb_solver_contact *c = &s->joint.contact[k];
+		const struct rb_solver_contact *c = &s->problem.contact[k];
 		const double target_velocity = rb_vec3_dot(velocity_after(s, k), c->normal);
 
 		if (kept[k] ||
@@ -323,18 +321,20 @@ static double largest_change(const struct impact *s, const struct rb_solver_body
 	double max = 0;
 
 	for (int k = 0; k < s->l->set_count; k++) {
-		const rb_vec3 moves = rb_vec3_sub(s->joint.body[k].linear, before[k].linear);
-		const rb_vec3 turns = rb_vec3_sub(s->joint.body[k].angular, before[k].angular);
+		const rb_vec3 linear_change = rb_vec3_sub(s->problem.body[k].linear,
+		                                          before[k].linear);
+		const rb_vec3 angular_change = rb_vec3_sub(s->problem.body[k].angular,
+		                                           before[k].angular);
 		const double reach = rb_model_reach(s->l->model, s->l->set[k]);
 
-		max = fmax(max, rb_vec3_length(moves));
+		max = fmax(max, rb_vec3_length(linear_change));
 		if (s->l->top)
-			max = fmax(max, reach * rb_vec3_length(turns));
+			max = fmax(max, reach * rb_vec3_length(angular_change));
 	}
 	return max;
 }
 
-/* Largest rebound among those that end, m/s. */
+/* Largest rebound among contacts that end, m/s. */
 static double largest_rebound(const struct impact *s, const bool *ends)
 {
 	double max = 0;
@@ -342,11 +342,11 @@ static double largest_rebound(const struct impact *s, const bool *ends)
 	for (int k = 0; k < s->contact_point_count; k++)
 		if (ends[k])
 			max = fmax(max, fabs(rb_vec3_dot(velocity_after(s, k),
-			                                 s->joint.contact[k].normal)));
+			                                 s->problem.contact[k].normal)));
 	return max;
 }
 
-/* Velocities from `before` without the rebounds of `drift`. */
+/* Sets the velocities `before` without the rebounds of `drift`. */
 static void stop_from(struct impact *s, struct rb_drift *drift, const struct rb_solver_body *before)
 {
 	for (int k = 0; k < s->l->set_count; k++) {
@@ -355,22 +355,22 @@ static void stop_from(struct impact *s, struct rb_drift *drift, const struct rb_
 	}
 	rb_drift_stop(drift);
 	for (int k = 0; k < s->l->set_count; k++) {
-		s->joint.body[k].linear = s->pose[k].velocity;
-		s->joint.body[k].angular = s->pose[k].spin;
+		s->problem.body[k].linear = s->pose[k].velocity;
+		s->problem.body[k].angular = s->pose[k].spin;
 	}
 }
 
 /*
- * Stops contacts of connected points together: the smallest change that leaves no rebound, which
- * dissipates. Contacts that it would make approach, or lift from rest, are stopped too. Not at any
- * price: for a body rolling over an edge that stands out by rounding, only rest would satisfy both
- * sides.
+ * Stops contacts of connected points together, by the smallest change that removes their rebounds,
+ * which dissipates. Contacts that it would make approach, or lift from rest, are stopped too.
+ * Undone if it changes too much: for a body that rolls over an edge that protrudes by rounding,
+ * only rest would satisfy both sides.
  */
 static void stop_together(struct impact *s, bool *ends)
 {
 	struct rb_drift drift = drift_of(s, ends);
 
-	drift.tries = true;
+	drift.is_trial = true;
 	const size_t count = (size_t)s->l->set_count;
 	struct rb_solver_body *const before = rb_arena_take(s->l->arena, count, sizeof *before);
 	bool *const stopped = rb_arena_take(s->l->arena, (size_t)s->contact_point_count,
@@ -378,27 +378,28 @@ static void stop_together(struct impact *s, bool *ends)
 	bool more = before && stopped;
 
 	for (int k = 0; k < s->contact_point_count && more; k++)
-		stopped[k] = fabs(rb_vec3_dot(velocity_after(s, k), s->joint.contact[k].normal)) <=
-		             s->joint.contact[k].noise;
+		stopped[k] = fabs(rb_vec3_dot(velocity_after(s, k),
+		                              s->problem.contact[k].normal)) <=
+		             s->problem.contact[k].noise;
 	if (more)
-		memcpy(before, s->joint.body, count * sizeof *before);
+		memcpy(before, s->problem.body, count * sizeof *before);
 	const double rebound = largest_rebound(s, ends);
 	for (int pass = 0; pass <= s->contact_point_count && more; pass++) {
 		stop_from(s, &drift, before);
-		more = pass < s->contact_point_count && keep_what_moves(s, stopped, ends);
+		more = pass < s->contact_point_count && add_moving(s, stopped, ends);
 	}
 	if (!before || !stopped)
 		s->l->status = RB_FAIL(s->l->err, RB_ERR_MEMORY, "no memory for a contact");
-	else if (!(largest_change(s, before) <= dear * rebound))
-		memcpy(s->joint.body, before, count * sizeof *before);
+	else if (!(largest_change(s, before) <= stop_ratio_max * rebound))
+		memcpy(s->problem.body, before, count * sizeof *before);
 	else if (s->l->account_s) { /* repeated with ledger entries */
-		drift.tries = false;
+		drift.is_trial = false;
 		stop_from(s, &drift, before);
 	}
 }
 
 /*
- * Ends series of rebounds that stay within rounding of sizes: the contact lasts from here and is
+ * Ends series of rebounds that stay within rounding of sizes: the contact lasts from now on and is
  * reported at the limit of the series.
  */
 static void end_accumulations(struct impact *s)
@@ -428,14 +429,14 @@ static void end_accumulations(struct impact *s)
 		                                               .b = s->contact_point[k].b};
 	}
 	if (any && s->joints.count > 0)
-		rb_joint_stops_end_drives(&s->joints, &s->joint, s->pose, s->t, s->slack);
+		rb_joint_stops_end_drives(&s->joints, &s->problem, s->pose, s->t, s->slack);
 	if (any && single)
 		stop_one_by_one(s, ends);
 	else if (any)
 		stop_together(s, ends);
 }
 
-/* One event for each pair: the sum of its impulses at their centre. */
+/* Records one event for each pair: the sum of its impulses, at their centre. */
 static void record_pair(struct impact *s, int first, int end)
 {
 	struct rb_contact_point m = s->contact_point[first];
@@ -443,7 +444,7 @@ static void record_pair(struct impact *s, int first, int end)
 	double approach = 0, normal_impulse = 0;
 
 	for (int k = first; k < end; k++) {
-		const struct rb_solver_contact *c = &s->joint.contact[k];
+		const struct rb_solver_contact *c = &s->problem.contact[k];
 		const double own = rb_vec3_dot(c->impulse, c->normal);
 
 		impulse = rb_vec3_add(impulse, c->impulse);
@@ -481,7 +482,7 @@ static void record_impacts(struct impact *s)
 /* ---- the ledger ---- */
 
 /* Relative velocities before the impact, for the ledger; NULL without one. */
-static rb_vec3 *see_approaches(struct impact *s)
+static rb_vec3 *velocities_before(struct impact *s)
 {
 	struct rb_located *l = s->l;
 
@@ -501,56 +502,59 @@ static rb_vec3 *see_approaches(struct impact *s)
 static void enter_impulses(struct impact *s, const rb_vec3 *approach)
 {
 	for (int k = 0; approach && k < s->contact_point_count; k++)
-		rb_work_impact(s->l, &s->contact_point[k], s->joint.contact[k].impulse, approach[k],
-		               velocity_after(s, k));
+		rb_work_impact(s->l, &s->contact_point[k], s->problem.contact[k].impulse,
+		               approach[k], velocity_after(s, k));
 	if (s->joints.count > 0)
-		rb_joint_stops_enter_impact(&s->joints, &s->joint, s->t);
+		rb_joint_stops_enter_impact(&s->joints, &s->problem, s->t);
 }
 
 /*
- * Solves the impact; anew where rebounds at stops would go on within rounding: each time at least
- * one of these has no restitution any more, or one drive more takes part.
+ * Solves the impact; repeats it if rebounds at stops would continue within rounding: each time at
+ * least one stop loses its restitution, or another drive takes part.
  */
 static bool solve_impact(struct impact *s, int *rounds)
 {
 	bool solved, more;
 
 	do {
-		solved = rb_simultaneous_impact(&s->joint, rounds);
-		more = solved && rb_joint_stops_include(&s->joints, &s->joint);
+		solved = rb_simultaneous_impact(&s->problem, rounds);
+		more = solved && rb_joint_stops_include(&s->joints, &s->problem);
 		if (more)
 			pose_joints(s);
 		else
-			more = solved && rb_joint_stops_end(&s->joints, &s->joint, s->t);
+			more = solved && rb_joint_stops_end(&s->joints, &s->problem, s->t);
 		for (int k = 0; k < s->l->set_count && more; k++) {
-			s->joint.body[k].linear = s->pose[k].velocity;
-			s->joint.body[k].angular = s->pose[k].spin;
+			s->problem.body[k].linear = s->pose[k].velocity;
+			s->problem.body[k].angular = s->pose[k].spin;
 		}
 	} while (more && s->l->status == RB_OK);
 	return solved;
 }
 
-/* m/s of each contact: what counts as rest for it, because its bodies are in a jam. */
+/*
+ * Speed of each contact that counts as rest, m/s, because its bodies are jammed in interleaved
+ * impacts. True: they are.
+ */
 static bool note_interleaved(struct impact *s, double *speed)
 {
 	const struct rb_contact_point *const first = s->contact_point;
-	bool many = false;
-	double met = 0;
+	bool several_pairs = false;
+	double count = 0;
 
 	for (int k = 1; k < s->contact_point_count; k++)
-		many = many || first[k].a != first->a || first[k].b != first->b;
+		several_pairs = several_pairs || first[k].a != first->a || first[k].b != first->b;
 	for (int k = 0; k < s->contact_point_count; k++)
-		if (s->joint.contact[k].approach > 0)
-			met = fmax(met,
-			           rb_interleaved_note(s->l, &s->contact_point[k], s->t, many));
+		if (s->problem.contact[k].approach > 0)
+			count = fmax(count, rb_interleaved_note(s->l, &s->contact_point[k], s->t,
+			                                        several_pairs));
 	for (int k = 0; k < s->contact_point_count; k++)
-		speed[k] = rb_interleaved_speed(s->l, &s->contact_point[k], met);
+		speed[k] = rb_interleaved_speed(s->l, &s->contact_point[k], count);
 	return s->contact_point_count > 0 && speed[0] > 0;
 }
 
 /*
- * Ends what is left of a jam: what is as slow as rest in it stands still from here. Not at any
- * price, as above: a ball that slides over a fold of the floor would stop there.
+ * Ends the rest of a jam: contacts slower than its speed of rest stop here. Undone if it changes
+ * too much, as above: a ball that slides over a fold of the floor would stop there.
  */
 static void end_interleaved(struct impact *s)
 {
@@ -571,9 +575,9 @@ static void end_interleaved(struct impact *s)
 	if (!note_interleaved(s, rest))
 		return;
 	drift.before = held;
-	drift.tries = true;
+	drift.is_trial = true;
 	for (int k = 0; k < s->contact_point_count; k++) {
-		const struct rb_solver_contact *c = &s->joint.contact[k];
+		const struct rb_solver_contact *c = &s->problem.contact[k];
 		const rb_vec3 v = velocity_after(s, k);
 		const double slip = rb_vec3_length(rb_vec3_reject(v, c->normal));
 
@@ -583,12 +587,12 @@ static void end_interleaved(struct impact *s)
 			stopped = fmax(stopped, slip);
 	}
 	stopped = fmax(stopped, largest_rebound(s, ends));
-	memcpy(before, s->joint.body, members * sizeof *before);
+	memcpy(before, s->problem.body, members * sizeof *before);
 	stop_from(s, &drift, before);
-	if (!(largest_change(s, before) <= dear * stopped)) {
-		memcpy(s->joint.body, before, members * sizeof *before);
+	if (!(largest_change(s, before) <= stop_ratio_max * stopped)) {
+		memcpy(s->problem.body, before, members * sizeof *before);
 	} else if (l->account_s) { /* repeated with ledger entries */
-		drift.tries = false;
+		drift.is_trial = false;
 		stop_from(s, &drift, before);
 	}
 }
@@ -600,14 +604,14 @@ static void collide(struct impact *s)
 	int rounds = 0;
 
 	const bool too_many = rb_located_impact_cost(s->contact_point_count) > rb_located_left(l);
-	rb_vec3 *const approach = see_approaches(s);
+	rb_vec3 *const approach = velocities_before(s);
 	if (l->status != RB_OK)
 		return;
-	s->joint.interrupt = &s->l->world->interrupt;
-	s->joint.products_max = rb_located_products(l, s->contact_point_count);
+	s->problem.interrupt = &s->l->world->interrupt;
+	s->problem.products_max = rb_located_products(l, s->contact_point_count);
 	const bool converged = !too_many && solve_impact(s, &rounds);
-	rb_located_count(l, s->joint.products, s->contact_point_count);
-	if (too_many || rb_simultaneous_is_over(&s->joint)) {
+	rb_located_count(l, s->problem.products, s->contact_point_count);
+	if (too_many || rb_simultaneous_is_over(&s->problem)) {
 		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
 		                    "%d contacts together are too many to locate",
 		                    s->contact_point_count);
@@ -625,15 +629,15 @@ static void collide(struct impact *s)
 	for (int k = 0; k < l->set_count; k++) {
 		const int i = l->set[k];
 
-		s->pose[k].velocity = s->joint.body[k].linear;
-		s->pose[k].spin = s->joint.body[k].angular;
-		/* provisional: resolving contacts gives them their forces */
+		s->pose[k].velocity = s->problem.body[k].linear;
+		s->pose[k].spin = s->problem.body[k].angular;
+		/* provisional: rb_resolve_contacts finds their forces */
 		rb_arc_anchor(l, i, s->t, &s->pose[k], rb_arc_acceleration(l, i, s->t),
 		              (rb_vec3){0, 0, 0});
 	}
 }
 
-/* One simultaneous impact; returns the rounding of velocities that it leaves, m/s. */
+/* Resolves one simultaneous impact; returns the rounding error of velocities after it, m/s. */
 static double collide_once(struct rb_located *l, int a, int b, double t)
 {
 	struct impact s = {.l = l, .t = t};
@@ -641,7 +645,7 @@ static double collide_once(struct rb_located *l, int a, int b, double t)
 
 	rb_event_set_add(l, a);
 	rb_event_set_add(l, b);
-	/* a joint's own limit or rope is met by no pair */
+	/* a joint's limit or rope is no pair's impact */
 	l->touch_a = a == b ? -1 : a;
 	l->touch_b = a == b ? -1 : b;
 	s.contact_point_count = rb_event_set_grow(l, t, 0, rb_event_set_touching, &s.contact_point);
@@ -661,7 +665,7 @@ void rb_resolve_impacts(struct rb_located *l, int a, int b, double t)
 	int hit[2] = {a, b};
 	bool more = true;
 
-	/* a rim's lowest point is found like a root, with twice the digits each round */
+	/* a rim's lowest point converges like a root, with twice the digits each round */
 	for (int round = 0; more; round++) {
 		const double slack = collide_once(l, hit[0], hit[1], t);
 

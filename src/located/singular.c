@@ -7,13 +7,18 @@
 
 #include "base/error.h"
 
-/* Of the largest share of a row at nodes, the least one, where they pass such a position. */
-static const double passes = 0x1p-3;
-/* Of scale: what rounding may make of a step; more only where there is no better one. */
-static const double granted[] = {0x1p-38, 0x1p-33, 0x1p-28};
-/* What rounding makes of it at least, in ulp over the cube of that angle. */
+/*
+ * A singular position is within the step if a row's share at one node is below this part of the
+ * largest at another.
+ */
+static const double singular_ratio = 0x1p-3;
+/*
+ * Rounding error allowed in a step, relative to scale; larger values only if a smaller one fails.
+ */
+static const double rounding_allowed[] = {0x1p-38, 0x1p-33, 0x1p-28};
+/* Least rounding error, in ulp over the cube of the angle. */
 static const double noise_ulp = 4;
-/* Lengths that are tried: sixteenths of the first one, from all down to half of it. */
+/* Step lengths to try: sixteenths of the first one, from all down to half of it. */
 enum { LENGTHS = 16 };
 
 static double *shares(const struct rb_modes *w, int node)
@@ -28,14 +33,17 @@ static int compare(const void *a, const void *b)
 	return x < y ? -1 : x > y;
 }
 
-/* Of the last evaluation, by size: which of redundant rows is left to the end rounding decides. */
+/*
+ * Stores the shares of the last evaluation, sorted, because rounding decides which of redundant
+ * rows is eliminated last.
+ */
 static void keep_shares(const struct rb_modes *w, int node)
 {
 	rb_dense_shares(&w->dense, shares(w, node));
 	qsort(shares(w, node), (size_t)w->joints.count, sizeof(double), compare);
 }
 
-/* Of what is left of a row at one of so many nodes the least, as a share of the most at another. */
+/* Least ratio of a row's smallest share at one of the nodes to its largest. */
 static double least_share(const struct rb_modes *w, int nodes)
 {
 	double least = 1;
@@ -55,7 +63,8 @@ static double least_share(const struct rb_modes *w, int nodes)
 
 static bool is_near(const struct rb_modes *w)
 {
-	return w->singular.seen > RB_GAUSS_NODES && least_share(w, RB_GAUSS_NODES) < passes;
+	return w->singular.evaluations > RB_GAUSS_NODES &&
+	       least_share(w, RB_GAUSS_NODES) < singular_ratio;
 }
 
 static double noise(void *user, const double *coefficient)
@@ -65,17 +74,19 @@ static double noise(void *user, const double *coefficient)
 	                                ? rb_modes_noise(user, coefficient)
 	                                : 0;
 
-	return fmax(by_field, is_near(w) ? w->singular.granted : 0);
+	return fmax(by_field, is_near(w) ? w->singular.rounding_allowed : 0);
 }
 
-/* Is a step worth going on? The first rates are those of its beginning. */
+/* Can the step succeed? The first rates are those of its beginning. */
 static bool is_worthwhile(const struct rb_modes *w)
 {
-	const double share = w->singular.seen > RB_GAUSS_NODES ? least_share(w, RB_GAUSS_NODES) : 0;
+	const double share = w->singular.evaluations > RB_GAUSS_NODES
+	                             ? least_share(w, RB_GAUSS_NODES)
+	                             : 0;
 
-	return w->singular.seen <= RB_GAUSS_NODES ||
-	       (share < passes &&
-	        noise_ulp * DBL_EPSILON <= w->singular.granted * share * sqrt(share));
+	return w->singular.evaluations <= RB_GAUSS_NODES ||
+	       (share < singular_ratio &&
+	        noise_ulp * DBL_EPSILON <= w->singular.rounding_allowed * share * sqrt(share));
 }
 
 static enum rb_status rates(void *user, double t, const double *value, double *rate,
@@ -86,24 +97,27 @@ static enum rb_status rates(void *user, double t, const double *value, double *r
 
 	if (status != RB_OK)
 		return status;
-	keep_shares(w, w->singular.seen++ % RB_GAUSS_NODES);
+	keep_shares(w, w->singular.evaluations++ % RB_GAUSS_NODES);
 	if (!is_worthwhile(w))
 		return RB_FAIL(err, RB_ERR_PHYSICS, "a node is next to a singular position");
 	return RB_OK;
 }
 
-/* A step of that length and no other. */
+/* Attempts a step of that length only. */
 static enum rb_status attempt(struct rb_modes *w, const struct rb_gauss_problem *problem,
                               double length_s, double *try_s)
 {
 	*try_s = length_s;
-	w->singular.seen = 0;
+	w->singular.evaluations = 0;
 	return rb_gauss_step(problem, w->origin_s, try_s, 0.75 * length_s, &w->c->piece, w->l->err);
 }
 
-/* Such poses, with so much rounding granted; the longest length that will do. */
-static enum rb_status pass(struct rb_modes *w, const struct rb_gauss_problem *problem, double tried,
-                           double grant, double *try_s)
+/*
+ * Steps with projected poses and this rounding error allowed; takes the longest length that
+ * succeeds.
+ */
+static enum rb_status step_projected(struct rb_modes *w, const struct rb_gauss_problem *problem,
+                                     double length_s, double allowed, double *try_s)
 {
 	enum rb_status status = RB_ERR_PHYSICS;
 
@@ -111,10 +125,12 @@ static enum rb_status pass(struct rb_modes *w, const struct rb_gauss_problem *pr
 
 	nearest.rates = rates;
 	nearest.noise = noise;
-	w->singular = (struct rb_singular_piece){
-		.closed = true, .share = w->singular.share, .projects = true, .granted = grant};
+	w->singular = (struct rb_singular_piece){.closed = true,
+	                                         .share = w->singular.share,
+	                                         .projects = true,
+	                                         .rounding_allowed = allowed};
 	for (int k = LENGTHS; k > LENGTHS / 2 && status == RB_ERR_PHYSICS; k--) {
-		status = attempt(w, &nearest, tried * k / LENGTHS, try_s);
+		status = attempt(w, &nearest, length_s * k / LENGTHS, try_s);
 		if (w->l->status != RB_OK || !is_near(w))
 			break;
 	}
@@ -125,7 +141,7 @@ static enum rb_status pass(struct rb_modes *w, const struct rb_gauss_problem *pr
 enum rb_status rb_singular_step(struct rb_modes *w, const struct rb_gauss_problem *problem,
                                 double least_s, double *try_s)
 {
-	const double tried = *try_s;
+	const double length_s = *try_s;
 	enum rb_status status;
 
 	w->singular.projects = false;
@@ -137,17 +153,17 @@ enum rb_status rb_singular_step(struct rb_modes *w, const struct rb_gauss_proble
 			w->l->arena, RB_GAUSS_NODES * (size_t)w->joints.count, sizeof(double));
 	if (!w->singular.closed || !w->singular.share)
 		return rb_gauss_step(problem, w->origin_s, try_s, least_s, &w->c->piece, w->l->err);
-	status = attempt(w, problem, tried, try_s);
-	for (size_t m = 0; m < sizeof granted / sizeof *granted; m++)
+	status = attempt(w, problem, length_s, try_s);
+	for (size_t m = 0; m < sizeof rounding_allowed / sizeof *rounding_allowed; m++)
 		if (status == RB_ERR_PHYSICS && w->l->status == RB_OK)
-			status = pass(w, problem, tried, granted[m], try_s);
+			status = step_projected(w, problem, length_s, rounding_allowed[m], try_s);
 	if (status != RB_ERR_PHYSICS || w->l->status != RB_OK)
 		return status;
-	*try_s = tried;
+	*try_s = length_s;
 	return rb_gauss_step(problem, w->origin_s, try_s, least_s, &w->c->piece, w->l->err);
 }
 
-/* To shares of node `to` those at that time of the piece, at the nearest poses. */
+/* Stores the shares at that time of the piece, at the nearest poses, as those of node `to`. */
 static bool shares_at(struct rb_modes *w, double time_s, double *value, int to)
 {
 	rb_gauss_values(&w->c->piece, time_s, value);
@@ -160,14 +176,14 @@ static bool shares_at(struct rb_modes *w, double time_s, double *value, int to)
 double rb_singular_keep(struct rb_modes *w, double length_s, double *value)
 {
 	const bool projects = w->singular.projects;
-	bool ahead = false;
+	bool is_before_singular = false;
 
 	if (!w->singular.closed || !w->singular.share)
 		return length_s;
 	w->singular.projects = true;
 	if (shares_at(w, length_s, value, 0) && shares_at(w, 0.5 * length_s, value, 1))
-		for (int k = 0; k < w->joints.count && !ahead; k++)
-			ahead = shares(w, 0)[k] < passes * shares(w, 1)[k];
+		for (int k = 0; k < w->joints.count && !is_before_singular; k++)
+			is_before_singular = shares(w, 0)[k] < singular_ratio * shares(w, 1)[k];
 	w->singular.projects = projects;
-	return ahead ? 0.5 * length_s : length_s;
+	return is_before_singular ? 0.5 * length_s : length_s;
 }
