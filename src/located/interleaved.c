@@ -8,22 +8,22 @@
 #include "located/drift.h"
 
 /*
- * Impacts before it is a jam, and for each doubling of the height: bounces of e = 0.9 on their way
- * to 8 ulp, and as many as halve a height thrice.
+ * Impacts before it is a jam, and for each doubling of the height: about those of bounces of e =
+ * 0.9 down to 8 ulp, and those that reduce a height to an eighth.
  */
-static const double from = 128, doubles = 32;
+static const double first_impacts = 128, impacts_per_doubling = 32;
 
 static double note(struct rb_located *l, int i, int with, double natural_s, double t, bool others)
 {
 	struct rb_bounces *const series = &l->bounces[i];
 
 	if ((others || series->met_with != with) && !(series->met_s == t)) {
-		const double forgets = fmin(1, (t - series->met_s) / natural_s);
+		const double forgotten = fmin(1, (t - series->met_s) / natural_s);
 
-		series->met = 1 + series->met * (1 - forgets);
+		series->met = 1 + series->met * (1 - forgotten);
 		series->met_s = t;
 	}
-	/* of several the order says who is the last */
+	/* with several, the last partner would depend on order */
 	series->met_with = others ? -1 : with;
 	return series->met;
 }
@@ -31,7 +31,7 @@ static double note(struct rb_located *l, int i, int with, double natural_s, doub
 double rb_interleaved_note(struct rb_located *l, const struct rb_contact_point *m, double t,
                            bool others)
 {
-	double met = 0;
+	double count = 0;
 
 	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	if (!(l->weight > 0))
@@ -39,18 +39,19 @@ double rb_interleaved_note(struct rb_located *l, const struct rb_contact_point *
 	const double natural_s = sqrt(2 * rb_contact_point_size(l, m) / l->weight);
 
 	if (!rb_located_fixed(l, m->a))
-		met = note(l, m->a, m->b, natural_s, t, others);
+		count = note(l, m->a, m->b, natural_s, t, others);
 	if (!rb_located_fixed(l, m->b))
-		met = fmax(met, note(l, m->b, m->a, natural_s, t, others));
-	return met;
+		count = fmax(count, note(l, m->b, m->a, natural_s, t, others));
+	return count;
 }
 
 double rb_interleaved_speed(const struct rb_located *l, const struct rb_contact_point *m,
-                            double met)
+                            double count)
 {
-	if (!(met > from))
+	if (!(count > first_impacts))
 		return 0;
-	const double share = RB_SMALLEST_CORNER_ULP * DBL_EPSILON * exp2((met - from) / doubles);
+	const double share = RB_SMALLEST_CORNER_ULP * DBL_EPSILON *
+	                     exp2((count - first_impacts) / impacts_per_doubling);
 
 	return sqrt(2 * l->weight * fmin(share, rb_drift_correct) * rb_contact_point_size(l, m));
 }

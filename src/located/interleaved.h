@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Jams: bodies that hit one and another in turn, in series that have no formula, as a ball does
- * between a wall, the floor and a neighbour.
+ * Jams: bodies that collide with several others alternately, in interleaved series without closed
+ * form, such as a ball between a wall, the floor and a neighbour.
  *
- * Each of these series may be infinite, and each impact of one begins another anew: what one pair
- * does to rounding (located/bounces) takes as many impacts for each of the next one, and three such
- * pairs do not come to an end. So impacts count, of a body that meets another one than before or
- * several at once, within the time in which it falls by its own size; a body that flies on forgets
- * them. From FROM of them on, rebounds end that are higher than rounding, twice as high after each
- * DOUBLES more, up to the share of the size that drift may have; and what is as slow along contacts
- * sticks: they stand still together.
+ * Each of these series may be infinite, and each impact of one restarts another: a pair's series
+ * down to rounding (located/bounces) takes place for each impact of the next pair, and with three
+ * such pairs there is no end. So a body counts impacts with a different partner than before, or
+ * with several at once, within the time of a fall by its own size; in free flight it forgets them.
+ * From `first_impacts` on, rebounds end that are higher than rounding, twice as high for each
+ * `impacts_per_doubling` more, up to the drift allowed relative to the size; and contacts with
+ * tangential velocities as slow stick: the bodies come to rest together.
  *
  * Simulator's thread.
  */
@@ -26,8 +26,8 @@
 double rb_interleaved_note(struct rb_located *l, const struct rb_contact_point *m, double t,
                            bool others);
 
-/* m/s: what is no faster is at rest after so many impacts; 0: nothing but rounding is. */
+/* Speed of rest after this many impacts, m/s; 0: rounding. */
 double rb_interleaved_speed(const struct rb_located *l, const struct rb_contact_point *m,
-                            double met);
+                            double count);
 
 #endif

@@ -28,8 +28,8 @@ void rb_joint_rest_follow(struct rb_resolution *s)
 				false;
 }
 
-/* Cause of forces of joints with ends that do not yield: 0 static, 1 driven; -1: no such end. */
-static int lean_on(const struct rb_resolution *s, const bool *own)
+/* Cause of forces of joints with a fixed end: 0 static, 1 driven; -1: there is no such end. */
+static int cause_of_support(const struct rb_resolution *s, const bool *own)
 {
 	const struct rb_located *l = s->l;
 	int by = -1;
@@ -53,8 +53,8 @@ static int lean_on(const struct rb_resolution *s, const bool *own)
 }
 
 /*
- * Adds what springs, and motors and friction at their bounds, exert on bodies of a part from fixed
- * ends: they are among its external accelerations.
+ * Adds the forces of springs, and of motors and friction at their bounds, on bodies of a part by
+ * fixed ends: they are among its external accelerations.
  */
 static void add_springs(const struct rb_resolution *s, const bool *own,
                         struct rb_account_rates *rates)
@@ -91,7 +91,7 @@ void rb_joint_rest_rate(const struct rb_resolution *s, const bool *own,
                         struct rb_account_rates *rates)
 {
 	const struct rb_located *l = s->l;
-	const int by = lean_on(s, own);
+	const int by = cause_of_support(s, own);
 	rb_vec3 force = rb_vec3_neg(rb_vec3_add(rates->force[0], rates->force[1]));
 	rb_vec3 torque = rb_vec3_neg(rb_vec3_add(rates->torque[0][0], rates->torque[1][0]));
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Forces within all cones are sought as a point of convex sets: in each round all that are left by
- * the last one are entered together, by the smallest change, a little further than to their
- * surface, so that rounds come to an end where the sets have an inside in common.
+ * Forces within all cones are found as a common point of convex sets: each round enters all cones
+ * that are still violated at once, by the smallest change, a little beyond their surface, so that
+ * rounds end if the sets have a common interior.
  */
 #include "located/open_forces.h"
 
@@ -14,29 +14,32 @@
 #include "located/coupled.h"
 
 enum { ROUNDS_MAX = 32 };
-/* Share of the way to a cone's surface that a round goes, beyond it. */
-static const double beyond = 1.5;
+/* Relaxation factor: a round moves by this multiple of the distance to a cone's surface. */
+static const double over_relaxation = 1.5;
 /*
- * Share of its forces that a way may do to a body: it is nothing but rounding, in which different
- * forces for the same motion may differ as well.
+ * Largest effect of a kernel vector on a body, relative to its forces: only rounding, by which
+ * different forces for the same motion may differ as well.
  */
-static const double nothing = 1e-10;
+static const double negligible = 1e-10;
 
-/* Removes the component of v along `way`. */
-static void take_off(double *v, const double *way, size_t n)
+/* Removes the component of v along `direction`. */
+static void remove_component(double *v, const double *direction, size_t n)
 {
 	double along = 0, square = 0;
 
 	for (size_t i = 0; i < n; i++) {
-		along += v[i] * way[i];
-		square += way[i] * way[i];
+		along += v[i] * direction[i];
+		square += direction[i] * direction[i];
 	}
 	for (size_t i = 0; i < n && square > 0; i++)
-		v[i] -= along / square * way[i];
+		v[i] -= along / square * direction[i];
 }
 
-/* What forces may differ by, one way for each open unknown, [n] each; NULL: no memory. */
-static double *ways_of(const struct rb_open_forces *open, size_t *count)
+/*
+ * Kernel vectors, by which forces may differ, one for each open unknown, [n] each; NULL: out of
+ * memory.
+ */
+static double *kernel_of(const struct rb_open_forces *open, size_t *count)
 {
 	const size_t n = (size_t)open->dense->n;
 	size_t found = 0;
@@ -44,14 +47,14 @@ static double *ways_of(const struct rb_open_forces *open, size_t *count)
 	*count = 0;
 	for (int k = 0; k < open->dense->n; k++)
 		found += rb_dense_is_open(open->dense, k);
-	double *const way = rb_arena_take(open->arena, found * n + 1, sizeof *way);
-	for (int k = 0; way && k < open->dense->n; k++) {
+	double *const direction = rb_arena_take(open->arena, found * n + 1, sizeof *direction);
+	for (int k = 0; direction && k < open->dense->n; k++) {
 		if (!rb_dense_is_open(open->dense, k))
 			continue;
 		rb_dense_opened(open->dense, k);
-		memcpy(way + n * (*count)++, open->dense->right, n * sizeof *way);
+		memcpy(direction + n * (*count)++, open->dense->right, n * sizeof *direction);
 	}
-	return way;
+	return direction;
 }
 
 bool rb_open_forces_close(struct rb_open_forces *open, double *least, double *change)
@@ -59,18 +62,18 @@ bool rb_open_forces_close(struct rb_open_forces *open, double *least, double *ch
 	const size_t n = (size_t)open->dense->n;
 	const rb_arena_mark here = rb_arena_here(open->arena);
 	size_t count;
-	double *const way = ways_of(open, &count);
+	double *const direction = kernel_of(open, &count);
 
-	if (!way)
+	if (!direction)
 		return false;
 	/* modified Gram-Schmidt */
 	for (size_t k = 0; k < count; k++) {
-		double *const own = way + n * k;
+		double *const own = direction + n * k;
 
 		for (size_t j = 0; j < k; j++)
-			take_off(own, way + n * j, n);
-		take_off(least, own, n);
-		take_off(change, own, n);
+			remove_component(own, direction + n * j, n);
+		remove_component(least, own, n);
+		remove_component(change, own, n);
 	}
 	open->dense->products += (long)(n * count * (n + count));
 	rb_arena_back(open->arena, here);
@@ -94,15 +97,15 @@ static void press(int body, rb_vec3 arm, rb_vec3 force, rb_vec3 *sum)
 	sum[2 * body + 1] = rb_vec3_add(sum[2 * body + 1], rb_vec3_cross(arm, force));
 }
 
-/* Does a way leave all bodies alone, and other unknowns than those of contacts? */
-static bool does_nothing(const struct rb_open_forces *open, const double *way, rb_vec3 *sum)
+/* Does a kernel vector have no effect on bodies, and on unknowns other than those of contacts? */
+static bool has_no_effect(const struct rb_open_forces *open, const double *direction, rb_vec3 *sum)
 {
 	double forces = 0, torques = 0, force = 0, torque = 0, known = 0, all = 0;
 
 	memset(sum, 0, 2 * (size_t)open->bodies * sizeof *sum);
 	for (int k = 0; k < open->contacts; k++) {
 		const struct rb_open_contact *c = &open->contact[k];
-		const rb_vec3 f = force_of(c, way);
+		const rb_vec3 f = force_of(c, direction);
 		const double arm = fmax(c->a < 0 ? 0 : rb_vec3_length(c->arm_a),
 		                        c->b < 0 ? 0 : rb_vec3_length(c->arm_b));
 
@@ -111,33 +114,37 @@ static bool does_nothing(const struct rb_open_forces *open, const double *way, r
 		forces = fmax(forces, rb_vec3_length(f));
 		torques = fmax(torques, arm * rb_vec3_length(f));
 		for (int r = 0; r < (c->slips ? 1 : 3); r++)
-			known += way[c->row + r] * way[c->row + r];
+			known += direction[c->row + r] * direction[c->row + r];
 	}
 	for (int k = 0; k < open->dense->n; k++)
-		all += way[k] * way[k];
+		all += direction[k] * direction[k];
 	for (int k = 0; k < open->bodies; k++) {
 		force = fmax(force, rb_vec3_length(sum[2 * k]));
 		torque = fmax(torque, rb_vec3_length(sum[2 * k + 1]));
 	}
-	return all - known <= nothing * nothing * all && force <= nothing * forces &&
-	       torque <= nothing * torques;
+	return all - known <= negligible * negligible * all && force <= negligible * forces &&
+	       torque <= negligible * torques;
 }
 
-/* Orthonormal ways that do nothing, the first of `way`; returns how many. */
-static size_t keep_idle(const struct rb_open_forces *open, double *way, size_t count, rb_vec3 *sum)
+/*
+ * Orthonormalizes the kernel vectors without effect, at the beginning of `direction`; returns their
+ * number.
+ */
+static size_t keep_without_effect(const struct rb_open_forces *open, double *direction,
+                                  size_t count, rb_vec3 *sum)
 {
 	const size_t n = (size_t)open->dense->n;
 	size_t kept = 0;
 
 	for (size_t k = 0; k < count; k++) {
-		double *const own = way + n * kept;
+		double *const own = direction + n * kept;
 		double square = 0;
 
-		if (!does_nothing(open, way + n * k, sum))
+		if (!has_no_effect(open, direction + n * k, sum))
 			continue;
-		memmove(own, way + n * k, n * sizeof *own);
+		memmove(own, direction + n * k, n * sizeof *own);
 		for (size_t j = 0; j < kept; j++)
-			take_off(own, way + n * j, n);
+			remove_component(own, direction + n * j, n);
 		for (size_t i = 0; i < n; i++)
 			square += own[i] * own[i];
 		for (size_t i = 0; i < n && square > 0; i++)
@@ -147,7 +154,7 @@ static size_t keep_idle(const struct rb_open_forces *open, double *way, size_t c
 	return kept;
 }
 
-/* How far a contact's force is outside its cone, N, and the way out of it, by its unknowns. */
+/* Distance of a contact's force outside its cone, N, and the outward direction, by its unknowns. */
 static double outside(const struct rb_open_contact *c, const double *unknown, rb_vec3 *out)
 {
 	const rb_vec3 f = force_of(c, unknown);
@@ -165,9 +172,12 @@ static double outside(const struct rb_open_contact *c, const double *unknown, rb
 	return (size - c->friction * along) * per;
 }
 
-/* Contacts outside their cones, with the components along the ways of the way out; how many. */
+/*
+ * Finds contacts outside their cones, with the components of the outward directions along the
+ * kernel vectors; returns their number.
+ */
 static int outside_cones(const struct rb_open_forces *open, const double *unknown,
-                         const double *way, size_t count, double *excess, double *along)
+                         const double *direction, size_t count, double *excess, double *along)
 {
 	const size_t n = (size_t)open->dense->n;
 	int found = 0;
@@ -180,7 +190,7 @@ static int outside_cones(const struct rb_open_forces *open, const double *unknow
 		if (!(by > 0))
 			continue;
 		for (size_t j = 0; j < count; j++) {
-			const double *const own = way + n * j + c->row;
+			const double *const own = direction + n * j + c->row;
 
 			along[(size_t)found * count + j] = c->slips
 			                                           ? out.x * own[0]
@@ -192,14 +202,14 @@ static int outside_cones(const struct rb_open_forces *open, const double *unknow
 	return found;
 }
 
-/* The smallest change along the ways that enters so many cones at once. */
+/* The smallest change along the kernel vectors that enters all these cones at once. */
 static void enter(struct rb_dense *gram, const double *excess, const double *along, size_t count,
                   int found, double *step)
 {
 	gram->n = found;
 	gram->first = NULL;
 	for (int i = 0; i < found; i++) {
-		gram->right[i] = -beyond * excess[i];
+		gram->right[i] = -over_relaxation * excess[i];
 		for (int j = 0; j < found; j++) {
 			double sum = 0;
 
@@ -222,30 +232,31 @@ bool rb_open_forces_keep_law(struct rb_open_forces *open, double *unknown)
 	const rb_arena_mark here = rb_arena_here(open->arena);
 	struct rb_dense gram = {.n = 0};
 	size_t count;
-	double *const way = ways_of(open, &count);
+	double *const direction = kernel_of(open, &count);
 	rb_vec3 *const sum = rb_arena_take(open->arena, 2 * (size_t)open->bodies + 1, sizeof *sum);
 	double *const now = rb_arena_take(open->arena, n + count + 1, sizeof *now);
 	double *const excess = rb_arena_take(open->arena, contacts + 1, sizeof *excess);
 	double *const along = rb_arena_take(open->arena, contacts * count + 1, sizeof *along);
-	int left = 1;
+	int outside_count = 1;
 
-	if (!way || !sum || !now || !excess || !along ||
+	if (!direction || !sum || !now || !excess || !along ||
 	    !rb_coupled_reserve_dense(open->arena, &gram, open->contacts))
 		return false;
 	double *const step = now + n;
-	count = keep_idle(open, way, count, sum);
+	count = keep_without_effect(open, direction, count, sum);
 	memcpy(now, unknown, n * sizeof *now);
-	for (int round = 0; round < ROUNDS_MAX && left > 0 && count > 0; round++) {
-		left = outside_cones(open, now, way, count, excess, along);
-		if (left == 0)
+	for (int round = 0; round < ROUNDS_MAX && outside_count > 0 && count > 0; round++) {
+		outside_count = outside_cones(open, now, direction, count, excess, along);
+		if (outside_count == 0)
 			break;
-		enter(&gram, excess, along, count, left, step);
+		enter(&gram, excess, along, count, outside_count, step);
 		for (size_t k = 0; k < count; k++)
 			for (size_t i = 0; i < n; i++)
-				now[i] += step[k] * way[n * k + i];
-		open->dense->products += (long)(count * n + (size_t)left * (size_t)left * count);
+				now[i] += step[k] * direction[n * k + i];
+		open->dense->products += (long)(count * n + (size_t)outside_count *
+		                                                    (size_t)outside_count * count);
 	}
-	if (left == 0)
+	if (outside_count == 0)
 		memcpy(unknown, now, n * sizeof *now);
 	rb_arena_back(open->arena, here);
 	return true;

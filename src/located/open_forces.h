@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Forces of which contacts leave some open, because there are more of them than freedoms: all that
- * do the same to the bodies, and which of these are within the law.
+ * Contact forces that are not determined, because there are more contacts than degrees of freedom:
+ * the set of forces with the same effect on the bodies, and those of them that satisfy the law.
  *
  * Everything is in the arena; simulator's thread.
  */
@@ -14,31 +14,33 @@
 
 /* A contact among the unknowns of a system. */
 struct rb_open_contact {
-	int row;         /* its first unknown */
-	bool slips;      /* one unknown, the normal force with its friction; else three: axes */
+	int row;    /* its first unknown */
+	bool slips; /* one unknown, the normal force with its friction; otherwise three, by axes */
 	double friction; /* while it sticks */
 	rb_vec3 normal;
 	rb_vec3 unit;         /* force per unit of the unknown, while it slips */
-	int a, b;             /* bodies, < 0: one that forces do not move */
+	int a, b;             /* bodies, < 0: not dynamic */
 	rb_vec3 arm_a, arm_b; /* m */
 };
 
 struct rb_open_forces {
 	struct rb_arena *arena;
-	struct rb_dense *dense;          /* solved; its right side is used up */
-	struct rb_open_contact *contact; /* [contacts]; others have unknowns that are left alone */
+	struct rb_dense *dense; /* solved; its right side is overwritten */
+	struct rb_open_contact
+		*contact; /* [contacts]; unknowns of other contacts are not changed */
 	int contacts, bodies;
 };
 
 /*
- * Of all that act the same on the bodies, `least` [n] becomes the one of least squares and `change`
- * [n] the smallest change. Neither depends on the order of contacts. False: no memory.
+ * Among the forces with the same effect on the bodies, `least` [n] becomes the one of least squares
+ * and `change` [n] the smallest change. Neither depends on the order of contacts. False: out of
+ * memory.
  */
 bool rb_open_forces_close(struct rb_open_forces *open, double *least, double *change);
 
 /*
- * Brings unknowns [n] into all cones, if forces that move no body otherwise can do so; else they
- * stay. False: no memory.
+ * Brings unknowns [n] into all cones by forces without effect on the bodies, if possible; otherwise
+ * leaves them. False: out of memory.
  */
 bool rb_open_forces_keep_law(struct rb_open_forces *open, double *unknown);
 

@@ -15,7 +15,7 @@
 #include "located/mechanics.h"
 #include "located/work.h"
 
-/* Height of the smallest rebound of spheres in ulp of the size. */
+/* Height of the smallest rebound of spheres, in ulp of the size. */
 enum { SMALLEST_ULP = 8 };
 
 bool rb_pair_impact_ends(const struct rb_located *l, const struct rb_contact_point *m,
@@ -28,7 +28,7 @@ bool rb_pair_impact_ends(const struct rb_located *l, const struct rb_contact_poi
 	                              2 * closing * ulp * DBL_EPSILON * rb_contact_point_size(l, m);
 }
 
-/* True if nothing joins the body to others: it flies, or is on a piece of its own. */
+/* True if the body is not connected to others: it is in flight, or on a piece of its own. */
 static bool is_alone(const struct rb_located *l, int i)
 {
 	if (l->cluster_of[i] < 0)
@@ -48,7 +48,10 @@ static bool is_plain(const struct rb_located *l, int i)
 	       !l->model->center_of_mass && (!l->top || l->top_body[i].kind == RB_TOP_CONSTANT);
 }
 
-/* Applies an impulse: its normal part passes through the centre, only the tangential part turns. */
+/*
+ * Applies an impulse: its normal part passes through the centre, so only the tangential part
+ * changes the spin.
+ */
 static void kick(struct rb_located *l, int i, const rb_vec3 impulse[2], rb_vec3 arm,
                  struct rb_pose *pose)
 {
@@ -71,14 +74,14 @@ static double turn_inverse_mass(const struct rb_located *l, int i)
 	       (l->top ? radius * radius * l->model->inverse_inertia_scalar[i] : 0);
 }
 
-/* Counts the impact; true if its rebound is as slow as rest in the jam that it is part of. */
+/* Counts the impact; true if its rebound is slower than the speed of rest of its jam. */
 static bool ends_among_others(struct rb_located *l, const struct rb_contact_point *m,
                               double target_velocity, double t)
 {
 	return target_velocity <= rb_interleaved_speed(l, m, rb_interleaved_note(l, m, t, false));
 }
 
-/* ---- one pair in flight ---- */
+/* ---- a pair in flight ---- */
 
 /* True for a sphere on a parabola of gravity alone, in no cluster, without rotation. */
 static bool flies(const struct rb_located *l, int i)
@@ -99,8 +102,8 @@ static void fly_on(struct rb_located *l, int i, double t, rb_vec3 position, rb_v
 }
 
 /*
- * rb_pair_impact, bit for bit, where spins, friction and differences of acceleration are known to
- * be absent; false: they are not, or the rebound is slow.
+ * The same as rb_pair_impact, bit for bit, if there are no spins, friction or differences of
+ * acceleration; false: there are, or the rebound is slow.
  */
 static bool collide_in_flight(struct rb_located *l, int a, int b, double t)
 {
@@ -204,7 +207,7 @@ bool rb_pair_impact(struct rb_located *l, int a, int b, double t)
 	if (closing > 0 && c.restitution < 1)
 		rb_bounces_note(l, &m, t, target_velocity, closing, c.restitution);
 	/*
-	 * divided by n.n, which is 1 only to rounding: a wall is hit a million times along one
+	 * divided by n.n, which is 1 only to rounding: a wall may be hit a million times along one
 	 * normal
 	 */
 	const double normal = (1 + c.restitution) * approach /

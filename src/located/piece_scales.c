@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Scales of errors for the integrator, and the first step length. Rounding of a stack is that of
- * its loads, not of the small differences that are left: asking for less would shorten steps
- * without end.
+ * Scales of errors for the integrator, and the first step length. The rounding of a stack is that
+ * of its loads, not of their small differences: a smaller error would require ever shorter steps.
  */
 #include "located/piece_scales.h"
 
@@ -10,8 +9,8 @@
 #include "located/external_force.h"
 
 /*
- * Rounding is some ulp of an angle or a length, the integrator's tolerance 16 times as many. What
- * is damped would else be followed in ever shorter pieces as it comes to rest.
+ * Rounding is a few ulp of an angle or a length, the integrator's tolerance 16 times as many.
+ * Otherwise damped motion would take ever shorter pieces as it comes to rest.
  */
 static const double spring_share = 0x1p-4;
 
@@ -22,14 +21,13 @@ static double load_of(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 f
 
 	if (place < 0)
 		return 0;
-	const double moves = w->l->model->inverse_mass[body] * rb_vec3_length(force);
-	const rb_vec3 whole = rb_mechanics_point_response(w->l, body, &w->pose[place], arm, arm,
-	                                                  force);
+	const double linear = w->l->model->inverse_mass[body] * rb_vec3_length(force);
+	const rb_vec3 total = rb_mechanics_point_response(w->l, body, &w->pose[place], arm, arm, force);
 
-	return fmax(moves, rb_vec3_length(whole));
+	return fmax(linear, rb_vec3_length(total));
 }
 
-/* m: of the body, or of the joints that hold it. */
+/* Size of the body, or of its joints if larger, m. */
 static double size_of(const struct rb_modes *w, int body)
 {
 	const struct rb_joints *joints = w->l->model->joints;
@@ -41,21 +39,21 @@ static double size_of(const struct rb_modes *w, int body)
 }
 
 /*
- * m/s^2, of the points of a joined body that turns: those of its joints, and what they answer, are
- * differences of these, and round like them where they cancel, as of a balanced wheel in gimbals.
- * And by the torque of a motor at its bound, which has no row.
+ * Accelerations of points of a rotating jointed body, m/s^2: those of its joints, and the
+ * reactions, are differences of these, and round like them where they cancel, as in a balanced
+ * wheel in gimbals. Includes the torque of a motor at its bound, which has no row.
  */
 static double turning_load(const struct rb_modes *w, int k)
 {
 	const double spin = rb_vec3_length(w->pose[k].spin);
-	const double turns = fmax(spin * spin, rb_vec3_length(w->angular[k]));
+	const double angular = fmax(spin * spin, rb_vec3_length(w->angular[k]));
 
-	return turns * size_of(w, w->c->member[k]);
+	return angular * size_of(w, w->c->member[k]);
 }
 
 /*
- * m/s^2, of a member's points: what a joint's row of that multiplier does to it. Of a couple alone,
- * which a stop or a motor on the body's own axis is, all of it turns.
+ * Acceleration of a member's points by a joint's row with that multiplier, m/s^2. For a couple
+ * alone, such as a stop or motor on the body's own axis, by the rotation.
  */
 static double row_load(const struct rb_modes *w, int place, rb_vec3 linear, rb_vec3 angular,
                        double multiplier)
@@ -63,18 +61,16 @@ static double row_load(const struct rb_modes *w, int place, rb_vec3 linear, rb_v
 	if (place < 0)
 		return 0;
 	const int body = w->c->member[place];
-	const double moves = w->l->model->inverse_mass[body] * rb_vec3_length(linear);
+	const double acceleration = w->l->model->inverse_mass[body] * rb_vec3_length(linear);
 
-	if (moves > 0 || !w->l->top)
-		return moves * multiplier;
+	if (acceleration > 0 || !w->l->top)
+		return acceleration * multiplier;
 	return multiplier * size_of(w, body) *
 	       rb_vec3_length(
 		       rb_inverse_inertia_apply(w->l, body, w->pose[place].orientation, angular));
 }
 
-/*
- * Largest of a member. Forces solved together round together: all have the rounding of the largest.
- */
+/* Largest load of a member. Forces solved together have the rounding of the largest. */
 double rb_piece_scales_load(const struct rb_modes *w)
 {
 	double max = 0;
@@ -101,8 +97,9 @@ double rb_piece_scales_load(const struct rb_modes *w)
 }
 
 /*
- * m/s^2, of a member's points: what springs of joints round like, wherever they exert nothing: an
- * angle as part of a turn, a way as part of the joint's size.
+ * Acceleration of a member's points to which the rounding of joints' springs is relative, even
+ * where they exert no force, m/s^2: their torque for a turn of 1 rad, or their force for an
+ * extension by the joint's size.
  */
 static double joint_spring_load(const struct rb_modes *w)
 {
@@ -116,18 +113,18 @@ static double joint_spring_load(const struct rb_modes *w)
 		if (!(joint->stiffness > 0) ||
 		    !rb_joint_rows_spring(&w->joints, k, w->origin_s, &spring))
 			continue;
-		const double whole = joint->stiffness *
+		const double total = joint->stiffness *
 		                     (rb_linkage_turns(&joint->link) ? 1 : joint->size);
 
 		max = fmax(max,
-		           row_load(w, row->a, row->wrench.linear, row->wrench.angular_a, whole));
+		           row_load(w, row->a, row->wrench.linear, row->wrench.angular_a, total));
 		max = fmax(max,
-		           row_load(w, row->b, row->wrench.linear, row->wrench.angular_b, whole));
+		           row_load(w, row->b, row->wrench.linear, row->wrench.angular_b, total));
 	}
 	return max;
 }
 
-/* The same of springs between bodies: lengths. */
+/* The same for springs between bodies, by their lengths. */
 static double spring_load(const struct rb_modes *w)
 {
 	const struct rb_model *model = w->l->model;
@@ -149,8 +146,8 @@ static double spring_load(const struct rb_modes *w)
 }
 
 /*
- * Speed, m/s, below which a member's speed is rounding. Where forces balance, rounding is that of
- * the forces: over a piece, and at most that of a fall by its own size.
+ * Speed below which a member's speed is rounding, m/s: where forces balance, it is by rounding of
+ * the forces over a piece, and at most that of a fall by its own size.
  */
 static double balanced(const struct rb_modes *w, double load, double radius)
 {
@@ -159,11 +156,8 @@ static double balanced(const struct rb_modes *w, double load, double radius)
 	return try_s > 0 ? fmin(fall, load * try_s / 8) : fall;
 }
 
-/*
- * Length, m, over which a member's motion bends by gravitation, where that is more than its own
- * size.
- */
-static double bends_over(const struct rb_modes *w, int k)
+/* Length over which gravitation curves a member's path, m, if that is more than its own size. */
+static double curvature_length(const struct rb_modes *w, int k)
 {
 	const struct rb_located *l = w->l;
 	double depth;
@@ -191,7 +185,7 @@ double rb_piece_scales_of(struct rb_modes *w, double *scale)
 
 	for (int k = 0; k < w->c->member_count; k++) {
 		const struct rb_pose *pose = &w->pose[k];
-		const double radius = fmax(size_of(w, w->c->member[k]), bends_over(w, k));
+		const double radius = fmax(size_of(w, w->c->member[k]), curvature_length(w, k));
 		const double external = rb_vec3_length(w->linear[k]);
 		const double own = fmax(rb_vec3_length(pose->velocity), sqrt(external * radius));
 		const double speed = fmax(own, balanced(w, load, radius));
@@ -199,7 +193,7 @@ double rb_piece_scales_of(struct rb_modes *w, double *scale)
 		double *const s = scale + (size_t)k * (size_t)w->row;
 
 		for (int m = 0; m < 3; m++) {
-			/* over a long path, its rounding */
+			/* over a long path, the rounding of that */
 			s[RB_PIECE_POSITION + m] = fmax(radius, speed * w->c->try_s / 32);
 			s[RB_PIECE_VELOCITY + m] = speed > 0 ? speed : radius / l->end_s;
 		}

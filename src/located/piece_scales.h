@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* How large the values of a cluster are, against which the integrator's errors are small or not. */
+/* Scales of a cluster's values, to which the integrator's errors are relative. */
 #ifndef RB_LOCATED_PIECE_SCALES_H
 #define RB_LOCATED_PIECE_SCALES_H
 
 #include "located/modes.h"
 
 /*
- * Fills `scale`, a size > 0 for each value of the piece, after the forces at its beginning have
- * been found; returns the length to try without knowing better, s.
+ * Fills `scale`, a size > 0 for each value of the piece, from the forces at its beginning; returns
+ * the default step length, s.
  */
 double rb_piece_scales_of(struct rb_modes *w, double *scale);
 
-/* m/s^2: the largest acceleration of which those of the members are differences, then. */
+/* Largest of the accelerations whose differences are those of the members, m/s^2. */
 double rb_piece_scales_load(const struct rb_modes *w);
 
-/* s: the shortest in which that load would move a member by its size; HUGE_VAL: there is none. */
+/* Shortest time in which that load would move a member by its size, s; HUGE_VAL: none. */
 double rb_piece_scales_fall(const struct rb_modes *w);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A flat end that comes down on a surface touches at a point of its rim, then along all of it. The
- * rolling rim is followed by the half that its lowest point is in; where the opposite half closes
- * the last roundings, the contact becomes an impact of the whole rim.
+ * A flat end that lands on a surface touches at a point of its rim, then along all of it. A rolling
+ * rim is followed by the half that contains its lowest point; when the gap of the opposite half is
+ * within rounding, the contact becomes an impact of the whole rim.
  */
 #include "located/rim_landing.h"
 
@@ -33,17 +33,17 @@ bool rb_rim_landing_begin(struct rb_modes *w)
 	struct rb_located *l = w->l;
 	struct rb_cluster *c = w->c;
 	const rb_vec3 none = {0, 0, 0};
-	int which = -1;
+	int contact = -1;
 
 	set_halves(w);
-	for (int k = 0; k < c->held_count && which < 0; k++) {
+	for (int k = 0; k < c->held_count && contact < 0; k++) {
 		const struct rb_contact_point m = rb_event_set_contact_point(l, &c->held[k],
 		                                                             w->origin_s);
 
 		if (rb_event_set_landing_gap(l, &m) > 0)
-			which = k;
+			contact = k;
 	}
-	if (which < 0)
+	if (contact < 0)
 		return false;
 	for (int k = 0; k < c->member_count; k++) {
 		const struct rb_pose pose = rb_arc_pose(l, c->member[k], w->origin_s);
@@ -52,7 +52,7 @@ bool rb_rim_landing_begin(struct rb_modes *w)
 	}
 	c->integrated = false;
 	c->has_jumped = c->hits = true;
-	c->hit_a = c->held[which].a;
-	c->hit_b = c->held[which].b;
+	c->hit_a = c->held[contact].a;
+	c->hit_b = c->held[contact].b;
 	return true;
 }

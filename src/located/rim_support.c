@@ -36,7 +36,7 @@ struct rim_state {
 	 * last line that carried the load: its direction, and the load's coordinate along it, radii
 	 */
 	rb_vec3 along;
-	double aside;
+	double offset;
 	bool moves; /* quarters must start at `start` */
 	rb_vec3 start;
 	int contact; /* a contact of the rim */
@@ -133,23 +133,23 @@ static double angle_step(const struct rim_state *rim_state, rb_vec3 direction, r
 }
 
 /*
- * Point, in radii, that should carry a load with coordinate `aside` along the line: the
+ * Point, in radii, that should carry a load with coordinate `offset` along the line: the
  * intersection with the previous line, if these cross; otherwise on the rim.
  */
 static rb_vec3 carrying_point(const struct rim_state *rim_state, rb_vec3 normal, rb_vec3 along,
-                              double aside)
+                              double offset)
 {
 	const rb_vec3 down = rb_vec3_cross(along, normal);
 	const rb_vec3 across = rb_vec3_cross(normal, rim_state->along);
 	const double between = rb_vec3_dot(along, across);
 	const rb_vec3 both = rb_vec3_sub(
-		rb_vec3_scale(aside, across),
-		rb_vec3_scale(rim_state->aside, rb_vec3_cross(normal, along)));
+		rb_vec3_scale(offset, across),
+		rb_vec3_scale(rim_state->offset, rb_vec3_cross(normal, along)));
 
 	if (fabs(between) > crossing)
 		return rb_vec3_unit(rb_vec3_scale(1 / between, both), down);
-	return rb_vec3_add(rb_vec3_scale(aside, along),
-	                   rb_vec3_scale(sqrt(fmax(0, 1 - aside * aside)), down));
+	return rb_vec3_add(rb_vec3_scale(offset, along),
+	                   rb_vec3_scale(sqrt(fmax(0, 1 - offset * offset)), down));
 }
 
 /* Sets `moves` and `start`, depending on whether the rim would penetrate. */
@@ -165,12 +165,12 @@ static void inspect_rim(const struct rb_resolution *s, struct rim_state *rim_sta
 		return;
 	const rb_vec3 down = rb_vec3_scale(1 / steep, slope), along = rb_vec3_cross(n, down);
 	const rb_vec3 at = rb_vec3_scale(1 / (load.force * rim_state->rim.radius), load.pressed);
-	const double aside = rb_vec3_dot(at, along), ahead = rb_vec3_dot(at, down);
+	const double offset = rb_vec3_dot(at, along), ahead = rb_vec3_dot(at, down);
 
 	if (load.pressing == 1 && ahead > 0 && rb_vec3_length(at) > on_rim) {
-		const double off = -atan2(aside, ahead);
+		const double off = -atan2(offset, ahead);
 
-		if (!(fabs(aside) * steep > noise))
+		if (!(fabs(offset) * steep > noise))
 			return;
 		const double by = angle_step(rim_state, at, n, off);
 		rim_state->start = rb_vec3_add(rb_vec3_scale(cos(by), at),
@@ -179,9 +179,9 @@ static void inspect_rim(const struct rb_resolution *s, struct rim_state *rim_sta
 		rim_state->off = off;
 		rim_state->moves = true;
 	} else if (load.bias - steep < -noise) {
-		rim_state->start = carrying_point(rim_state, n, along, aside);
+		rim_state->start = carrying_point(rim_state, n, along, offset);
 		rim_state->along = along;
-		rim_state->aside = aside;
+		rim_state->offset = offset;
 		rim_state->moves = true;
 	}
 }

@@ -78,7 +78,7 @@ double rb_slips_turn_rate(const struct rb_resolution *s, int k)
 /* ---- forces ---- */
 
 /* Place of a member, or a copy of a fixed body's accelerations. */
-static int problem_body(struct rb_resolution *s, int body)
+static int body_of(struct rb_resolution *s, int body)
 {
 	const struct rb_located *l = s->l;
 
@@ -125,18 +125,18 @@ static void fill_contact(struct rb_resolution *s, int k)
 	const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
 	const double speed = rb_vec3_length(slip);
 	const double rest_speed = 4 * rb_contact_point_noise(l, m) + s->slack;
-	struct rb_event_set_left left = {.sticks = false};
-	const bool has_left = before->a < 0 && rb_event_set_left_of(l, m, &left);
-	const bool sticks = before->a >= 0 ? !before->slipping || before->ending : left.sticks;
+	struct rb_event_set_left previous = {.sticks = false};
+	const bool has_left = before->a < 0 && rb_event_set_left_of(l, m, &previous);
+	const bool sticks = before->a >= 0 ? !before->slipping || before->ending : previous.sticks;
 	const bool stuck = sticks && !rb_slips_is_after_impact(s, m);
 
 	*c = rb_mechanics_contact(l, m);
-	c->a = problem_body(s, m->a);
-	c->b = problem_body(s, m->b);
+	c->a = body_of(s, m->a);
+	c->b = body_of(s, m->b);
 	if (before->a >= 0)
 		c->impulse = before->force;
 	else if (has_left)
-		c->impulse = left.force;
+		c->impulse = previous.force;
 	c->slip = s->slip[k];
 	if (s->releases_friction && stick_has_ended(before))
 		c->friction = 0;
@@ -167,13 +167,13 @@ static void share_loads(struct rb_resolution *s)
 {
 	for (int k = 0; k < s->contact_point_count; k++)
 		for (int i = 0; i < s->contact_point_count && s->before[k].a < 0; i++) {
-			const struct rb_contact_point *const mine = &s->contact_point[k],
+			const struct rb_contact_point *const added = &s->contact_point[k],
 							     *const other = &s->contact_point[i];
-			const bool same = mine->a == other->a || mine->b == other->b;
-			const double along = rb_vec3_dot(mine->normal, other->normal);
+			const bool same = added->a == other->a || added->b == other->b;
+			const double along = rb_vec3_dot(added->normal, other->normal);
 
 			if (s->before[i].a < 0 || !rb_slips_press(s, i) ||
-			    !rb_event_set_is_shared_place(s->l, mine, other) ||
+			    !rb_event_set_is_shared_place(s->l, added, other) ||
 			    !((same ? along : -along) > same_direction))
 				continue;
 			const rb_vec3 half = rb_vec3_scale(0.5, s->problem.contact[i].impulse);
@@ -336,16 +336,16 @@ bool rb_slips_straight(const struct rb_resolution *s, int k, rb_vec3 slip)
 {
 	const rb_vec3 rate = slip_rate(s, k);
 	const double along = rb_vec3_dot(rate, slip);
-	const double aside = rb_vec3_length(rb_vec3_add_scaled(rate, -along, slip));
+	const double transverse = rb_vec3_length(rb_vec3_add_scaled(rate, -along, slip));
 	const double speed = rb_vec3_length(
 		rb_vec3_reject(s->contact_point[k].velocity, s->contact_point[k].normal));
 	const double largest = rb_vec3_length(s->contact_point[k].pose_a.velocity) +
 	                       rb_vec3_length(s->contact_point[k].pose_b.velocity);
 
-	if (aside <= STRAIGHT_ULP * DBL_EPSILON * s->external_max)
+	if (transverse <= STRAIGHT_ULP * DBL_EPSILON * s->external_max)
 		return true;
 	/* nor does it turn if it ends within the rounding of time */
-	return along < 0 && (aside * speed <= -along * 16 * DBL_EPSILON * largest ||
+	return along < 0 && (transverse * speed <= -along * 16 * DBL_EPSILON * largest ||
 	                     speed <= -along * 16 * DBL_EPSILON * s->t);
 }
 
@@ -401,15 +401,15 @@ static bool stop_slow_slips(struct rb_resolution *s)
 static bool previous_direction(const struct rb_resolution *s, int k, rb_vec3 *direction)
 {
 	const struct rb_held *before = &s->before[k];
-	struct rb_event_set_left left;
+	struct rb_event_set_left previous;
 
 	if (rb_slips_is_after_impact(s, &s->contact_point[k]))
 		return false;
 	if (before->a < 0) {
-		if (!rb_event_set_left_of(s->l, &s->contact_point[k], &left))
+		if (!rb_event_set_left_of(s->l, &s->contact_point[k], &previous))
 			return false;
-		*direction = left.slip;
-		return is_given(left.slip);
+		*direction = previous.slip;
+		return is_given(previous.slip);
 	}
 	*direction = before->slip;
 	return before->slipping && !before->ending;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Painleve's paradox (1895): with large friction a sliding contact may have no finite force. The
- * solver then reports less friction than the material's; here the slip is stopped by an impulse
- * (impact without collision), of a pair alone by constraint/eccentric, of several by
+ * solver then reports less friction than the material's, and the slip is stopped here by an impulse
+ * (impact without collision): for a single pair by constraint/eccentric, for several by
  * located/painleve.
  */
 #include "located/tangential_impact.h"
@@ -15,8 +15,8 @@
 #include "located/event_records.h"
 #include "located/work.h"
 
-/* Share of friction that the solver left out where no solution has all of it; above its residue. */
-static const double left_out = 1e-9;
+/* Share of friction that is missing where the solver has reduced it; above its residual. */
+static const double reduced_share = 1e-9;
 
 /* True for a member of the set. */
 static bool is_dynamic(const struct rb_resolution *s, int body)
@@ -32,15 +32,15 @@ static int part_of(const struct rb_resolution *s, int k)
 	return rb_forest_root(s->root, s->l->place[is_dynamic(s, m->a) ? m->a : m->b]);
 }
 
-/* True if it slips with less than its friction, which means that the law has no force. */
-static bool is_seized(const struct rb_resolution *s, int k)
+/* True if it slips with less than its friction, because no force satisfies the law. */
+static bool lacks_solution(const struct rb_resolution *s, int k)
 {
 	const struct rb_solver_contact *c = &s->problem.contact[k];
 	const double normal_impulse = rb_vec3_dot(c->impulse, c->normal);
 	const double friction_impulse = rb_vec3_length(rb_vec3_reject(c->impulse, c->normal));
 
 	return c->mode == RB_SOLVER_SLIDE && normal_impulse > 0 &&
-	       friction_impulse < c->friction * normal_impulse * (1 - left_out);
+	       friction_impulse < c->friction * normal_impulse * (1 - reduced_share);
 }
 
 /* True if no other pair presses in this part. */
@@ -85,7 +85,7 @@ static void apply(struct rb_resolution *s, int body, const struct rb_pose *pose,
 }
 
 /* Stops the slip at one point; false: no impulse does. */
-static bool seize_at(struct rb_resolution *s, const struct rb_contact_point *m)
+static bool stop_at_point(struct rb_resolution *s, const struct rb_contact_point *m)
 {
 	rb_vec3 change;
 	const rb_vec3 impulse = rb_painleve_impulse(s->l, m, &change);
@@ -100,10 +100,10 @@ static bool seize_at(struct rb_resolution *s, const struct rb_contact_point *m)
 }
 
 /*
- * Stops all pressing contacts of a part, or (`slows`) as many as the first one takes; false:
- * impulses within friction do not.
+ * Stops all pressing contacts of a part, or (`first_only`) reduces slips until the first one ends;
+ * false: impulses within friction cannot.
  */
-static bool seize_part(struct rb_resolution *s, int part, bool slows)
+static bool stop_part(struct rb_resolution *s, int part, bool first_only)
 {
 	struct rb_located *l = s->l;
 	const int max = s->contact_point_count;
@@ -131,20 +131,20 @@ static bool seize_part(struct rb_resolution *s, int part, bool slows)
 			continue;
 		contact_point[painleve.count] = s->contact_point[k];
 		friction[painleve.count] = c->friction;
-		/* along what would grow */
+		/* in the direction of the diverging forces */
 		force[painleve.count] = rb_vec3_scale(
 			rb_vec3_dot(c->impulse, c->normal),
 			rb_vec3_add_scaled(c->normal, -c->friction, c->slip));
 		painleve.count++;
 	}
-	if (!(slows ? rb_painleve_slow(&painleve) : rb_painleve_stop(&painleve)))
+	if (!(first_only ? rb_painleve_slow(&painleve) : rb_painleve_stop(&painleve)))
 		return false;
 	for (int k = 0; k < l->set_count; k++) {
 		s->pose[k].velocity = rb_vec3_add(s->pose[k].velocity, painleve.linear[k]);
 		s->pose[k].spin = rb_vec3_add(s->pose[k].spin, painleve.angular[k]);
 	}
 	for (int k = 0; k < painleve.count; k++) {
-		/* painleve.scratch: what the impulses have added */
+		/* painleve.scratch: changes of velocity by the impulses */
 		rb_work_impact(l, &contact_point[k], painleve.impulse[k], contact_point[k].velocity,
 		               rb_vec3_add(contact_point[k].velocity, painleve.scratch[k]));
 		rb_record_impact(l, s->t, &contact_point[k], painleve.impulse[k], 0);
@@ -153,8 +153,8 @@ static bool seize_part(struct rb_resolution *s, int part, bool slows)
 }
 
 /*
- * What an impulse that ends a slip within rounding of places lifts by less than that (of corners,
- * as of rebounds) is stopped: it would fall back, slip and be lifted again, without end.
+ * Stops contacts that an impulse has lifted by less than rounding of sizes (of corners, as for
+ * rebounds): they would fall back, slip and be lifted again, without end.
  */
 static void stop_small_lifts(struct rb_resolution *s)
 {
@@ -178,9 +178,8 @@ static void stop_small_lifts(struct rb_resolution *s)
 }
 
 /*
- * Ends the slips of a part all of whose points move so slowly that any force would end them within
- * rounding of places: an impulse for each would leave others that are as slow. False: one is
- * faster.
+ * Ends the slips of a part if all of its points are so slow that any force would stop them within
+ * rounding of positions: individual impulses would leave others as slow. False: one is faster.
  */
 static bool stop_slight_slips(struct rb_resolution *s, int part)
 {
@@ -214,7 +213,7 @@ bool rb_tangential_impact(struct rb_resolution *s)
 	bool any = false;
 
 	for (int k = 0; k < s->contact_point_count && !any; k++) {
-		if (!is_seized(s, k))
+		if (!lacks_solution(s, k))
 			continue;
 		any = stop_slight_slips(s, part_of(s, k));
 		if (any)
@@ -225,17 +224,18 @@ bool rb_tangential_impact(struct rb_resolution *s)
 		int first;
 
 		/*
-		 * points of a pair that stop together are all stopped, which is more than their
-		 * middle
+		 * if the points of a pair can stop together, all are stopped, which is more than
+		 * their centre
 		 */
 		any = (!alone ||
 		       (rb_slips_pair(s, k, &first) > first + 1 && c->restitution == 0)) &&
-		      seize_part(s, part_of(s, k), false);
-		any = any || (alone && seize_at(s, &middle)) || seize_part(s, part_of(s, k), true);
+		      stop_part(s, part_of(s, k), false);
+		any = any || (alone && stop_at_point(s, &middle)) ||
+		      stop_part(s, part_of(s, k), true);
 	}
 	if (any)
 		stop_small_lifts(s);
-	/* provisional: resolving again gives them their forces */
+	/* provisional: resolving again finds the forces */
 	for (int k = 0; k < s->l->set_count && any; k++)
 		rb_arc_anchor(s->l, s->l->set[k], s->t, &s->pose[k], none, none);
 	return any;
@@ -244,7 +244,7 @@ bool rb_tangential_impact(struct rb_resolution *s)
 int rb_tangential_impact_hit(const struct rb_resolution *s)
 {
 	double fastest = 0;
-	int which = -1;
+	int contact = -1;
 
 	for (int k = 0; k < s->contact_point_count; k++) {
 		const struct rb_contact_point *m = &s->contact_point[k];
@@ -254,7 +254,7 @@ int rb_tangential_impact_hit(const struct rb_resolution *s)
 		if (!(approach > fmax(fastest, noise)) || rb_contact_point_passes(s->l, m, s->t))
 			continue;
 		fastest = approach;
-		which = k;
+		contact = k;
 	}
-	return which;
+	return contact;
 }

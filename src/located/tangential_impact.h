@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * For located/resolve_contacts: slips that no force allows. Where friction at its limit presses
- * harder together than the contact yields, and the other forces press, too, no finite force keeps
- * the bodies apart (Painleve; Genot, Brogliato, Eur. J. Mech. A 18 (1999) 653): slip ends at that
- * moment by an impulse, that of an impact that begins without an approach.
+ * For located/resolve_contacts: slips that no force allows. If friction at its limit presses the
+ * bodies together more than the normal force separates them, and the other forces press them
+ * together, too, no finite force prevents penetration (Painleve; Genot, Brogliato, Eur. J. Mech. A
+ * 18 (1999) 653): slip ends at that moment by an impulse, that of an impact without an approach.
  */
 #ifndef RB_LOCATED_TANGENTIAL_IMPACT_H
 #define RB_LOCATED_TANGENTIAL_IMPACT_H
@@ -11,18 +11,18 @@
 #include "located/slips.h"
 
 /*
- * `s` is solved, and its roots are joined. True: there was one, bodies have other velocities, and
- * are to be resolved anew, as after an impact. One pair alone follows the law of
- * constraint/eccentric, with its restitution, several points of it as one in their middle; of
- * several pairs all points are stopped, where that is within their cones, and give nothing back.
- * Where neither is possible impulses along the forces end the first of the slips.
- * What is so slow that any force would stop it within rounding of places is stopped at once.
+ * `s` is solved, and its roots are joined. True: there was such an impulse; velocities have
+ * changed, and contacts must be resolved anew, as after an impact. A single pair follows the law of
+ * constraint/eccentric, with its restitution, several points of it as one at their centre; for
+ * several pairs all points are stopped without restitution, if that is within their cones. If
+ * neither is possible, impulses along the forces end the first of the slips. Slips so slow that any
+ * force would stop them within rounding of positions are stopped at once.
  */
 bool rb_tangential_impact(struct rb_resolution *s);
 
 /*
- * The contact that such an impulse, at another point of the pair, has made to approach most, beyond
- * rounding: an impact; -1: none.
+ * Returns the contact that approaches most, beyond rounding, because of such an impulse at another
+ * point: an impact; -1: none.
  */
 int rb_tangential_impact_hit(const struct rb_resolution *s);
 

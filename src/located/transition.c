@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The next change of a cluster on parabolas in closed form: the end of a slip, a body leaving a
+ * The next change of a cluster on parabolas, in closed form: the end of a slip, a body leaving a
  * rectangle, drift out of the touching band. Clusters on pieces change at the end of their piece,
- * which mode_checks has cut there.
+ * where mode_checks has cut it.
  */
 #include "located/transition.h"
 

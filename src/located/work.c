@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Work and momentum for the ledger. Energy goes by cause; momentum is entered where it leaves the
- * dynamic bodies, at static and driven ones. Work of an impulse is its product with the mean of the
- * velocities before and after, exactly.
+ * Work and momentum for the ledger. Energy is entered by cause; momentum where it leaves the
+ * dynamic bodies, at static and driven ones. The work of an impulse is exactly its product with the
+ * mean of the velocities before and after.
  */
 #include "located/work.h"
 
@@ -15,10 +15,7 @@ static enum rb_ledger_momentum cause_of(const struct rb_located *l, int body)
 	return rb_located_driven(l, body) ? RB_MOMENTUM_DRIVEN : RB_MOMENTUM_STATIC;
 }
 
-/*
- * Enters the impulse or force of a fixed body on a dynamic one, at a point moving with that
- * velocity.
- */
+/* Enters the impulse or force of a fixed body on a dynamic one, at a point with that velocity. */
 static void add_fixed(const struct rb_located *l, int body, rb_vec3 impulse, rb_vec3 point,
                       rb_vec3 velocity, struct rb_entries *e)
 {
@@ -39,7 +36,7 @@ static rb_vec3 velocity_at(const struct rb_pose *pose, rb_vec3 arm)
 static void add_sides(const struct rb_located *l, const struct rb_contact_point *m, rb_vec3 on_b,
                       struct rb_entries *e)
 {
-	/* at the point of the dynamic body: across a gap the other one is elsewhere */
+	/* at the point of the dynamic body: with a gap, that of the other one is elsewhere */
 	add_fixed(l, m->a, on_b, rb_vec3_add(m->pose_b.position, m->arm_b),
 	          velocity_at(&m->pose_a, m->arm_a), e);
 	add_fixed(l, m->b, rb_vec3_neg(on_b), rb_vec3_add(m->pose_a.position, m->arm_a),
@@ -170,8 +167,8 @@ static void add_attraction(const struct rb_modes *w, int i, enum rb_ledger_momen
 }
 
 /*
- * Rates of gravitation: of those that do not yield, and of forces without a reaction. Between
- * bodies that attract by their mass nothing is lost or won.
+ * Rates of gravitation: by bodies that are not dynamic, and by forces without reaction. Between
+ * bodies that attract by their masses, energy and momentum are conserved.
  */
 static void add_gravitation(const struct rb_modes *w, double t, struct rb_entries *rate)
 {
@@ -203,9 +200,9 @@ static void add_gravitation(const struct rb_modes *w, double t, struct rb_entrie
 }
 
 /*
- * W: how fast potentials of fields change with time where members are, by differences of fourth
+ * Rate of change with time of the potentials of fields at the members, W, by differences of fourth
  * order over a share of the piece. Functions that do not depend on time give the same number each
- * time, and nothing.
+ * time, and so exactly zero.
  */
 static void add_potentials(const struct rb_modes *w, double t, struct rb_entries *rate)
 {

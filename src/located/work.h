@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What impacts and forces of contacts do, for the ledger. An impulse P between two points does the
- * work P . u, where u is the mean of their relative velocities before and after it, exactly,
- * however many others act with it: the kinetic energy is quadratic in the velocities and the
+ * Work of impacts and contact forces, for the ledger. An impulse P between two points does exactly
+ * the work P . u, where u is the mean of their relative velocities before and after it, regardless
+ * of other simultaneous impulses: the kinetic energy is quadratic in the velocities and the
  * impulses are linear in them.
  */
 #ifndef RB_LOCATED_WORK_H
@@ -12,14 +12,14 @@
 #include "located/external_force.h"
 
 /*
- * An impact: `impulse` on b at the contact point, relative velocities of its points before and
- * after.
+ * Enters an impact: `impulse` on b at the contact point, relative velocities of its points before
+ * and after.
  */
 void rb_work_impact(struct rb_located *l, const struct rb_contact_point *m, rb_vec3 impulse,
                     rb_vec3 before, rb_vec3 after);
 
 /*
- * Power and force by cause of all that acts on a cluster at a moment of its piece, from its last
+ * Computes power and force by cause on a cluster at a moment of its piece, from its last
  * evaluation.
  */
 void rb_work_rates(const struct rb_modes *w, const struct rb_external_parts *parts, double t,
