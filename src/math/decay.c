@@ -7,10 +7,7 @@
 
 enum { ROUNDS_MAX = 128 };
 
-/*
- * sum (-z)^n / (n + 3)!, of which the terms left out are below a quarter ulp: z^n 6 / (n + 3)!
- * 2^-54 or less.
- */
+/* sum (-z)^n / (n + 3)!; the omitted terms are below a quarter ulp: z^n 6 / (n + 3)! <= 2^-54. */
 static double series(double z)
 {
 	static const double inverse[] = {
@@ -84,8 +81,9 @@ static double parabola_falls(double x, double v, double a)
 }
 
 /*
- * From the left, by what stays below the motion: where it falls faster than at its final speed, its
- * tangent; else, since its acceleration fades, the parabola of the present one.
+ * Iterates from the left with functions that stay below the motion: where it falls faster than at
+ * its final speed, its tangent; otherwise, since its acceleration decreases, the parabola with the
+ * present one.
  */
 double rb_decay_falls(double k, double x, double v, double g, double max)
 {
@@ -106,7 +104,7 @@ double rb_decay_falls(double k, double x, double v, double g, double max)
 		if (!(s + more > s))
 			return s;
 		s += more;
-		/* each round has twice the digits of the last */
+		/* each round doubles the digits */
 		if (more <= 0x1p-30 * s)
 			return s;
 	}

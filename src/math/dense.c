@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * LU decomposition with row pivots in place, whose columns are taken in order of index except for
- * those of which little is left (below the share `early` of their first size): these wait for the
- * end. Full pivoting would find the rank as well, but it destroys the band that chains of contacts
- * have and depends on the order of unknowns only by ties. A singular value decomposition was
- * rejected for its cost: the rank is needed only where the system is redundant (a table on four
- * legs), and there the kernel comes from one back substitution for each open column
- * (rb_dense_opened).
+ * LU decomposition with row pivots, in place. Columns are taken in order of index, except for those
+ * with a small rest (below the share `early` of their first size), which are postponed to the end.
+ * Full pivoting would find the rank as well, but it destroys the band structure of chains of
+ * contacts and depends on the order of unknowns only by ties. A singular value decomposition was
+ * rejected for its cost: the rank is needed only if the system is redundant (a table on four legs),
+ * and then the kernel takes one back substitution for each open column (rb_dense_opened).
  *
  * `down`, `last` and `size` hold the envelope of the matrix, by which rows and columns of zeros are
  * skipped: where the caller knows it, what is outside is neither zeroed nor read. The multipliers
@@ -22,23 +21,23 @@
 #include "math/lanes.h"
 
 /*
- * Share of a column that must be left for it to be used as a pivot while others remain. A column of
- * which less is left is nearly a combination of those before it; used first, its unknown would take
- * the components of the open ones many times over (1e6 times for four corners that slide and turn
- * on sticking contacts).
+ * Share of a column that must remain for it to be used as a pivot while there are others. A column
+ * with a smaller rest is nearly a combination of previous ones; if it were used first, its unknown
+ * would take the components of the open ones many times over (1e6 times for four corners that slide
+ * and turn on sticking contacts).
  */
 static const double early = 0x1p-5;
-/* A pivot of less of its column makes the rounding of what follows more than the margin is for. */
-static const double small = 0.25;
-/* So many times what entries round to may be left of nothing. */
+/* A pivot below this share of its column makes the following rounding errors exceed the margin. */
+static const double small_pivot = 0.25;
+/* Rest of a dependent column, in multiples of the rounding of its entries. */
 static const double margin = 16;
 
 /*
- * Columns not used yet: those of index from `from` on, n for none, and the late ones at the end of
- * `order`.
+ * Columns not yet used: those from index `from` on, n for none, and the postponed ones at the end
+ * of `order`.
  */
-struct left {
-	int from; /* n: of those in order none are left */
+struct remaining {
+	int from; /* n: no columns in order remain */
 	const int *late;
 	int late_count;
 };
@@ -51,7 +50,10 @@ static void swap(double *x, double *y)
 	*y = kept;
 }
 
-/* Zeros behind the last column of a row that nothing has written, where it grows to `end`. */
+/*
+ * Zeroes the entries after the last column of a row that have not been written, when it grows to
+ * `end`.
+ */
 static void widen(const struct rb_dense *d, int r, int end)
 {
 	for (int c = d->last[r] + 1; d->first && c <= end; c++)
@@ -59,20 +61,20 @@ static void widen(const struct rb_dense *d, int r, int end)
 }
 
 /*
- * Swaps rows p and q in the columns left. Used columns hold multipliers, which stay where they are:
+ * Swaps rows p and q in the remaining columns. Used columns hold multipliers, which stay in place:
  * rb_dense_again applies the swaps in the same order.
  */
-static void swap_rows(struct rb_dense *d, int p, int q, const struct left *left)
+static void swap_rows(struct rb_dense *d, int p, int q, const struct remaining *remaining)
 {
 	double *const x = d->matrix + p * d->n, *const y = d->matrix + q * d->n;
 	const int last = d->last[p], end = last > d->last[q] ? last : d->last[q];
 
 	widen(d, p, end);
 	widen(d, q, end);
-	for (int c = left->from; c <= end; c++)
+	for (int c = remaining->from; c <= end; c++)
 		swap(&x[c], &y[c]);
-	for (int i = 0; i < left->late_count; i++)
-		swap(&x[left->late[i]], &y[left->late[i]]);
+	for (int i = 0; i < remaining->late_count; i++)
+		swap(&x[remaining->late[i]], &y[remaining->late[i]]);
 	swap(&d->right[p], &d->right[q]);
 	d->last[p] = d->last[q];
 	d->last[q] = last;
@@ -127,15 +129,15 @@ static void survey(struct rb_dense *d)
 			d->down[c] = d->down[c - 1];
 }
 
-/* A column that waits for the end is asked for in all rows, also those that do not reach to it. */
-static void put_off(struct rb_dense *d, int k)
+/* A postponed column is read in all rows, also those that do not reach it. */
+static void postpone(struct rb_dense *d, int k)
 {
 	for (int r = 0; d->first && r < d->n; r++)
 		if (k < d->first[r] || k > d->last[r])
 			d->matrix[r * d->n + k] = 0;
 }
 
-/* at -= share * top, four numbers at a time: to the same bits. */
+/* at -= share * top, four numbers at a time, with the same bits. */
 static void subtract(double *restrict at, const double *restrict top, double share, int count)
 {
 	int c = 0;
@@ -152,8 +154,8 @@ static void subtract(double *restrict at, const double *restrict top, double sha
 		at[c] -= share * top[c];
 }
 
-/* Subtracts multiples of the pivot row from the rows below, as far as column k reaches. */
-static void eliminate(struct rb_dense *d, int row, int k, const struct left *left)
+/* Subtracts multiples of the pivot row from the rows below, as far down as column k reaches. */
+static void eliminate(struct rb_dense *d, int row, int k, const struct remaining *remaining)
 {
 	RB_ASSERT_COSTLY(d->matrix[row * d->n + k] != 0);
 
@@ -168,12 +170,12 @@ static void eliminate(struct rb_dense *d, int row, int k, const struct left *lef
 		const double share = at[k] / top[k];
 		at[k] = share; /* for rb_dense_again */
 		widen(d, r, d->last[row]);
-		if (left->from <= d->last[row])
-			subtract(at + left->from, top + left->from, share,
-			         d->last[row] + 1 - left->from);
-		for (int i = 0; i < left->late_count; i++)
-			at[left->late[i]] -= share * top[left->late[i]];
-		d->products += d->last[row] + 1 - left->from + left->late_count;
+		if (remaining->from <= d->last[row])
+			subtract(at + remaining->from, top + remaining->from, share,
+			         d->last[row] + 1 - remaining->from);
+		for (int i = 0; i < remaining->late_count; i++)
+			at[remaining->late[i]] -= share * top[remaining->late[i]];
+		d->products += d->last[row] + 1 - remaining->from + remaining->late_count;
 		d->right[r] -= share * d->right[row];
 		d->last[r] = d->last[r] > d->last[row] ? d->last[r] : d->last[row];
 	}
@@ -193,7 +195,7 @@ static void substitute_back(struct rb_dense *d)
 		double sum = d->right[p];
 		for (int c = k + 1; j < ordered && c <= d->last[p]; c++)
 			sum -= row[c] * d->found[c];
-		/* of the late ones those that have been passed by then, or come after it */
+		/* postponed columns that precede column k, or come after it in the order */
 		for (int i = j < ordered ? ordered : j + 1; i < n; i++)
 			if (j >= ordered || d->order[i] < k)
 				sum -= row[d->order[i]] * d->found[d->order[i]];
@@ -203,7 +205,7 @@ static void substitute_back(struct rb_dense *d)
 		d->right[k] = d->found[k];
 }
 
-/* Sets every unknown to zero, hence the open ones of the solution. */
+/* Sets all unknowns to zero, and thus the open ones of the solution. */
 static void close_all(struct rb_dense *d)
 {
 	for (int k = 0; k < d->n; k++)
@@ -211,9 +213,9 @@ static void close_all(struct rb_dense *d)
 }
 
 /*
- * What may be rounding of a column: that of n eliminations of entries of its size, or that of one
- * with a small pivot. n of those were too much: links of 1e-12 of the mass of others, of which such
- * pivots are all that the motion of these is known by, were open.
+ * Bound of the rounding of a column: that of n eliminations of entries of its size, or that of one
+ * with a small pivot. n of the latter would be too much: links with 1e-12 of the mass of others,
+ * whose motion is determined only by such pivots, would be open.
  */
 static double rounding_of(const struct rb_dense *d, int k)
 {
@@ -222,8 +224,7 @@ static double rounding_of(const struct rb_dense *d, int k)
 
 /*
  * The row from `row` on with the largest entry of column k; -1 if none exceeds `least` of the
- * column's first size, or what rounding has left there. A column of NaN has no pivot either and
- * becomes open.
+ * column's first size, or its rounding. A column of NaN has no pivot either and becomes open.
  */
 static int best_row(const struct rb_dense *d, int row, int k)
 {
@@ -239,24 +240,24 @@ static int best_row(const struct rb_dense *d, int row, int k)
 }
 
 /*
- * A pivot of which little is left, and of that much is rounding, is as wrong as a share; so is what
- * is subtracted with it.
+ * A small pivot that is mostly rounding has a large relative error, and so has everything that is
+ * subtracted with it.
  */
-static void spread_noise(struct rb_dense *d, int row, int k, const struct left *left)
+static void spread_noise(struct rb_dense *d, int row, int k, const struct remaining *remaining)
 {
 	const double *const top = d->matrix + row * d->n;
 	const double share = d->noise[k] / fabs(top[k]);
 
-	if (!(share > 1 / small))
+	if (!(share > 1 / small_pivot))
 		return;
-	for (int c = left->from; c <= d->last[row]; c++)
+	for (int c = remaining->from; c <= d->last[row]; c++)
 		d->noise[c] = fmax(d->noise[c], share * fabs(top[c]));
-	for (int i = 0; i < left->late_count; i++)
-		d->noise[left->late[i]] = fmax(d->noise[left->late[i]],
-		                               share * fabs(top[left->late[i]]));
+	for (int i = 0; i < remaining->late_count; i++)
+		d->noise[remaining->late[i]] = fmax(d->noise[remaining->late[i]],
+		                                    share * fabs(top[remaining->late[i]]));
 }
 
-/* Rows that may hold the pivot of column k reach to it: redundant ones end before. */
+/* Extends rows that may hold the pivot of column k up to it: redundant ones end before. */
 static void reach(struct rb_dense *d, int row, int k)
 {
 	for (int r = row; d->first && r <= d->down[k]; r++) {
@@ -266,17 +267,17 @@ static void reach(struct rb_dense *d, int row, int k)
 }
 
 /* Makes row `best` the pivot row of column k at position `row` and eliminates below it. */
-static void use(struct rb_dense *d, int row, int best, int k, const struct left *left)
+static void use(struct rb_dense *d, int row, int best, int k, const struct remaining *remaining)
 {
 	RB_ASSERT(best >= row && best < d->n);
 
 	if (best != row) {
 		swap(&d->matrix[row * d->n + k], &d->matrix[best * d->n + k]);
-		swap_rows(d, row, best, left);
+		swap_rows(d, row, best, remaining);
 	}
 	d->from[k] = best;
-	spread_noise(d, row, k, left);
-	eliminate(d, row, k, left);
+	spread_noise(d, row, k, remaining);
+	eliminate(d, row, k, remaining);
 	d->pivot[k] = row;
 }
 
@@ -293,7 +294,7 @@ void rb_dense_solve(struct rb_dense *d)
 	survey(d);
 	memcpy(d->noise, d->size, (size_t)n * sizeof *d->noise);
 	for (int k = 0; k < n; k++) {
-		const struct left left = {k + 1, d->order + n - d->late, d->late};
+		const struct remaining remaining = {k + 1, d->order + n - d->late, d->late};
 
 		reach(d, row, k);
 		const int best = best_row(d, row, k);
@@ -301,23 +302,23 @@ void rb_dense_solve(struct rb_dense *d)
 		d->pivot[k] = -1;
 		if (best >= 0 && !(fabs(d->matrix[best * n + k]) > early * d->size[k])) {
 			d->order[n - ++d->late] = k;
-			put_off(d, k);
+			postpone(d, k);
 			continue;
 		}
 		d->order[count++] = k;
 		d->open = d->open || best < 0;
 		if (best >= 0)
-			use(d, row++, best, k, &left);
+			use(d, row++, best, k, &remaining);
 	}
 	for (int j = count; j < n; j++) {
 		const int k = d->order[j];
-		const struct left left = {n, d->order + j + 1, n - j - 1};
+		const struct remaining remaining = {n, d->order + j + 1, n - j - 1};
 
 		d->down[k] = n - 1;
 		const int best = best_row(d, row, k);
 		d->open = d->open || best < 0;
 		if (best >= 0)
-			use(d, row++, best, k, &left);
+			use(d, row++, best, k, &remaining);
 	}
 	RB_ASSERT(count + d->late == n && row <= n);
 	RB_ASSERT(d->open == (row < n));

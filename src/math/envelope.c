@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Loops over the rows of a block are compiled for each pitch (FOR_EACH_PITCH), pairs of rows in a
- * register.
+ * Loops over the rows of a block are compiled for each pitch (FOR_EACH_PITCH), with pairs of rows
+ * in a register.
  */
 #include "math/envelope.h"
 
@@ -69,7 +69,7 @@ INLINE void subtract(int pitch, struct column *to, const double *from, double sh
 		to->pair[p] -= shares * *(const pair *)(from + 2 * p);
 }
 
-/* Columns of a block before its own rows become those of L D. */
+/* Turns the columns of a block before its own rows into those of L D. */
 INLINE void factor_before(int pitch, const struct rb_envelope *e, const struct rb_envelope_block *b,
                           double *panel)
 {
@@ -90,7 +90,7 @@ INLINE void factor_before(int pitch, const struct rb_envelope *e, const struct r
 	}
 }
 
-/* Its own columns, and D; then all become those of L. */
+/* Factors its own columns, and D; then turns all into those of L. */
 INLINE void factor_own(int pitch, struct rb_envelope *e, const struct rb_envelope_block *b,
                        double *panel, double least, bool *good)
 {
@@ -133,7 +133,7 @@ bool rb_envelope_factor(struct rb_envelope *e, double least)
 	return good;
 }
 
-/* x of the block, by L. */
+/* Forward substitution of the block's x. */
 INLINE void forward(int pitch, const struct rb_envelope_block *b, const double *panel, double *x)
 {
 	struct column sum = {{{0, 0}, {0, 0}, {0, 0}}};
@@ -149,7 +149,7 @@ INLINE void forward(int pitch, const struct rb_envelope_block *b, const double *
 	}
 }
 
-/* The same by its transpose, and what that leaves to the rows before. */
+/* Back substitution of the block's x, subtracted from the rows before. */
 INLINE void backward(int pitch, const struct rb_envelope_block *b, const double *panel, double *x)
 {
 	const double *const own = panel + (b->begin - b->first) * pitch;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Symmetric positive definite systems of which rows reach back only so far, as L D L^T: nothing is
- * filled in outside the rows' own reach (A. Jennings, Comput. J. 9 (1966) 281), so that a band
- * costs the square of its width for each row, and no more than that is stored.
+ * Symmetric positive definite systems with a profile (envelope), factored as L D L^T: there is no
+ * fill-in before the first column of a row (A. Jennings, Comput. J. 9 (1966) 281), so that a band
+ * costs the square of its width per row, and only the profile is stored.
  *
- * Up to RB_ENVELOPE_BLOCK rows that follow each other are a block: they reach back equally far, and
- * stand column by column, so that all of them take the same step at a time. An odd one is followed
- * by a row of zeros.
+ * Up to RB_ENVELOPE_BLOCK consecutive rows form a block: they have the same first column and are
+ * stored column by column, for vector instructions. An odd number of rows is padded by a row of
+ * zeros.
  */
 #ifndef RB_MATH_ENVELOPE_H
 #define RB_MATH_ENVELOPE_H
@@ -16,12 +16,12 @@
 
 enum { RB_ENVELOPE_BLOCK = 6 };
 
-/* Where the rows of a block are. */
+/* Position of a block of rows. */
 struct rb_envelope_block {
 	int begin, count; /* of rows, 1 to RB_ENVELOPE_BLOCK */
-	int pitch;        /* of columns: count, or one more */
-	int first;        /* column that they reach back to, <= begin */
-	size_t at;        /* of entry (begin, first) in `value` */
+	int pitch;        /* entries per column: count, or one more */
+	int first;        /* first column of its rows, <= begin */
+	size_t at;        /* index of entry (begin, first) in `value` */
 };
 
 /* All arrays are the caller's. */
@@ -33,7 +33,10 @@ struct rb_envelope {
 	double *pivot; /* [n]: D */
 };
 
-/* `value` is no larger: so large with single rows, which take two each, that reach to 0. */
+/*
+ * Upper bound of the size of `value`: reached by single rows, which take two each, that begin at
+ * column 0.
+ */
 static inline size_t rb_envelope_size_max(int n)
 {
 	return ((size_t)n + 4) * (size_t)n;
@@ -45,7 +48,7 @@ static inline size_t rb_envelope_size_max(int n)
  */
 size_t rb_envelope_lay_out(struct rb_envelope *e);
 
-/* Row r from its first column on, of which entries are `stride` apart. */
+/* Returns row r from its first column on; its entries are `stride` apart. */
 static inline double *rb_envelope_row(const struct rb_envelope *e, int r, size_t *stride)
 {
 	const struct rb_envelope_block *const b = &e->block[e->of[r]];
@@ -55,9 +58,9 @@ static inline double *rb_envelope_row(const struct rb_envelope *e, int r, size_t
 }
 
 /*
- * In place; entries outside the lower half are zero. False where what is left of a
- * diagonal entry is no more than the share `least` of it (or not a number): the system may be
- * singular, and the entries are used up.
+ * Factors in place; entries outside the lower half are zero. False if the rest of a diagonal entry
+ * is at most the share `least` of it (or NaN): the system may be singular, and the entries are
+ * overwritten.
  */
 bool rb_envelope_factor(struct rb_envelope *e, double least);
 

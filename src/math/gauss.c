@@ -20,19 +20,19 @@
 enum { NODES = RB_GAUSS_NODES, SWEEPS_MAX = 40, SWEEPS_MANY = 14, MISSED_TAILS = 8 };
 
 /*
- * A guess reaches so many lengths of its polynomial, beyond which that grows by more than it falls
- * off; and is of the same motion when it misses the rates at the beginning by less than this share
- * of scale.
+ * Range of a guess in lengths of its polynomial, beyond which that grows more than it is accurate;
+ * the guess is of the same motion if its error of the rates at the beginning is below this share of
+ * scale.
  */
 static const double guess_reach = 3, guess_misses = 0x1p-10;
-/* What a smooth guess misses there, in tolerances. */
+/* Error of a smooth guess there, in tolerances. */
 static const double guess_smooth = 2048;
-/* The second visit after a guess that was as near as this may be the last. */
+/* After a guess with smaller changes than this the second visit may be the last. */
 static const double guess_near = 0x1p-20;
 
 /*
- * Up to four rows that are next to each other and of one kind: rates that are called for, then
- * `rate` is `first`, or rows whose rates are the rows from `rate` on.
+ * Up to four consecutive rows of the same kind: rates that `rates` computes, with `rate` equal to
+ * `first`, or rows whose rates are the rows from `rate` on.
  */
 struct group {
 	uint32_t first, rate;
@@ -42,26 +42,26 @@ struct group {
 _Static_assert(sizeof(struct group) <= 2 * sizeof(double), "room in scratch");
 
 /*
- * What an attempt works on; `g` are rates times the step's length, g[0] at its start, g[1 + i] at
- * node i. Of rows whose rate is a row they are kept for the first guess only.
+ * State of an attempt; `g` are rates times the step's length, g[0] at its start, g[1 + i] at node
+ * i. For rows whose rate is a row they are stored for the first guess only.
  */
 struct attempt {
 	const struct rb_gauss_problem *problem;
 	struct rb_gauss_guess guess;
 	double time_s, h_s;
 	const struct group *group, *group_end; /* all rows, in scratch */
-	double *start, *rest;                  /* copies in scratch: four are read at a time */
+	double *start, *rest; /* copies in scratch, because four are read at a time */
 	double *first, *value, *size, *g[1 + NODES];
 	uint64_t *calls;
 	bool shows;   /* problem->visited is called */
-	bool guesses; /* values at nodes to come are guessed from those before */
+	bool guesses; /* values at later nodes are extrapolated from earlier ones */
 	struct rb_gauss_newton newton;
 	struct rb_error *err;
 };
 
 size_t rb_gauss_scratch_size(int n)
 {
-	/* four at a time reach beyond the last row */
+	/* four at a time extend beyond the last row */
 	return (size_t)(NODES + 9) * (size_t)n + RB_LANES;
 }
 
@@ -70,7 +70,7 @@ static int rate_row(const struct rb_gauss_problem *problem, size_t i)
 	return problem->rate_row ? problem->rate_row[i] : -1;
 }
 
-/* Fills the groups; behind the last one. */
+/* Fills the groups; returns the end of them. */
 static struct group *find_groups(const struct rb_gauss_problem *p, struct group *to)
 {
 	for (int i = 0, v; i < p->n; i += to++->count) {
@@ -87,7 +87,10 @@ static struct group *find_groups(const struct rb_gauss_problem *p, struct group 
 	return to;
 }
 
-/* Changes of rates count by what they do to values; also to those whose rates' rates they are. */
+/*
+ * Changes of rates are measured by their effect on values, also on those whose second derivatives
+ * they are.
+ */
 static void find_sizes(const struct attempt *a)
 {
 	const struct rb_gauss_problem *p = a->problem;
@@ -102,8 +105,8 @@ static void find_sizes(const struct attempt *a)
 }
 
 /*
- * The first `count` of four, the first one for the others. One by one: what has been stored so is
- * read as four only after a wait.
+ * Loads the first `count` of four, and the first one for the others. One by one: values just stored
+ * like that can be read as four only after a stall.
  */
 RB_LANES_INLINE void load(const double *from, size_t count, rb_lanes *x)
 {
@@ -125,22 +128,22 @@ RB_LANES_INLINE void store(const rb_lanes *x, size_t count, double *to)
 		to[2] = (*x)[2];
 }
 
-/* The largest change of the rows of a group, or `max`; where one is not finite. */
+/* The largest change of the rows of a group, or `max`, if one is not finite. */
 static double largest(const rb_lanes *off, const rb_lanes *next, size_t count, double max)
 {
 	for (size_t m = 0; m < count; m++) {
 		double size = fabs((*off)[m]);
 
-		/* against a tiny scale it may overflow all the same */
+		/* divided by a tiny scale it may still overflow */
 		if (size > DBL_MAX && isfinite((*next)[m]))
 			size = DBL_MAX;
-		if (!(size <= max)) /* NaN comes through */
+		if (!(size <= max)) /* also if NaN */
 			max = size;
 	}
 	return max;
 }
 
-/* Puts rates into `row`; the largest change of an entry, or `max`, if that is larger. */
+/* Stores rates into `row`; returns the largest change of an entry, or `max` if that is larger. */
 RB_LANES_INLINE double taken(const struct attempt *a, const double *rate, double *row, double max)
 {
 	static const rb_lanes_mask used[RB_LANES + 1] = {
@@ -184,25 +187,25 @@ RB_LANES_AVX2 static double taken_avx2(const struct attempt *a, const double *ra
 }
 
 /*
- * Calls the rates at `value` and puts them into `row`; `*change` is the largest change of a row's
- * entry. What a try that is too long has thrown to infinity is asked nothing: its rates might be
- * taken for a mistake in them.
+ * Calls the rates at `value` and stores them into `row`; `*change` is the largest change of an
+ * entry. Not called at values that a too long step has made infinite: that might be taken for an
+ * error in the rates.
  */
 static enum rb_status rates_at(const struct attempt *a, double part, double *row, double *rate,
                                double *change)
 {
 	const struct rb_gauss_problem *p = a->problem;
 	const double *const value = a->value;
-	rb_lanes nothing = {0, 0, 0, 0};
+	rb_lanes zeros = {0, 0, 0, 0};
 	double none = 0;
 	int i = 0;
 
 	for (; i + RB_LANES <= p->n; i += RB_LANES)
-		nothing += 0 * *(const rb_lanes *)(value + i);
+		zeros += 0 * *(const rb_lanes *)(value + i);
 	for (; i < p->n; i++)
 		none += 0 * value[i];
-	none += rb_lanes_sum(&nothing);
-	if (none != 0) { /* NaN: one is not finite */
+	none += rb_lanes_sum(&zeros);
+	if (none != 0) { /* NaN: a value is not finite */
 		*change = (double)INFINITY;
 		return RB_OK;
 	}
@@ -216,8 +219,8 @@ static enum rb_status rates_at(const struct attempt *a, double part, double *row
 	return RB_OK;
 }
 
-/* The first guess of a node from the rates at the beginning and at the nodes before. */
-static void value_ahead(const struct attempt *a, int at)
+/* The first guess of a node, from the rates at the beginning and at earlier nodes. */
+static void extrapolate_value(const struct attempt *a, int at)
 {
 	for (int i = 0; i < a->problem->n; i++) {
 		double sum = 0;
@@ -228,7 +231,7 @@ static void value_ahead(const struct attempt *a, int at)
 	}
 }
 
-/* Four rows of all nodes, weighted: written out, since this is most of what a visit costs. */
+/* Weighted sum of four rows of all nodes: unrolled, because this is most of the cost of a visit. */
 RB_LANES_INLINE void weighted(const double w[NODES], double *const g[NODES], size_t i,
                               rb_lanes *sum)
 {
@@ -238,7 +241,7 @@ RB_LANES_INLINE void weighted(const double w[NODES], double *const g[NODES], siz
 #undef RB_GAUSS_ROW
 }
 
-/* The small ones first. `all`: those too whose rates are rows. */
+/* Values at a node, small terms first. `all`: including rows whose rates are rows. */
 RB_LANES_INLINE void values_at(const struct attempt *a, int at, bool all)
 {
 	const double h = a->h_s, part = node[at], low_part = node_low[at];
@@ -252,11 +255,12 @@ RB_LANES_INLINE void values_at(const struct attempt *a, int at, bool all)
 			continue;
 		weighted(group->is_rate ? matrix[at] : square[at], &a->g[1], group->rate, &sum);
 		if (!group->is_rate) {
-			const rb_lanes way = h * *(const rb_lanes *)(a->start + group->rate);
+			const rb_lanes displacement = h *
+			                              *(const rb_lanes *)(a->start + group->rate);
 			const rb_lanes lost = part * *(const rb_lanes *)(a->rest + group->rate);
-			const rb_lanes low = low_part * way + h * (lost + sum);
+			const rb_lanes low = low_part * displacement + h * (lost + sum);
 
-			sum = part * way + low;
+			sum = part * displacement + low;
 		}
 		const rb_lanes value = *start + (*rest + sum);
 
@@ -277,8 +281,8 @@ static void value_at(const struct attempt *a, int at, bool all)
 		values_at(a, at, all);
 }
 
-/* Quick rates at all nodes, from values by the newest rates. */
-static void quicken(const struct attempt *a, double *rate)
+/* Quick rates at all nodes, from values by the latest rates. */
+static void update_quick_rates(const struct attempt *a, double *rate)
 {
 	const struct rb_gauss_problem *p = a->problem;
 
@@ -295,17 +299,17 @@ static void quicken(const struct attempt *a, double *rate)
 	}
 }
 
-/* One visit of all nodes, each with the newest rates of the others. `rate` is scratch. */
+/* One visit of all nodes, each with the latest rates of the others. `rate` is scratch. */
 static enum rb_status sweep(const struct attempt *a, bool first, double *rate, double *change)
 {
 	const bool shows = a->shows && a->problem->visited;
 
 	*change = 0;
 	if (!first)
-		quicken(a, rate);
+		update_quick_rates(a, rate);
 	for (int i = 0; i < NODES; i++) {
 		if (first) {
-			value_ahead(a, i);
+			extrapolate_value(a, i);
 			memset(a->g[1 + i], 0, (size_t)a->problem->n * sizeof(double));
 		} else {
 			value_at(a, i, true);
@@ -321,7 +325,7 @@ static enum rb_status sweep(const struct attempt *a, bool first, double *rate, d
 	return RB_OK;
 }
 
-/* Coefficients that a guess has of four rates. */
+/* Loads a guess's coefficients of four rates. */
 RB_LANES_INLINE void guess_rows(const struct attempt *a, const struct group *group, rb_lanes *to)
 {
 	const size_t n = (size_t)a->problem->n;
@@ -331,7 +335,7 @@ RB_LANES_INLINE void guess_rows(const struct attempt *a, const struct group *gro
 		load(c + k * n, group->count, &to[k]);
 }
 
-/* Four rates that a guess has where its polynomials are `weight`, x the length. */
+/* Four rates of a guess where its polynomials are `weight`, times the length. */
 RB_LANES_INLINE void guessed(const struct attempt *a, const double *weight, const rb_lanes *row,
                              rb_lanes *to)
 {
@@ -343,9 +347,10 @@ RB_LANES_INLINE void guessed(const struct attempt *a, const double *weight, cons
 }
 
 /*
- * Rates at all nodes as guessed, with what the guess misses at the beginning; false: it is none.
- * Where motion goes on that is what the polynomial does not have, P_8 above all, which at nodes
- * ahead is much; or else the size of a jump where one force joins those that go on.
+ * Guesses rates at all nodes, corrected by the guess's error at the beginning; false: there is no
+ * guess. If motion continues, that error is the part that the polynomial lacks, mostly P_8, which
+ * is large at the nodes ahead; otherwise the size of a jump, where a force is added to those that
+ * continue.
  */
 RB_LANES_INLINE bool guess_any(const struct attempt *a)
 {
@@ -405,19 +410,19 @@ static bool guess(const struct attempt *a)
 }
 
 /*
- * Visits until the changes are below rounding or no longer fall: `*left` is what they then are.
- * `*sweeps` is 0 when something is not finite or they go on without end. A change may grow now and
- * then (a chain q' = w, w' = f(q) that is none of rows shows it in every other visit), so that two
- * visits without halving the smallest change so far are wanted before giving up.
+ * Visits until the changes are below rounding or no longer decrease: `*residual` is then their
+ * size. `*sweeps` is 0 if something is not finite or they do not converge. A change may increase
+ * now and then (a chain q' = w, w' = f(q) that is not made of rows does so in every other visit),
+ * so it gives up only after two visits that do not halve the smallest change so far.
  */
-static enum rb_status converge(struct attempt *a, double *rate, int *sweeps, double *left)
+static enum rb_status converge(struct attempt *a, double *rate, int *sweeps, double *residual)
 {
-	const double nothing = 0x1p-4 * fmax(DBL_EPSILON, a->h_s * a->problem->rate_noise);
-	double change, before, least;
+	const double negligible = 0x1p-4 * fmax(DBL_EPSILON, a->h_s * a->problem->rate_noise);
+	double change, before, smallest;
 	int stalled = 0;
 
 	*sweeps = 0;
-	*left = 0;
+	*residual = 0;
 	enum rb_status status = RB_OK;
 	const bool near = guess(a);
 	a->guesses = !near;
@@ -427,7 +432,7 @@ static enum rb_status converge(struct attempt *a, double *rate, int *sweeps, dou
 		if (status != RB_OK || !isfinite(before))
 			return status;
 	}
-	least = before = (double)INFINITY;
+	smallest = before = (double)INFINITY;
 	a->shows = false;
 	const int limit = a->newton.is_out ? SWEEPS_MAX : SWEEPS_MANY;
 	for (int count = 1; count <= limit; count++) {
@@ -436,19 +441,19 @@ static enum rb_status converge(struct attempt *a, double *rate, int *sweeps, dou
 			return status;
 		const double ratio = change / before;
 		if (change == 0 || (count > 1 && (change < 0x1p-2 * DBL_EPSILON ||
-		                                  (ratio < 0.5 && change * ratio < nothing)))) {
+		                                  (ratio < 0.5 && change * ratio < negligible)))) {
 			*sweeps = count;
 			return RB_OK;
 		}
-		stalled = change < 0.5 * least ? 0 : stalled + 1;
-		/* as the changes fall, the next one may be small enough */
-		a->shows = stalled > 0 || (count > 1 ? change * ratio * ratio < 0x1p14 * nothing
+		stalled = change < 0.5 * smallest ? 0 : stalled + 1;
+		/* at their present decrease, the next change may be small enough */
+		a->shows = stalled > 0 || (count > 1 ? change * ratio * ratio < 0x1p14 * negligible
 		                                     : near && change < guess_near);
-		least = fmin(least, change);
+		smallest = fmin(smallest, change);
 		before = change;
 		if (stalled == 2) {
 			*sweeps = count;
-			*left = least;
+			*residual = smallest;
 			return RB_OK;
 		}
 	}
@@ -461,15 +466,16 @@ static void any_value_at(const void *attempt, int at)
 }
 
 /*
- * The same; where visits come to no end, or only to what rounding of stiff rates leaves, by
- * Newton's method, and where that comes to none either, for what is left of the step by visits.
+ * The same; if visits do not converge, or only to the rounding of stiff rates, by Newton's method,
+ * and if that does not converge either, by visits for the rest of the step.
  */
-static enum rb_status converge_stiff(struct attempt *a, double *rate, int *sweeps, double *left)
+static enum rb_status converge_stiff(struct attempt *a, double *rate, int *sweeps, double *residual)
 {
-	enum rb_status status = converge(a, rate, sweeps, left);
+	enum rb_status status = converge(a, rate, sweeps, residual);
 
 	a->newton.is_used = false;
-	if (status != RB_OK || a->newton.is_out || (*sweeps > 0 && *left <= a->problem->tolerance))
+	if (status != RB_OK || a->newton.is_out ||
+	    (*sweeps > 0 && *residual <= a->problem->tolerance))
 		return status;
 	const struct rb_gauss_nodes nodes = {.attempt = a,
 	                                     .value_at = any_value_at,
@@ -483,18 +489,18 @@ static enum rb_status converge_stiff(struct attempt *a, double *rate, int *sweep
 
 	status = rb_gauss_newton_prepare(&a->newton, &nodes, a->start, a->first);
 	if (status == RB_OK && !a->newton.is_out)
-		status = rb_gauss_newton_converge(&a->newton, &nodes, sweeps, left);
+		status = rb_gauss_newton_converge(&a->newton, &nodes, sweeps, residual);
 	a->shows = false;
 	if (status != RB_OK || *sweeps > 0 || !a->newton.is_out)
 		return status;
-	return converge(a, rate, sweeps, left);
+	return converge(a, rate, sweeps, residual);
 }
 
 /*
- * The largest of what rates are off by, times the length, relative to scale; a stiff one comes from
- * values that are off by far less.
+ * The largest error of rates, times the length, relative to scale; errors of stiff rates are
+ * converted to the far smaller ones of values.
  */
-static double off_by(const struct attempt *a, double *off)
+static double largest_error(const struct attempt *a, double *off)
 {
 	const struct rb_gauss_problem *p = a->problem;
 	double worst = 0;
@@ -507,8 +513,8 @@ static double off_by(const struct attempt *a, double *off)
 	return worst;
 }
 
-/* What the rates at the beginning are off by the polynomial; leaves its rates at the end. */
-static double off_at_start(struct attempt *a, const double *coefficient, double *off)
+/* Error of the polynomial's rates at the beginning; leaves its rates at the end. */
+static double error_at_start(struct attempt *a, const double *coefficient, double *off)
 {
 	const struct rb_gauss_problem *p = a->problem;
 	const size_t n = (size_t)p->n;
@@ -524,19 +530,19 @@ static double off_at_start(struct attempt *a, const double *coefficient, double 
 		a->g[0][i] = even + odd;
 		off[i] = even - odd - a->h_s * a->first[i];
 	}
-	return off_by(a, off);
+	return largest_error(a, off);
 }
 
 /*
- * What the polynomial misses between an end and the node next to it, where a jump is seen by no
- * node, integrated, relative to scale; of rates without one it is of the size of the tail.
+ * Error of the polynomial between an end and the nearest node, where no node sees a jump,
+ * integrated, relative to scale; for rates without a jump it has the size of the tail.
  */
 static double missed_at_ends(struct attempt *a, const double *coefficient, double *rate,
                              enum rb_status *status)
 {
 	const struct rb_gauss_problem *p = a->problem;
 	const size_t n = (size_t)p->n;
-	const double at_start = off_at_start(a, coefficient, rate);
+	const double at_start = error_at_start(a, coefficient, rate);
 
 	for (size_t i = 0; i < n; i++)
 		a->value[i] = a->start[i] + (a->rest[i] + coefficient[i]);
@@ -546,24 +552,24 @@ static double missed_at_ends(struct attempt *a, const double *coefficient, doubl
 		return 0;
 	for (size_t i = 0; i < n; i++)
 		rate[i] = a->g[0][i] - a->h_s * rate[i];
-	return node[0] * fmax(at_start, off_by(a, rate));
+	return node[0] * fmax(at_start, largest_error(a, rate));
 }
 
 /*
- * The tail, but for that of what stiff rates bring to an end before the first node: where its size
- * is rounding's, which such a step neither damps nor lets grow, the polynomial is as good with it.
+ * The tail without the part of transients that stiff rates damp before the first node: if its size
+ * is rounding, which such a step neither damps nor amplifies, the polynomial is as good with it.
  */
-static double stiff_tail(struct attempt *a, const double *coefficient, double asked,
+static double stiff_tail(struct attempt *a, const double *coefficient, double required,
                          double *scratch)
 {
 	const double all = rb_gauss_tail(a->problem, coefficient);
-	const double brief = a->newton.is_used ? off_at_start(a, coefficient, scratch) : 0;
+	const double transient = a->newton.is_used ? error_at_start(a, coefficient, scratch) : 0;
 
-	return brief <= asked / 8 ? fmax(all - 4 * brief, 0) : all;
+	return transient <= required / 8 ? fmax(all - 4 * transient, 0) : all;
 }
 
 /*
- * Where the last visit of the nodes was not foreseen, once more, and not counted; the values are as
+ * Visits the nodes once more, uncounted, if the last visit was not expected; with the values as
  * accepted.
  */
 static enum rb_status show(const struct attempt *a, double *rate)
@@ -583,8 +589,8 @@ static enum rb_status show(const struct attempt *a, double *rate)
 }
 
 /*
- * Of x' = v they follow from those of v' = f: the integral of P_k, k > 0, is (P_(k+1) - P_(k-1)) /
- * (2 (2k + 1)) on [0, 1], and what P_8 has of v is nothing at the nodes.
+ * The coefficients of x' = v follow from those of v' = f: the integral of P_k, k > 0, is (P_(k+1) -
+ * P_(k-1)) / (2 (2k + 1)) on [0, 1], and P_8 of v is zero at the nodes.
  */
 RB_LANES_INLINE void integrated(const struct attempt *a, const struct group *group,
                                 double *coefficient)
@@ -617,7 +623,7 @@ RB_LANES_INLINE void coefficients_any(const struct attempt *a, double *coefficie
 
 		if (!group->is_rate)
 			continue;
-		/* from the ends to the middle, so that even and odd parts are not mixed */
+		/* from the ends to the middle, so that even and odd parts do not mix */
 		for (int j = 0; j < NODES / 2; j++) {
 			const rb_lanes *const x = (const rb_lanes *)(a->g[1 + j] + group->first);
 			const rb_lanes *const y = (const rb_lanes *)(a->g[NODES - j] +
@@ -673,7 +679,7 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 	                    .size = rate + 4 * n,
 	                    .calls = problem->calls,
 	                    .err = err};
-	double change = 0, left;
+	double change = 0, residual;
 	int sweeps;
 
 	a.guesses = true;
@@ -686,7 +692,7 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 		return RB_FAIL(err, RB_ERR_PHYSICS, "'step' is %g s, not a positive number",
 		               *try_s);
 	memcpy(a.start, piece->start, n * sizeof(double));
-	/* read as the last of four: other bits would be denormal numbers, which are slow */
+	/* read as the last of four: other bits might be denormal numbers, which are slow */
 	memset(a.start + n, 0, RB_LANES * sizeof(double));
 	if (piece->rest)
 		memcpy(a.rest, piece->rest, n * sizeof(double));
@@ -706,33 +712,34 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 		for (size_t i = 0; i < n; i++)
 			a.g[0][i] = a.h_s * a.first[i];
 		find_sizes(&a);
-		status = converge_stiff(&a, rate, &sweeps, &left);
+		status = converge_stiff(&a, rate, &sweeps, &residual);
 		if (status != RB_OK)
 			return status;
 		if (sweeps > 0) {
 			coefficients(&a, piece->coefficient);
-			const double asked = fmax(
+			const double required = fmax(
 				problem->tolerance,
 				problem->noise ? problem->noise(problem->user, piece->coefficient)
 					       : 0);
-			const double error = stiff_tail(&a, piece->coefficient, asked, rate);
-			const bool fits = error <= asked && left <= asked;
+			const double error = stiff_tail(&a, piece->coefficient, required, rate);
+			const bool fits = error <= required && residual <= required;
 			const double missed = fits && problem->jumps
 			                              ? missed_at_ends(&a, piece->coefficient, rate,
 			                                               &status)
 			                              : 0;
 			if (status != RB_OK)
 				return status;
-			if (fits && missed <= MISSED_TAILS * asked) {
+			if (fits && missed <= MISSED_TAILS * required) {
 				status = show(&a, rate);
 				piece->length_s = a.h_s;
 				*try_s = rb_gauss_next_length(
-					a.h_s, asked, fmax(error, rb_gauss_rounded(problem, piece)),
+					a.h_s, required,
+					fmax(error, rb_gauss_rounded(problem, piece)),
 					sweeps <= SWEEPS_MANY && !(a.h_s < *try_s));
 				return status;
 			}
 		}
-		/* what was too long is the best guess of its half */
+		/* the too long step is the best guess for its half */
 		a.guess = (struct rb_gauss_guess){
 			.coefficient = sweeps > 0 ? piece->coefficient : NULL, .length_s = a.h_s};
 		if (!(0.5 * a.h_s >= least_s) || !(0.5 * a.h_s > 0))

@@ -6,10 +6,10 @@
 
 enum { NODES = RB_GAUSS_NODES };
 
-/* Of the coefficients of a row, together. */
+/* Rounding of the sum of a row's coefficients. */
 static const double rounding = DBL_EPSILON / 8;
 
-/* fmax and fmin, which are calls. */
+/* Inlined fmax and fmin. */
 static inline double max_of(double a, double b)
 {
 	return a > b || isnan(b) ? a : b;
@@ -21,10 +21,10 @@ static inline double min_of(double a, double b)
 }
 
 /*
- * The largest part of the rates that the polynomial does not hold, integrated, relative to scale.
- * The missing coefficients are estimated from those that are there, in pairs (of functions that are
- * even or odd about the middle every other one is zero): the last pair falls on as the earlier ones
- * did, whichever fell less.
+ * The largest part of the rates that the polynomial misses, integrated, relative to scale. The
+ * missing coefficients are extrapolated from the existing ones, in pairs (for functions that are
+ * even or odd about the middle every other one is zero): the decay of the last pair continues like
+ * the slower of the earlier ones.
  */
 double rb_gauss_tail(const struct rb_gauss_problem *problem, const double *coefficient)
 {
@@ -48,9 +48,9 @@ double rb_gauss_tail(const struct rb_gauss_problem *problem, const double *coeff
 }
 
 /*
- * What the rounding of coefficients makes, relative to scale or value: in a step so long that
- * nearly all of its motion comes from the acceleration little is left of that at its beginning,
- * where an event may cut it. The next one is not to be longer.
+ * Rounding error of the coefficients, relative to scale or value: in a step so long that nearly all
+ * of its motion comes from the acceleration, values near its beginning, where an event may cut it,
+ * are inaccurate. The next step should not be longer.
  */
 double rb_gauss_rounded(const struct rb_gauss_problem *problem, const struct rb_gauss_piece *piece)
 {
@@ -69,8 +69,8 @@ double rb_gauss_rounded(const struct rb_gauss_problem *problem, const struct rb_
 }
 
 /*
- * What to try next; the eighth root by square roots, which round the same everywhere. Rounded down
- * to 8 binary digits, so that the lengths of steps add up without error.
+ * Next length to try; the eighth root by square roots, which round the same everywhere. Rounded
+ * down to 8 binary digits, so that the lengths of steps add up without error.
  */
 double rb_gauss_next_length(double h_s, double tolerance, double error, bool grows)
 {

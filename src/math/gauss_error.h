@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* How far the polynomial of a Gauss step errs, and how long the next one may be. */
+/* Error estimates for the polynomial of a Gauss step, and the length of the next step. */
 #ifndef RB_MATH_GAUSS_ERROR_H
 #define RB_MATH_GAUSS_ERROR_H
 
 #include "math/gauss_piece.h"
 #include "math/gauss_problem.h"
 
-/* Of rates, integrated, relative to scale: what is missing beyond the coefficients. */
+/* Integral of the rates' missing part beyond the coefficients, relative to scale. */
 double rb_gauss_tail(const struct rb_gauss_problem *problem, const double *coefficient);
 
-/* Relative to scale or value: what rounding makes of them. */
+/* Rounding error of the coefficients, relative to scale or value. */
 double rb_gauss_rounded(const struct rb_gauss_problem *problem, const struct rb_gauss_piece *piece);
 
-/* After a step with that error; longer than it only if that `grows`. */
+/* Next step length after a step with that error; longer only if `grows`. */
 double rb_gauss_next_length(double h_s, double tolerance, double error, bool grows);
 
 #endif

@@ -9,19 +9,21 @@
 #include "math/gauss_tables.h"
 
 enum { NODES = RB_GAUSS_NODES, PAIRS = NODES / 2, SYSTEMS = PAIRS + 1 };
-/* Solutions of an attempt, those after which the Jacobian is that of its middle, and failures. */
+/* Newton steps of an attempt; steps after which the Jacobian is that of its middle; failures. */
 enum { SOLUTIONS_MAX = 14, SOLUTIONS_BEFORE = 3, FAILURES_MAX = 3 };
 
-/* Of scale, what a row changes by another within a step so that visits find it as fast. */
+/*
+ * Change of a row by another within a step, relative to scale, below which visits converge as fast.
+ */
 static const double slight = 0x1p-6;
-/* Of scale, by which values are moved to see what rates change by: the root of an ulp. */
+/* Displacement of values for difference quotients, relative to scale: the root of an ulp. */
 static const double moved = 0x1p-26;
 
 size_t rb_gauss_newton_size(int n)
 {
 	const size_t m = (size_t)n;
 
-	/* of indices each has a double's room */
+	/* each index takes the room of a double */
 	return (1 + 2 * SYSTEMS) * m * m + (2 + 2 * PAIRS + NODES) * m + (1 + SYSTEMS) * m;
 }
 
@@ -40,7 +42,7 @@ void rb_gauss_newton_begin(struct rb_gauss_newton *newton, const struct rb_gauss
 	newton->base_rate = at += n;
 	at += n;
 	for (size_t i = 0; i < NODES; i++, at += n)
-		newton->left[i] = at;
+		newton->residual[i] = at;
 	newton->row = (int *)at;
 	for (size_t k = 0; k < SYSTEMS; k++)
 		newton->pivot[k] = (int *)(at + (1 + k) * n);
@@ -51,7 +53,7 @@ static int rate_row(const struct rb_gauss_problem *p, int i)
 	return p->rate_row ? p->rate_row[i] : -1;
 }
 
-/* J_a (`twice` false) or J_b of a row by a row that is no row's rate, or whose rate it is. */
+/* Entry of J_a (`twice` false) or J_b; `column` is a row whose rate is not a row. */
 static double entry(const struct rb_gauss_newton *newton, int row, int column, bool twice)
 {
 	const struct rb_gauss_problem *p = newton->problem;
@@ -66,7 +68,7 @@ static double entry(const struct rb_gauss_newton *newton, int row, int column, b
 	return sum;
 }
 
-/* Does the row change by another, or another by it? */
+/* Is the row coupled with another one? */
 static bool is_stiff(const struct rb_gauss_newton *newton, int i, double h)
 {
 	const struct rb_gauss_problem *p = newton->problem;
@@ -74,13 +76,13 @@ static bool is_stiff(const struct rb_gauss_newton *newton, int i, double h)
 	for (int k = 0; k < p->n; k++) {
 		if (rate_row(p, k) >= 0)
 			continue;
-		const double mine = p->scale[k] / p->scale[i], its = p->scale[i] / p->scale[k];
+		const double ratio = p->scale[k] / p->scale[i], other = p->scale[i] / p->scale[k];
 
 		for (int twice = 0; twice < 2; twice++) {
 			const double part = twice ? h * h : h;
 
-			if (!(part * mine * fabs(entry(newton, i, k, twice)) < slight) ||
-			    !(part * its * fabs(entry(newton, k, i, twice)) < slight))
+			if (!(part * ratio * fabs(entry(newton, i, k, twice)) < slight) ||
+			    !(part * other * fabs(entry(newton, k, i, twice)) < slight))
 				return true;
 		}
 	}
@@ -107,7 +109,7 @@ static number over(number a, number b)
 	return (number){inverse * (a.re * re + a.im * im), inverse * (a.im * re - a.re * im)};
 }
 
-/* LU factors with row pivots, in place; zeros are passed over. False: it is singular. */
+/* LU factorization with row pivots, in place; skips zeros. False: singular. */
 static bool factor(number *lu, int *pivot, size_t n)
 {
 	for (size_t k = 0; k < n; k++) {
@@ -133,10 +135,10 @@ static bool factor(number *lu, int *pivot, size_t n)
 			if (share.re == 0 && share.im == 0)
 				continue;
 			for (size_t j = k + 1; j < n; j++) {
-				const number less = times(share, lu[k * n + j]);
+				const number product = times(share, lu[k * n + j]);
 
-				lu[i * n + j].re -= less.re;
-				lu[i * n + j].im -= less.im;
+				lu[i * n + j].re -= product.re;
+				lu[i * n + j].im -= product.im;
 			}
 		}
 	}
@@ -153,23 +155,23 @@ static void solve(const number *lu, const int *pivot, size_t n, number *x)
 	}
 	for (size_t k = 0; k < n; k++)
 		for (size_t j = 0; j < k; j++) {
-			const number less = times(lu[k * n + j], x[j]);
+			const number product = times(lu[k * n + j], x[j]);
 
-			x[k].re -= less.re;
-			x[k].im -= less.im;
+			x[k].re -= product.re;
+			x[k].im -= product.im;
 		}
 	for (size_t k = n; k-- > 0;) {
 		for (size_t j = k + 1; j < n; j++) {
-			const number less = times(lu[k * n + j], x[j]);
+			const number product = times(lu[k * n + j], x[j]);
 
-			x[k].re -= less.re;
-			x[k].im -= less.im;
+			x[k].re -= product.re;
+			x[k].im -= product.im;
 		}
 		x[k] = over(x[k], lu[k * n + k]);
 	}
 }
 
-/* The factors for that eigenvalue. */
+/* Factors for that eigenvalue. */
 static bool factors_of(struct rb_gauss_newton *newton, number z, number *lu, int *pivot)
 {
 	const size_t m = (size_t)newton->count;
@@ -186,7 +188,7 @@ static bool factors_of(struct rb_gauss_newton *newton, number z, number *lu, int
 	return factor(lu, pivot, m);
 }
 
-/* For a step of that length. False: nothing in it is stiff, or a matrix is singular. */
+/* Factors for a step of that length. False: nothing in it is stiff, or a matrix is singular. */
 static bool factors(struct rb_gauss_newton *newton, double h_s)
 {
 	const struct rb_gauss_problem *p = newton->problem;
@@ -208,7 +210,7 @@ static bool factors(struct rb_gauss_newton *newton, double h_s)
 	return good && m > 0;
 }
 
-/* What is left at the nodes becomes the change. */
+/* Replaces the residuals at the nodes by the changes. */
 static void solve_all(const struct rb_gauss_newton *newton)
 {
 	const size_t m = (size_t)newton->count;
@@ -219,8 +221,8 @@ static void solve_all(const struct rb_gauss_newton *newton)
 		for (size_t r = 0; r < m; r++) {
 			x[r] = (number){0, 0};
 			for (size_t i = 0; i < NODES; i++) {
-				x[r].re += pair_from[k][0][i] * newton->left[i][newton->row[r]];
-				x[r].im += pair_from[k][1][i] * newton->left[i][newton->row[r]];
+				x[r].re += pair_from[k][0][i] * newton->residual[i][newton->row[r]];
+				x[r].im += pair_from[k][1][i] * newton->residual[i][newton->row[r]];
 			}
 		}
 		solve(newton->lu[k], newton->pivot[k], m, x);
@@ -234,20 +236,20 @@ static void solve_all(const struct rb_gauss_newton *newton)
 
 				sum += pair_to[k][0][i] * x.re - pair_to[k][1][i] * x.im;
 			}
-			newton->left[i][newton->row[r]] = 2 * sum;
+			newton->residual[i][newton->row[r]] = 2 * sum;
 		}
 }
 
-/* Rates at nodes->value; false: a value is not finite, of which nothing is asked. */
+/* Computes rates at nodes->value; false: a value is not finite, and rates are not evaluated. */
 static bool rates_at(const struct rb_gauss_newton *newton, const struct rb_gauss_nodes *nodes,
                      double part, enum rb_status *status)
 {
 	const struct rb_gauss_problem *p = newton->problem;
-	double nothing = 0;
+	double zeros = 0;
 
 	for (int i = 0; i < p->n; i++)
-		nothing += 0 * nodes->value[i];
-	if (nothing != 0)
+		zeros += 0 * nodes->value[i];
+	if (zeros != 0)
 		return false;
 	++*p->calls;
 	*status = p->rates(p->user, nodes->time_s + part * nodes->h_s, nodes->value, nodes->rate,
@@ -255,19 +257,22 @@ static bool rates_at(const struct rb_gauss_newton *newton, const struct rb_gauss
 	return *status == RB_OK;
 }
 
-/* By how much a value is moved: the way that it goes, so that what is mirrored is mirrored. */
+/*
+ * Displacement of a value: in its direction of motion, so that results are mirrored with the
+ * problem.
+ */
 static double move(const struct rb_gauss_newton *newton, int k)
 {
 	const struct rb_gauss_problem *p = newton->problem;
 	const int v = rate_row(p, k);
-	const double goes = newton->base[k] != 0 ? newton->base[k]
-	                    : v >= 0             ? newton->base[v]
-	                                         : newton->base_rate[k];
+	const double motion = newton->base[k] != 0 ? newton->base[k]
+	                      : v >= 0             ? newton->base[v]
+	                                           : newton->base_rate[k];
 
-	return goes < 0 ? -moved * p->scale[k] : moved * p->scale[k];
+	return motion < 0 ? -moved * p->scale[k] : moved * p->scale[k];
 }
 
-/* The Jacobian at newton->base. False, if *status is RB_OK: there is none. */
+/* Computes the Jacobian at newton->base. False with RB_OK in *status: there is none. */
 static bool differentiate(struct rb_gauss_newton *newton, const struct rb_gauss_nodes *nodes,
                           double part, enum rb_status *status)
 {
@@ -305,7 +310,10 @@ enum rb_status rb_gauss_newton_prepare(struct rb_gauss_newton *newton,
 	return status;
 }
 
-/* The Jacobian of a middle as it is by now, instead. False, if *status is RB_OK: there is none. */
+/*
+ * Replaces the Jacobian by that at the present middle of the step. False with RB_OK in *status:
+ * there is none.
+ */
 static bool differentiate_again(struct rb_gauss_newton *newton, const struct rb_gauss_nodes *nodes,
                                 enum rb_status *status)
 {
@@ -321,7 +329,7 @@ static bool differentiate_again(struct rb_gauss_newton *newton, const struct rb_
 	return differentiate(newton, nodes, node[middle], status) && factors(newton, nodes->h_s);
 }
 
-/* What changes of rates at the nodes change values by, of scale. */
+/* Change of values by changes of rates at the nodes, relative to scale. */
 static double value_change(const struct rb_gauss_newton *newton, const struct rb_gauss_nodes *nodes)
 {
 	const struct rb_gauss_problem *p = newton->problem;
@@ -332,15 +340,15 @@ static double value_change(const struct rb_gauss_newton *newton, const struct rb
 			double sum = 0;
 
 			for (int k = 0; k < NODES; k++)
-				sum += matrix[j][k] * newton->left[k][i];
+				sum += matrix[j][k] * newton->residual[k][i];
 			const double size = fabs(sum) / nodes->size[i];
-			if (!(size <= max)) /* NaN comes through */
+			if (!(size <= max)) /* also if NaN */
 				max = size;
 		}
 	return max;
 }
 
-/* One solution; the largest change. */
+/* One Newton step; the largest change. */
 static enum rb_status improve(const struct rb_gauss_newton *newton,
                               const struct rb_gauss_nodes *nodes, double *change)
 {
@@ -353,24 +361,24 @@ static enum rb_status improve(const struct rb_gauss_newton *newton,
 		if (!rates_at(newton, nodes, node[j], &status))
 			return status;
 		for (int i = 0; i < p->n; i++)
-			newton->left[j][i] = rate_row(p, i) < 0 ? nodes->h_s * nodes->rate[i] -
-			                                                  nodes->g[1 + j][i]
-			                                        : 0;
+			newton->residual[j][i] = rate_row(p, i) < 0 ? nodes->h_s * nodes->rate[i] -
+			                                                      nodes->g[1 + j][i]
+			                                            : 0;
 	}
 	solve_all(newton);
 	for (int j = 0; j < NODES; j++)
 		for (int i = 0; i < p->n; i++)
-			nodes->g[1 + j][i] += newton->left[j][i];
+			nodes->g[1 + j][i] += newton->residual[j][i];
 	*change = value_change(newton, nodes);
 	return RB_OK;
 }
 
-/* Solutions until nothing but rounding changes; *sweeps is 0 when they come to no end. */
+/* Newton steps until only rounding changes; *sweeps is 0 if they do not converge. */
 static enum rb_status iterate(struct rb_gauss_newton *newton, const struct rb_gauss_nodes *nodes,
-                              int *sweeps, double *left)
+                              int *sweeps, double *residual)
 {
 	const struct rb_gauss_problem *p = newton->problem;
-	double least = (double)INFINITY, before = (double)INFINITY, change;
+	double smallest = (double)INFINITY, before = (double)INFINITY, change;
 	int stalled = 0;
 
 	for (int j = 1; j <= NODES; j++)
@@ -380,13 +388,13 @@ static enum rb_status iterate(struct rb_gauss_newton *newton, const struct rb_ga
 
 		if (status != RB_OK || !isfinite(change))
 			return status;
-		stalled = change < 0.5 * least ? 0 : stalled + 1;
-		least = fmin(least, change);
-		const bool rounds = stalled == 2 && least < p->tolerance;
+		stalled = change < 0.5 * smallest ? 0 : stalled + 1;
+		smallest = fmin(smallest, change);
+		const bool rounds = stalled == 2 && smallest < p->tolerance;
 		if (rounds || change < DBL_EPSILON ||
 		    (count > 1 && change / before * change < 0x1p-4 * DBL_EPSILON)) {
 			*sweeps = count;
-			*left = rounds ? least : 0;
+			*residual = rounds ? smallest : 0;
 			return RB_OK;
 		}
 		if (stalled == 2)
@@ -400,28 +408,28 @@ static enum rb_status iterate(struct rb_gauss_newton *newton, const struct rb_ga
 
 enum rb_status rb_gauss_newton_converge(struct rb_gauss_newton *newton,
                                         const struct rb_gauss_nodes *nodes, int *sweeps,
-                                        double *left)
+                                        double *residual)
 {
 	enum rb_status status = RB_OK;
 
 	*sweeps = 0;
-	*left = 0;
+	*residual = 0;
 	if (factors(newton, nodes->h_s))
-		status = iterate(newton, nodes, sweeps, left);
+		status = iterate(newton, nodes, sweeps, residual);
 	newton->is_used = *sweeps > 0;
 	if (!newton->is_used)
 		newton->is_out = ++newton->failures >= FAILURES_MAX;
 	return status;
 }
 
-void rb_gauss_newton_soften(const struct rb_gauss_newton *newton, double *left)
+void rb_gauss_newton_soften(const struct rb_gauss_newton *newton, double *residual)
 {
 	const size_t m = (size_t)newton->count;
 	number *const x = newton->solution;
 
 	for (size_t r = 0; r < m; r++)
-		x[r] = (number){left[newton->row[r]], 0};
+		x[r] = (number){residual[newton->row[r]], 0};
 	solve(newton->lu[PAIRS], newton->pivot[PAIRS], m, x);
 	for (size_t r = 0; r < m; r++)
-		left[newton->row[r]] = x[r].re;
+		residual[newton->row[r]] = x[r].re;
 }

@@ -29,7 +29,7 @@ static void integrals(double x, double weight[NODES])
 	}
 }
 
-/* The small coefficients, which are n apart, first. */
+/* Sums the small coefficients first; they are n apart. */
 static inline double series(const double w[NODES], const double *c, size_t n)
 {
 	return 0.0 + w[7] * c[7 * n] + w[6] * c[6 * n] + w[5] * c[5 * n] + w[4] * c[4 * n] +
@@ -78,7 +78,7 @@ void rb_gauss_values(const struct rb_gauss_piece *piece, double t, double *value
 	rb_gauss_some(piece, 0, piece->n, t, value);
 }
 
-/* A sum and what its rounding has left out (Dekker, Numer. Math. 18 (1971) 224). */
+/* A sum and its rounding error (Dekker, Numer. Math. 18 (1971) 224). */
 struct sum {
 	double high, low;
 };
@@ -99,9 +99,9 @@ RB_LANES_INLINE void add_product(struct sum *s, double a, double b)
 	s->low += fma(a, b, -product);
 }
 
-/* What rounding leaves out of component i where the polynomials are `weight`. */
-RB_LANES_INLINE double left_out(const struct rb_gauss_piece *piece, size_t i, int rate_row,
-                                const double weight[NODES])
+/* Rounding error of component i where the polynomials are `weight`. */
+RB_LANES_INLINE double rounding_error(const struct rb_gauss_piece *piece, size_t i, int rate_row,
+                                      const double weight[NODES])
 {
 	const size_t n = (size_t)piece->n;
 	const double *const c = piece->coefficient, h = piece->length_s;
@@ -125,7 +125,7 @@ RB_LANES_INLINE void rests(const struct rb_gauss_piece *piece, int first, int co
                            const int *rate_row, const double weight[NODES], double *rest)
 {
 	for (int i = 0; i < count; i++)
-		rest[i] = left_out(piece, (size_t)(first + i), rate_row[i], weight);
+		rest[i] = rounding_error(piece, (size_t)(first + i), rate_row[i], weight);
 }
 
 RB_LANES_AVX2 static void rests_avx2(const struct rb_gauss_piece *piece, int first, int count,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The polynomial that a step of math/gauss leaves: values, rates and bounds within it. All arrays
- * are the caller's; any thread may read.
+ * The polynomial of a step of math/gauss: values, rates and bounds within it. All arrays are the
+ * caller's; any thread may read.
  */
 #ifndef RB_MATH_GAUSS_PIECE_H
 #define RB_MATH_GAUSS_PIECE_H
@@ -9,7 +9,7 @@
 enum { RB_GAUSS_NODES = 8 };
 
 /*
- * One accepted step: values over [0, length_s] from its own origin in time. All arrays are the
+ * An accepted step: values over [0, length_s] from its own origin in time. All arrays are the
  * caller's: start [n], and coefficient [RB_GAUSS_NODES][n]: Legendre coefficients, on [0, 1], of
  * the rates times length_s.
  */
@@ -17,13 +17,13 @@ struct rb_gauss_piece {
 	int n;
 	double length_s;
 	double *start, *coefficient;
-	double *rest; /* [n]: what rounding has left out of start; NULL: nothing */
+	double *rest; /* [n]: rounding error of start, to be added; NULL: none */
 };
 
 /*
- * What rounding leaves out of `count` components from `first` on at `t`, as rb_gauss_value has
- * them: of the start and its rest, the polynomial, and the product h v_0 where the rate is row
- * `rate_row[i]` (else below 0), i = 0 for the first.
+ * Computes the rounding errors of rb_gauss_value at `t` for `count` components from `first` on: of
+ * the start and its rest, the polynomial, and the product h v_0 where the rate is row `rate_row[i]`
+ * (otherwise below 0), i = 0 for the first.
  */
 void rb_gauss_rests(const struct rb_gauss_piece *piece, int first, int count, const int *rate_row,
                     double t, double *rest);
@@ -31,7 +31,7 @@ void rb_gauss_rests(const struct rb_gauss_piece *piece, int first, int count, co
 /* Value and rate of component i at `t` from the piece's origin, 0 <= t <= length_s. */
 double rb_gauss_value(const struct rb_gauss_piece *piece, int i, double t);
 double rb_gauss_rate(const struct rb_gauss_piece *piece, int i, double t);
-/* Of `count` components from `first` on, at one look at the time. */
+/* The same for `count` components from `first` on. */
 void rb_gauss_some(const struct rb_gauss_piece *piece, int first, int count, double t,
                    double *value);
 void rb_gauss_some_rates(const struct rb_gauss_piece *piece, int first, int count, double t,
@@ -39,19 +39,19 @@ void rb_gauss_some_rates(const struct rb_gauss_piece *piece, int first, int coun
 /* All n at once. */
 void rb_gauss_values(const struct rb_gauss_piece *piece, double t, double *value);
 /*
- * What each Legendre coefficient adds to a value, and to its rate times length_s, at a part x of
- * the piece, 0 to 1.
+ * Contribution of each Legendre coefficient to a value, and to its rate times length_s, at a
+ * fraction x of the piece, 0 to 1.
  */
 void rb_gauss_basis(double x, double value[RB_GAUSS_NODES], double rate[RB_GAUSS_NODES]);
-/* A bound on |rate| of component i over the whole piece: the sum of its |coefficients| / length. */
+/* Bound of |rate| of component i over the whole piece: the sum of its |coefficients| / length. */
 double rb_gauss_rate_bound(const struct rb_gauss_piece *piece, int i);
 /* P_0 .. P_(count - 1) on [0, 1], count >= 2. */
 void rb_gauss_polynomials(int count, double x, double *weight);
 
 /*
- * A piece of what else was seen at the nodes of an accepted step: its values are integrals from the
- * step's beginning on. `rate`: [RB_GAUSS_NODES][piece->n]; start and coefficients of the piece are
- * filled.
+ * Makes a piece of other rates recorded at the nodes of an accepted step: its values are their
+ * integrals from the step's beginning. `rate`: [RB_GAUSS_NODES][piece->n]; fills start and
+ * coefficients.
  */
 void rb_gauss_integrate(struct rb_gauss_piece *piece, double length_s, const double *rate);
 

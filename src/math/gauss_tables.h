@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Tables of math/gauss, for that file and those of its parts alone.
+ * Tables of math/gauss, for that file and its parts only.
  *
  * They were worked out with 70 digits: nodes as roots of the shifted Legendre polynomial P_8 by
  * Newton's method from cos(pi (i - 1/4) / (8 + 1/2)), the rest by exact integration of Lagrange
@@ -16,9 +16,8 @@ static const double node[8] = {
 };
 
 /*
- * What these, and the first half of the first two rows of `legendre`, have beyond a double. It
- * would be the same error in every step: energy would drift by it (Hairer, McLachlan,
- * Razakarivony).
+ * Rounding errors of these doubles, and of the first half of the first two rows of `legendre`. They
+ * would be the same in every step: energy would drift (Hairer, McLachlan, Razakarivony).
  */
 static const double node_low[8] = {
 	-1.1322e-20, -5.8129e-18, 2.5e-18,    -1.2429e-17,
@@ -57,7 +56,7 @@ static const double matrix[8][8] = {
          0.12029646053265731029, 0.02530713407259406479},
 };
 
-/* The square of the matrix: what rates of rates add to values. */
+/* The square of the matrix: weights of second derivatives. */
 static const double square[8][8] = {
 	{0.00030407574807789559061, -0.00023137963629454562354, 0.00026696329803531272225,
          -0.00028659435392144243595, 0.00026744838170096890360, -0.00020762005743542337415,
@@ -86,8 +85,8 @@ static const double square[8][8] = {
 };
 
 /*
- * legendre[k][i]: (2k+1) times weight i times P_k at node i: values at the nodes to Legendre
- * coefficients.
+ * legendre[k][i]: (2k+1) times weight i times P_k at node i: converts values at the nodes to
+ * Legendre coefficients.
  */
 static const double legendre[8][8] = {
 	{0.05061426814518812958, 0.11119051722668723527, 0.15685332293894364367,
@@ -117,8 +116,8 @@ static const double legendre[8][8] = {
 };
 
 /*
- * ahead[i]: integrals from 0 to node i of the Lagrange polynomials of 0 and the nodes before i: the
- * first guess of a node from what is known when its turn comes.
+ * ahead[i]: integrals from 0 to node i of the Lagrange polynomials of 0 and the nodes before i: for
+ * the first guess of a node, from the rates known before it.
  */
 static const double ahead[8][8] = {
 	{0.01985507175123188416},
@@ -139,9 +138,9 @@ static const double ahead[8][8] = {
 };
 
 /*
- * Eigenvalues of the matrix, of each conjugate pair the one above: real part, imaginary part. And
- * what takes values at nodes to the coordinates of its eigenvectors, and back: twice the real part
- * of these.
+ * Eigenvalues of the matrix, of each conjugate pair the one with positive imaginary part: real
+ * part, imaginary part. And the transformation of values at nodes to coordinates of its
+ * eigenvectors, and back: twice the real part of the latter.
  */
 static const double pair_value[4][2] = {
 	{0.029308957461171706, 0.0655961848728239},

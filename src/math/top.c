@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Closed forms where there are any; else series about the points of a grid.
+ * Closed forms where there are any, otherwise series about the points of a grid.
  *
  * Every result is a function of the anchor and of t alone: the grid point comes from t, and the
  * state there from walking the grid from the anchor (or from the cached point, which was found in
- * the same way). Flipping the signs that a mirror in a coordinate plane flips, flips signs in the
- * results and changes no bit: sums only ever mix terms of one sign pattern, and decisions look at
- * sizes.
+ * the same way). Mirroring in a coordinate plane flips signs in the results and changes no bit:
+ * sums only mix terms of the same sign pattern, and decisions depend on sizes only.
  */
 #include "math/top.h"
 
@@ -20,11 +19,11 @@ RB_FIELDS_DEFINE(rb_top_fields, struct rb_top, RB_TOP_FIELDS);
 
 static const double pi = 3.14159265358979323846;
 
-enum { ORDER = 32 }; /* of a series at most; grid_of and steady_point choose steps for it */
+enum { ORDER = 32 }; /* largest order of a series; grid_of and steady_point choose steps for it */
 
 /* Smallest term of a series, as a share of its sum: 1/128 of an ulp. */
 static const double negligible = 0x1p-60;
-static const double far = 0x1p53; /* grid points from which on doubles skip whole numbers */
+static const double grid_points_max = 0x1p53; /* beyond it doubles skip integers */
 /*
  * Grid points beyond which whole periods are skipped by one precession: 2^16 series of a few
  * microseconds are a tenth of a second, and near the anchor the walk is exact while a period is
@@ -43,8 +42,8 @@ static bool is_zero(rb_vec3 a)
 }
 
 /*
- * The turn for `t` seconds at the constant rate `spin`, right to rounding for any number of turns:
- * the length of the spin and its product with t are carried with their rounding errors.
+ * Rotation for `t` seconds at the constant rate `spin`, accurate to rounding for any number of
+ * turns: the length of the spin and its product with t are carried with their rounding errors.
  */
 static rb_quat turn(rb_vec3 spin, double t)
 {
@@ -53,7 +52,7 @@ static rb_quat turn(rb_vec3 spin, double t)
 	if (!(square > 1e-200 && square < 1e200))
 		return rb_quat_from_turn(rb_vec3_scale(t, spin));
 	const double length = sqrt(square);
-	/* what the sum of squares lost, term by term; `lost` of an addition as by Knuth */
+	/* rounding errors of the sum of squares, term by term; those of additions as by Knuth */
 	const double xx = spin.x * spin.x, yy = spin.y * spin.y, zz = spin.z * spin.z;
 	const double xy = xx + yy, xy_part = xy - xx, z_part = square - xy;
 	const double lost = fma(spin.x, spin.x, -xx) + fma(spin.y, spin.y, -yy) +
@@ -70,7 +69,7 @@ static rb_quat turn(rb_vec3 spin, double t)
 
 /* ---- the body ---- */
 
-/* Equal but for rounding: a moment of inertia comes from some ten operations, 16 ulp cover them. */
+/* Equal to rounding: a moment of inertia results from some ten operations, covered by 16 ulp. */
 static bool same(double a, double b)
 {
 	return fabs(a - b) <= 16 * DBL_EPSILON * fmax(fabs(a), fabs(b));
@@ -83,7 +82,7 @@ static void jacobi(rb_mat3 *a, rb_mat3 *frame, int p, int q)
 {
 	const double off = a->m[p][q], theta = (a->m[q][q] - a->m[p][p]) / (2 * off);
 	/*
-	 * the smaller turn; equal moments turn by the sign of `off`, which a mirror flips with it
+	 * the smaller rotation; for equal moments its sign is that of `off`, which mirroring flips
 	 */
 	const double sign = theta == 0 ? copysign(1, off) : copysign(1, theta);
 	const double t = sign / (fabs(theta) + hypot(theta, 1));
@@ -131,7 +130,7 @@ static void principal_axes(rb_mat3 *a, rb_mat3 *frame)
 
 /*
  * A rotation that takes z to the unit vector `axis`, or to its opposite: a permutation of axes,
- * which does not round, where that does it.
+ * which does not round, if possible.
  */
 static rb_quat z_to(rb_vec3 axis)
 {
@@ -139,7 +138,7 @@ static rb_quat z_to(rb_vec3 axis)
 		return (rb_quat){0.5, 0.5, 0.5, 0.5};
 	if (axis.x == 0 && axis.z == 0)
 		return (rb_quat){0.5, -0.5, -0.5, -0.5};
-	/* the shortest way, from whichever end of the axis is nearer */
+	/* the shortest rotation, to the nearer end of the axis */
 	if (axis.z < 0)
 		axis = rb_vec3_neg(axis);
 	return rb_quat_unit((rb_quat){1 + axis.z, -axis.y, axis.x, 0});
@@ -172,7 +171,7 @@ struct rb_top_body rb_top_body_of(const rb_mat3 *inertia)
 	return body;
 }
 
-/* a - b, but zero where only rounding would be left: equal moments exert no gyroscopic torque. */
+/* a - b, but zero if that is only rounding: equal moments have no gyroscopic torque. */
 static double difference(double a, double b)
 {
 	return same(a, b) ? 0 : a - b;
@@ -200,7 +199,7 @@ rb_vec3 rb_top_turning(const struct rb_top_body *body, const rb_mat3 *inertia, r
 {
 	if (body->kind == RB_TOP_CONSTANT)
 		return (rb_vec3){0, 0, 0};
-	/* not by a permutation of axes where none is needed: it would mix signs */
+	/* not by a permutation of axes unless necessary: it would mix signs */
 	const bool own = inertia->m[0][1] == 0 && inertia->m[0][2] == 0 && inertia->m[1][2] == 0;
 	const rb_quat axes = own ? orientation : rb_quat_multiply(orientation, body->principal);
 	const rb_vec3 i = own ? (rb_vec3){inertia->m[0][0], inertia->m[1][1], inertia->m[2][2]}
@@ -212,7 +211,7 @@ rb_vec3 rb_top_turning(const struct rb_top_body *body, const rb_mat3 *inertia, r
 	                                      difference(i.x, i.y) / i.z * w.x * w.y});
 }
 
-/* ---- a body let go ---- */
+/* ---- start of a motion ---- */
 
 static bool is_identity(rb_quat q)
 {
@@ -257,7 +256,7 @@ static double grid_of(rb_vec3 moments, rb_vec3 spin)
 	return ldexp(1, -exponent - 1);
 }
 
-/* Parallel to rounding: the rest is no larger than what rounding the arguments makes. */
+/* Parallel to rounding: the deviation is at most that by rounding of the arguments. */
 static bool parallel(rb_vec3 a, rb_vec3 b)
 {
 	return rb_vec3_length(rb_vec3_cross(a, b)) <=
@@ -291,7 +290,7 @@ struct rb_top rb_top_start(const struct rb_top_body *body, rb_quat orientation, 
 			top.kind = RB_TOP_CONSTANT;
 		else
 			top.grid_s = grid_of(body->moments, w);
-		if (isinf(top.grid_s)) /* its square underflows: no turn within any time */
+		if (isinf(top.grid_s)) /* its square underflows: no rotation in any time */
 			top.kind = RB_TOP_CONSTANT;
 	}
 	return top;
@@ -380,7 +379,7 @@ static rb_quat steady_at(struct rb_top *top, double t)
 {
 	const double k = steady_count(top, t);
 
-	if (!(k < far))
+	if (!(k < grid_points_max))
 		return (rb_quat){(double)NAN, (double)NAN, (double)NAN, (double)NAN};
 	steady_walk(top, (uint64_t)k);
 	const double here = steady_point(top, k);
@@ -393,7 +392,7 @@ bool rb_top_follow(struct rb_top *top, double t, uint64_t steps)
 
 	const double k = top->kind == RB_TOP_STEADY && top->grid_s == 0 ? steady_count(top, t) : 0;
 
-	if (!(k < far) || k <= (double)top->at + (double)steps)
+	if (!(k < grid_points_max) || k <= (double)top->at + (double)steps)
 		return true;
 	steady_walk(top, top->at + steps);
 	return false;
@@ -546,9 +545,9 @@ static double agm(double a, double b)
 }
 
 /*
- * The time after which the spin is the same in the body's axes, s: 4 K(m) / p (Landau, Lifshitz,
- * Mechanics, section 37), about the axis of the largest moment or of the smallest, with differences
- * of L^2 and 2 E I written so that they do not cancel. INFINITY on the border between the two.
+ * Period of the spin in the body's axes, s: 4 K(m) / p (Landau, Lifshitz, Mechanics, section 37),
+ * about the axis of the largest moment or of the smallest, with differences of L^2 and 2 E I
+ * written without cancellation. INFINITY on the border between the two.
  */
 static double free_period(rb_vec3 moments, rb_vec3 spin)
 {
@@ -601,8 +600,8 @@ static void free_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 
 	const double steps = t / top->grid_s;
 	double periods = 0;
 
-	/* as in steady_at: nothing is known of the orientation so far from the anchor */
-	if (!(steps < far)) {
+	/* as in steady_at: the orientation so far from the anchor has no correct digit */
+	if (!(steps < grid_points_max)) {
 		*orientation = (rb_quat){(double)NAN, (double)NAN, (double)NAN, (double)NAN};
 		*spin = (rb_vec3){(double)NAN, (double)NAN, (double)NAN};
 		return;
@@ -715,9 +714,9 @@ static rb_vec3 mean_spin(rb_vec3 k, rb_vec3 w, double s)
 }
 
 /*
- * The midpoint rule keeps what is quadratic: kinetic energy and |L|; the turn by Cayley's map of
- * the same mean spin keeps L itself (Simo, Wong 1991). For both any step will do: one for which a
- * constant spin turns by w h.
+ * The midpoint rule conserves quadratic invariants: kinetic energy and |L|; the rotation by
+ * Cayley's map of the same mean spin conserves L itself (Simo, Wong 1991). Both hold for any step
+ * length; this one makes a constant spin rotate by w h.
  */
 static void step_free(const struct rb_top_body *body, double h, rb_vec3 k, rb_quat *orientation,
                       rb_vec3 *spin)
