@@ -22,7 +22,8 @@ static double load_of(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 f
 	if (place < 0)
 		return 0;
 	const double linear = w->l->model->inverse_mass[body] * rb_vec3_length(force);
-	const rb_vec3 total = rb_mechanics_point_response(w->l, body, &w->pose[place], arm, arm, force);
+	const rb_vec3 total = rb_mechanics_point_response(w->l, body, &w->pose[place], arm, arm,
+	                                                  force);
 
 	return fmax(linear, rb_vec3_length(total));
 }
