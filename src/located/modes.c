@@ -598,7 +598,6 @@ bool rb_modes_refine(struct rb_modes *w, double t)
 		int row = w->joints.count;
 
 		w->residual = residual;
-
 		/* redundant contacts may contradict each other; then a residual remains */
 		if (!(residual > 4 * DBL_EPSILON * w->max) || !(residual < 0.5 * before))
 			return true;
