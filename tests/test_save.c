@@ -530,7 +530,7 @@ static const struct exempt exempt[] = {
 	{rb_ledger_fields, "start_potential",
          "reported: the ledger's potential energy starts from it"},
 	{rb_piece_fields, "rest", "no recipe saves a body between two forms of its motion"},
-	{rb_next_fields, "again", "a sample of a motion that ends with the frame"},
+	{rb_next_fields, "unfinished", "a sample of a motion that ends with the frame"},
 	{rb_cluster_fields, "has_jumped", "no recipe jams (Painleve)"},
 	{rb_cluster_fields, "hits", "no piece of a recipe ends so after a frame"},
 	{rb_cluster_fields, "crept",

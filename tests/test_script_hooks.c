@@ -264,7 +264,7 @@ static void mistakes_in_callbacks_are_told(void **state)
 		{"on_step(function() b.position = {0, 0, 0} end)",
 	         "t.lua:1: a body's 'position' can't be assigned: call body:set_position(p) in a "
 	         "callback"},
-		{"on_frame(function() error(b) end)", "body #1"},
+		{"on_frame(function() error(b) end)", "t.lua:1: body #1"},
 	};
 	char text[400];
 

@@ -37,9 +37,9 @@ camera { projection = "parallel", height = 0 }
 -- expect: :9: camera: 'vectors' must be one of velocity, contact, joint, spring, angular_velocity, acceleration, momentum, force (got 'contacts') (did you mean 'contact'?)
 -- expect: :10: camera: 'png' must hold one %d for the number of the picture, like 'frames/%05d.png' (got 'frames/pic.png')
 -- expect: :10: camera: 'video' must end in .mp4, .webm or .gif (got 'film.avi')
--- expect: :11: camera: 'speed' must be positive (got 0)
 -- expect: :11: camera: 'png' must be a path within the output folder (--trust lifts this) (got the text '/tmp/%d.png')
 -- expect: :11: camera: 'video' must be a path within the output folder (--trust lifts this) (got the text '../film.mp4')
+-- expect: :11: camera: 'speed' must be positive (got 0)
 -- expect: :12: camera: unknown key 'postion' (did you mean 'position'?)
 -- expect: :12: camera: lights[1]: needs a 'kind', or one of 'position' and 'direction'
 -- expect: :12: camera: lights[2]: 'intensity' must be 0 or more (got -1)

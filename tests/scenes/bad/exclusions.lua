@@ -19,7 +19,7 @@ sphere { radius = 1, forces = {{direction = {0, 0, 0}, magnitude = 1}, {vector =
 -- expect: :8: plane: 'angular_velocity' of a static body: it never moves
 -- expect: :8: plane: 'forces' of a static body: it never moves
 -- expect: :9: plane: 'static' = false: an infinite plane has no mass, so that nothing can push it ('motion' says how it moves)
--- expect: :10: sphere: forces[1]: needs 'vector', or 'direction' and 'magnitude', or 'torque'
+-- expect: :10: sphere: forces[1]: 'vector' excludes 'direction' and 'magnitude'
 -- expect: :10: sphere: forces[2]: needs 'vector', or 'direction' and 'magnitude', or 'torque'
 -- expect: :10: sphere: forces[3]: 'duration' must be positive (got 0)
 -- expect: :10: sphere: forces[4]: must be a table of keys (got 5)
