@@ -7,7 +7,7 @@
 
 #include "app/json.h"
 #include "app/plot.h"
-#include "app/quantity.h"
+#include "app/recorded_quantity.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/outfile.h"

@@ -4,8 +4,8 @@
  * scene, a part of a body (BODY.z, BODY.speed, BODY.rz) or of a joint (JOINT.angle). Main thread;
  * owns nothing.
  */
-#ifndef RB_APP_QUANTITY_H
-#define RB_APP_QUANTITY_H
+#ifndef RB_APP_RECORDED_QUANTITY_H
+#define RB_APP_RECORDED_QUANTITY_H
 
 #include "sink/module.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/quantity.h"
+#include "app/recorded_quantity.h"
 
 #include <math.h>
 #include <stdio.h>
