@@ -233,29 +233,48 @@ static struct rb_wrench momentum_of(const struct rb_model *model, int i, const s
 							 model, i, pose->orientation, pose->spin))};
 }
 
-/* Impulse of a static body on all: change of momentum less that by forces. */
-static struct rb_wrench static_impulse(const struct rb_reduced_step *s, double h)
+/*
+ * Adds the share of the body at place k in the impulse of a static body on its tree: its change of
+ * momentum less that by forces. Impulses within the tree cancel.
+ */
+static void add_static_impulse(const struct rb_reduced_step *s, double h, int k,
+                               struct rb_joint_work *work)
 {
 	const struct rb_model *const model = s->world->model;
-	struct rb_wrench sum = {none, none};
+	const int i = s->tree.body[k];
+	const struct rb_pose from = rb_world_pose(s->world, s->before, i);
+	const struct rb_wrench previous = momentum_of(model, i, &from);
+	const struct rb_wrench present = momentum_of(model, i, &s->pose[RB_REDUCED_STEP_NODES][k]);
+	const rb_vec3 force = rb_vec3_scale(model->mass[i], s->force[k].force);
 
-	for (int k = 0; k < s->tree.body_count; k++) {
-		const int i = s->tree.body[k];
-		const struct rb_pose from = rb_world_pose(s->world, s->before, i);
-		const struct rb_wrench previous = momentum_of(model, i, &from);
-		const struct rb_wrench present = momentum_of(model, i,
-		                                             &s->pose[RB_REDUCED_STEP_NODES][k]);
-		const rb_vec3 force = rb_vec3_scale(model->mass[i], s->force[k].force);
+	work->linear = rb_vec3_add(work->linear, rb_vec3_sub(present.force, previous.force));
+	work->linear = rb_vec3_add_scaled(work->linear, -h, force);
+	work->linear = rb_vec3_sub(work->linear, s->dragged[k].force);
+	work->angular = rb_vec3_add(work->angular, rb_vec3_sub(present.torque, previous.torque));
+	work->angular = rb_vec3_sub(work->angular, rb_vec3_cross(s->place[k], force));
+	work->angular = rb_vec3_add_scaled(work->angular, -h, s->force[k].torque);
+	work->angular = rb_vec3_sub(work->angular, s->dragged[k].torque);
+}
 
-		sum.force = rb_vec3_add(sum.force, rb_vec3_sub(present.force, previous.force));
-		sum.force = rb_vec3_add_scaled(sum.force, -h, force);
-		sum.torque = rb_vec3_add(sum.torque, rb_vec3_sub(present.torque, previous.torque));
-		sum.torque = rb_vec3_sub(sum.torque, rb_vec3_cross(s->place[k], force));
-		sum.torque = rb_vec3_add_scaled(sum.torque, -h, s->force[k].torque);
-		sum.force = rb_vec3_sub(sum.force, s->dragged[k].force);
-		sum.torque = rb_vec3_sub(sum.torque, s->dragged[k].torque);
+/*
+ * Enters the impulses of static bodies at the joints of the roots, each that on its own tree.
+ * `link_of` (links by place) is replaced by those of the roots.
+ */
+static void store_static_impulses(const struct rb_reduced_step *s, struct rb_solver *solver,
+                                  int *link_of)
+{
+	for (int k = 0; k < s->tree.count; k++) {
+		const struct rb_joint_tree_link *const link = &s->tree.link[k];
+
+		if (link->parent >= 0)
+			link_of[link->place] = link_of[s->tree.link[link->parent].place];
 	}
-	return sum;
+	for (int k = 0; k < s->tree.body_count; k++) {
+		const int joint = s->tree.link[link_of[k]].joint;
+
+		if (joint >= 0)
+			add_static_impulse(s, solver->h_s, k, &solver->joint[joint].work);
+	}
 }
 
 static void store_joint(const struct rb_reduced_step *s, const struct rb_solver *solver, int k)
@@ -271,16 +290,10 @@ static void store_joint(const struct rb_reduced_step *s, const struct rb_solver 
 		rb_vec3_to(of->impulse, of->reaction);
 	of->work = (struct rb_joint_work){0};
 	of->reduced = true;
-	if (link->parent < 0) {
-		const struct rb_wrench by = static_impulse(s, solver->h_s);
-
-		of->work.linear = by.force;
-		of->work.angular = by.torque;
-	}
 }
 
 static void store(const struct rb_reduced_step *s, struct rb_solver *solver,
-                  struct rb_island *island)
+                  struct rb_island *island, int *link_of)
 {
 	const double each = 1 / solver->h_s;
 	double taken = s->taken;
@@ -330,6 +343,7 @@ static void store(const struct rb_reduced_step *s, struct rb_solver *solver,
 			taken = 0;
 		}
 	}
+	store_static_impulses(s, solver, link_of);
 	island->sweeps = (int)s->evaluations;
 	island->factors = 0;
 	island->residual = island->slip = island->energy_budget = 0;
@@ -370,6 +384,6 @@ bool rb_reduced_islands_try(struct rb_solver *solver, const struct rb_world *wor
 	for (int k = 0; k < s.tree.body_count; k++)
 		solver->local[s.tree.body[k]] = -1;
 	if (good)
-		store(&s, solver, island);
+		store(&s, solver, island, link_of);
 	return good;
 }
