@@ -139,6 +139,20 @@ static void the_largest_and_smallest_numbers_have_their_sums(void **state)
 	assert_true(rb_exact_sum(small, 4) == 2 * 5e-324);
 }
 
+static void what_is_not_a_number_is_not_lost(void **state)
+{
+	const double nan = (double)NAN;
+
+	(void)state;
+	for (int k = 0; k < 3; k++) {
+		double zeros[3] = {0, -0.0, 0}, ones[3] = {1, -1, 1};
+
+		zeros[k] = ones[k] = nan;
+		assert_true(isnan(rb_exact_sum(zeros, 3)));
+		assert_true(isnan(rb_exact_sum(ones, 3)));
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -148,6 +162,7 @@ int main(void)
 		cmocka_unit_test(a_sum_is_right_to_rounding),
 		cmocka_unit_test(what_cancels_leaves_the_rest_whole),
 		cmocka_unit_test(the_largest_and_smallest_numbers_have_their_sums),
+		cmocka_unit_test(what_is_not_a_number_is_not_lost),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -33,8 +33,13 @@ static inline double rb_exact_sum(const double *term, int count)
 	double largest = 0;
 	for (int i = 0; i < count; i++)
 		largest = fabs(term[i]) > largest ? fabs(term[i]) : largest;
-	if (largest == 0)
-		return 0;
+	if (largest == 0) { /* comparisons have passed over NaN */
+		double zero = 0;
+
+		for (int i = 0; i < count; i++)
+			zero += term[i];
+		return zero;
+	}
 	uint64_t pattern;
 	int bits = 1;
 	memcpy(&pattern, &largest, sizeof pattern);
