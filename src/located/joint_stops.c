@@ -25,8 +25,11 @@ enum { SHARE_ULP = 1 << 10 };
 
 static bool fail_memory(const struct rb_joint_rows *rows)
 {
-	rows->l->status = RB_FAIL(rows->l->err, RB_ERR_MEMORY,
-	                          "no memory for the joints of %d bodies", rows->body_count);
+	struct rb_located *l = rows->l;
+
+	if (l->status == RB_OK)
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for the joints of %d bodies",
+		                    rows->body_count);
 	return false;
 }
 
