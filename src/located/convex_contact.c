@@ -42,13 +42,13 @@ static uint32_t part_of_b(uint32_t parts)
 void rb_touch_side(const struct rb_located *l, int i, int part, const struct rb_pose *pose,
                    const struct rb_pose *reference, struct rb_feature_side *side)
 {
+	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
+	RB_ASSERT_COSTLY(part >= 0);
 	const struct rb_model *model = l->model;
 	const struct rb_body_part *own = &rb_model_parts(model, i)->part[part];
 	rb_vec3 origin = {0, 0, 0};
 	const rb_placed placed = rb_body_part_place(own, origin, pose->orientation);
 
-	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
-	RB_ASSERT_COSTLY(part >= 0);
 	if (i < l->n && model->center_of_mass)
 		origin = rb_vec3_neg(rb_quat_rotate(pose->orientation, model->center_of_mass[i]));
 	const rb_vec3 arm = rb_vec3_add(origin, placed.at);

@@ -72,11 +72,11 @@ const struct rb_held *rb_event_set_held(const struct rb_located *l, int a, int b
 
 const struct rb_held *rb_event_set_held_end(const struct rb_located *l, const struct rb_held *first)
 {
+	RB_ASSERT_COSTLY(first != NULL);
 	const int mover = first->a < l->n && l->cluster_of[first->a] >= 0 ? first->a : first->b;
 	const struct rb_cluster *c = &l->cluster[l->cluster_of[mover]];
 	const struct rb_held *h = first;
 
-	RB_ASSERT_COSTLY(first != NULL);
 	while (h < c->held + c->held_count && h->a == first->a && h->b == first->b)
 		h++;
 	return h;
