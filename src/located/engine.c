@@ -673,7 +673,8 @@ static void begin(struct rb_located *l)
 		world->ledger = ledger;
 		world->open = open;
 		world->events.count = reported;
-	} else if (l->status == RB_OK) { /* slips without a driving force have ended at once */
+	} else if (l->status == RB_OK && !rb_interrupt_is_set(&world->interrupt)) {
+		/* slips without a driving force have ended at once */
 		call_hooks(l, reported, l->now_s);
 	}
 }
