@@ -164,7 +164,7 @@ static double touch_time(struct rb_modes *w, int k, double s, double *value)
 	const struct rb_contact_name name = rb_contact_name_of(&now);
 	const double rate = -rb_vec3_dot(now.velocity, now.normal);
 	double below_s = s, below = depth_at(w, k, &name, s, value);
-	/* even where rounding hides how long ago: the search goes back by what it has gone so far */
+	/* at least an ulp back, from which the search doubles its way */
 	double above_s = fmin(s - 2 * below / rate, nextafter(s, 0)), above;
 
 	if (!(below > 0) || !(rate > 0))
