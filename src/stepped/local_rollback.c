@@ -28,6 +28,13 @@
 #include "stepped/sleep.h"
 #include "stepped/swept_bounds.h"
 
+/* Of the steps of a group that were kept. */
+struct rb_group_sums {
+	struct rb_entries entries; /* for the ledger */
+	struct rb_counts counts;   /* without those of bodies and steps: `steps` */
+	int body;                  /* one of the group's */
+};
+
 struct rb_local_rollback {
 	struct rb_swept_bounds swept;
 	struct rb_state begin;
@@ -41,21 +48,15 @@ struct rb_local_rollback {
 	size_t impulse_count, impulse_capacity;
 	struct rb_event_of *event; /* owned: impacts of finished groups */
 	size_t event_count, event_capacity;
-	struct rb_entries entries;          /* ledger entries of the current group */
-	struct rb_entries_of *ledger_entry; /* owned: of finished groups */
-	size_t ledger_entry_count, ledger_entry_capacity;
+	struct rb_group_sums now;   /* of the current group */
+	struct rb_group_sums *sums; /* owned: of finished groups */
+	size_t sums_count, sums_capacity;
 	bool has_no_step; /* the current group has not taken a step yet */
 };
 
 /* An impact and a dynamic body of it. */
 struct rb_event_of {
 	struct rb_event event;
-	int body;
-};
-
-/* A group's ledger entries and one of its bodies. */
-struct rb_entries_of {
-	struct rb_entries entries;
 	int body;
 };
 
@@ -100,7 +101,7 @@ void rb_local_rollback_destroy(struct rb_local_rollback *local)
 	rb_contacts_release(&local->shown);
 	rb_memory_free(local->impulse);
 	rb_memory_free(local->event);
-	rb_memory_free(local->ledger_entry);
+	rb_memory_free(local->sums);
 	rb_memory_free(local);
 }
 
@@ -130,7 +131,7 @@ size_t rb_local_rollback_pair_bytes(void)
 static void forget_changed(struct rb_world *world)
 {
 	struct rb_local_rollback *local = world->stepped->local;
-	size_t impulses = 0, events = 0, books = 0;
+	size_t impulses = 0, events = 0, sums = 0;
 
 	rb_record_keep(world, &local->kept, local->swept.finished);
 	rb_record_keep(world, &local->shown, local->swept.finished);
@@ -140,10 +141,10 @@ static void forget_changed(struct rb_world *world)
 	for (size_t k = 0; k < local->event_count; k++)
 		if (local->swept.finished[local->event[k].body])
 			local->event[events++] = local->event[k];
-	for (size_t k = 0; k < local->ledger_entry_count; k++)
-		if (local->swept.finished[local->ledger_entry[k].body])
-			local->ledger_entry[books++] = local->ledger_entry[k];
-	local->ledger_entry_count = books;
+	for (size_t k = 0; k < local->sums_count; k++)
+		if (local->swept.finished[local->sums[k].body])
+			local->sums[sums++] = local->sums[k];
+	local->sums_count = sums;
 	local->impulse_count = impulses;
 	local->event_count = events;
 }
@@ -203,7 +204,8 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 	struct rb_stepped *s = world->stepped;
 	struct rb_local_rollback *local = s->local;
 	struct rb_cohort *part = &s->part;
-	struct rb_counts *counts = &world->frame_counts;
+	struct rb_counts *counts = &local->now.counts;
+	const struct rb_counts others = world->frame_counts;
 	const struct rb_contacts swapped = local->before;
 	/* before the group's first step, the contacts of the world */
 	const struct rb_contacts *before = local->has_no_step ? &world->contacts : &local->last;
@@ -216,9 +218,13 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 	for (int k = 0; k < part->member_count; k++)
 		local->steps[part->body[k]]++;
 	s->reported.count = 0;
+	/* what is recorded counts for the group alone, which may yet start over */
+	world->frame_counts = *counts;
 	enum rb_status status = rb_record_impacts(world, part, time, before, NULL, err);
 	if (status == RB_OK)
 		status = rb_joint_records_add(world, part, time, h, NULL, err);
+	*counts = world->frame_counts;
+	world->frame_counts = others;
 	if (status == RB_OK &&
 	    !rb_memory_reserve(&local->event, &local->event_capacity,
 	                       local->event_count + s->reported.count + 1, sizeof *local->event))
@@ -233,7 +239,7 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 	if (status == RB_OK && s->tally) {
 		const struct rb_entries e = rb_step_ledger_enter(world, part, &world->mark,
 		                                                 time - h, h, NULL);
-		rb_entries_add(&local->entries, 1, &e);
+		rb_entries_add(&local->now.entries, 1, &e);
 	}
 	rb_joints_keep(world, part, h, NULL);
 	local->has_no_step = false;
@@ -270,7 +276,7 @@ static enum rb_status begin_group(struct rb_world *world, struct rb_error *err)
 	rb_joints_go_back(world, &s->part);
 	rb_solver_forget_rest(&s->solver, s->part.body, s->part.member_count);
 	local->has_no_step = true;
-	local->entries = (struct rb_entries){0};
+	local->now = (struct rb_group_sums){.counts = rb_counts_none, .body = s->part.body[0]};
 	local->last.count = local->means.count = 0;
 	return RB_OK;
 }
@@ -298,13 +304,10 @@ static enum rb_status finish_group(struct rb_world *world, struct rb_swept_group
 		status = rb_mean_forces_record(&local->means, dt, &local->shown, err);
 	if (status != RB_OK)
 		return status;
-	if (s->tally) {
-		if (!rb_memory_reserve(&local->ledger_entry, &local->ledger_entry_capacity,
-		                       local->ledger_entry_count + 1, sizeof *local->ledger_entry))
-			return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the ledger of a step");
-		local->ledger_entry[local->ledger_entry_count++] = (struct rb_entries_of){
-			local->entries, local->swept.member[group->first]};
-	}
+	if (!rb_memory_reserve(&local->sums, &local->sums_capacity, local->sums_count + 1,
+	                       sizeof *local->sums))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the sums of a step");
+	local->sums[local->sums_count++] = local->now;
 	group->finished = true;
 	for (int k = 0; k < group->count; k++)
 		local->swept.finished[local->swept.member[group->first + k]] = 1;
@@ -522,8 +525,8 @@ static void enter_all(struct rb_world *world, double start, double dt)
 		world, &world->stepped->all, &local->begin, start, dt, local->swept.failed);
 
 	rb_ledger_enter(&world->ledger, &whole);
-	for (size_t k = 0; k < local->ledger_entry_count; k++)
-		rb_ledger_enter(&world->ledger, &local->ledger_entry[k].entries);
+	for (size_t k = 0; k < local->sums_count; k++)
+		rb_ledger_enter(&world->ledger, &local->sums[k].entries);
 }
 
 /* Warm-start impulses of both kinds, sorted by body. */
@@ -601,6 +604,8 @@ static enum rb_status count_steps(struct rb_world *world, double dt,
 
 	for (int k = 0; k < s->member_count; k++)
 		counts->body_steps += (uint64_t)local->steps[s->body[k]];
+	for (size_t k = 0; k < local->sums_count; k++)
+		rb_counts_add(counts, &local->sums[k].counts);
 	for (size_t g = 0; g < local->swept.group_count; g++) {
 		const struct rb_swept_group *group = &local->swept.group[g];
 
@@ -660,7 +665,7 @@ enum rb_status rb_local_rollback_step(struct rb_world *world, double start, doub
 		local->steps[i] = 1;
 	}
 	local->kept.count = local->shown.count = local->impulse_count = local->event_count =
-		local->ledger_entry_count = 0;
+		local->sums_count = 0;
 	if (!rb_candidates_keep(&s->candidates))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs",
 		                 s->candidates.pair_count);
