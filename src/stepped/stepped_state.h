@@ -96,8 +96,9 @@ struct rb_attempt_outcome {
 	double drift;   /* m: of that joint */
 	double overlap; /* m */
 	/*
-	 * s: time before the first impact of a mechanism, if that is all that is wrong; else
-	 * INFINITY
+	 * s: time before the first impact of a mechanism, if neither values, residuals, joints,
+	 * springs nor nets were wrong; else INFINITY. Bodies that are thrown, and partners in
+	 * impacts, may be: they are judged again at the shorter step
 	 */
 	double clear_s;
 	/* m: largest gap violation by the residual of an accepted solution */
