@@ -17,7 +17,8 @@
  * slides) by the non-negative ones of least norm; sliding friction changes with them. Without
  * joints they close the gaps, and where targets of a pair contradict each other by no more than
  * `slack`, m/s, in a way in which points of one rigid body cannot move, these are replaced by the
- * nearest consistent ones. Returns true if something has changed by more than `tolerance`, m/s, and
+ * nearest consistent ones; a negative `slack` leaves out contacts without an impulse and keeps
+ * targets. Returns true if something has changed by more than `tolerance`, m/s, and
  * is to be solved again. Systems that would take more than `max` multiplications are left
  * unchanged.
  */

@@ -20,7 +20,7 @@ enum { LARGE_MAX = 800 };
 /* Turns of normal impulses and friction before an island is given up; sweeps of both in each. */
 enum { TURNS_MAX = 6, TURN_SWEEPS = 100 };
 /* Passes that make redundant normal impulses even, with sweeps after each. */
-enum { EVEN_MAX = 16 };
+enum { EVEN_MAX = 16, EVEN_MANY = 4 };
 /*
  * Rows of an island that is solved closely: faces of about four bodies. Doing so with all islands
  * below 128 rows would double the sweeps of a heap of 1,000 cubes.
@@ -474,19 +474,21 @@ static bool even_redundant(const struct rb_solver *solver, struct rb_sweeper *sw
 	const struct rb_row_system *const rows = sweeper->dense;
 	const double close = close_share * solver->tolerance;
 	const double aim = fmax(island->residual, close);
+	/* in larger islands contacts without an impulse stay out of it, for their number */
+	const double slack = is_few(island) ? solver->tolerance : -(double)INFINITY;
+	const int passes = is_few(island) ? EVEN_MAX : EVEN_MANY;
 	double *const target = rb_arena_take(arena, (size_t)rows->row_count, sizeof *target);
 	bool good = target != NULL;
 
 	for (int k = 0; k < rows->row_count && good; k++)
 		target[k] = rows->row[k].target.n;
-	for (int k = 0; k < EVEN_MAX && good; k++) {
+	for (int k = 0; k < passes && good; k++) {
 		const rb_arena_mark here = rb_arena_here(arena);
 
 		for (int i = 0; i < island->contact_count; i++)
 			rows->row[i].target.n = target[i];
-		const bool changed = rb_redundant_contacts(rows, close, solver->tolerance,
-		                                           factor_share * (double)island->row_count,
-		                                           arena);
+		const bool changed = rb_redundant_contacts(
+			rows, close, slack, factor_share * (double)island->row_count, arena);
 		rb_arena_back(arena, here);
 		if (!changed)
 			break;
@@ -712,8 +714,7 @@ static void solve_closely(const struct trial *trial)
 	const double close = close_share * solver->tolerance;
 
 	const bool is_small = !trial->sweeper->wide &&
-	                      (is_few(island) ||
-	                       sticks_to_support(solver, island, trial->rows));
+	                      (is_few(island) || sticks_to_support(solver, island, trial->rows));
 
 	if (island->residual > close &&
 	    (is_small || (solver->before && hardly_moves(solver, island, false))) &&
