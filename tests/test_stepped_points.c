@@ -448,7 +448,7 @@ static void points_of_a_heap_are_carried_whatever_the_numbers_of_pairs(void **st
 
 		assert_true(p->normal_impulse == 0 && p->gap >= 0);
 		/*
-		 * Arms are 0.15 m; the normal of two edges turns faster than they do, by one over
+		 * Arms are 0.15 m and more; the normal of two edges turns faster than they do, by one over
 		 * the sine of their angle, five times at most here. A term of first order would
 		 * be off by the way itself, which is a tenth of that.
 		 */
