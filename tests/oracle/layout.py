@@ -45,6 +45,7 @@ UNITS = {
     "/rbsim/springs/stiffness": "N/m",
     "/rbsim/springs/damping": "N s/m",
     "/rbsim/springs/rest_length": "m",
+    "/rbsim/springs/radius": "m",
     "/rbsim/drags/linear": "N s/m",
     "/rbsim/drags/quadratic": "N s^2/m^2",
     "/rbsim/forces/vector": "N",
