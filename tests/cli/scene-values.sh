@@ -24,6 +24,7 @@ particles|sphere { radius = 0.1, particles = {{ mass = 1, position = {1, 0, 0} }
 spring|spring { a = ball, b = other, stiffness = 1, @ }
 drag|drag { linear = 1, @ }
 camera|camera { @ }
+film|camera { name = "front" } film { rows = {{"front"}}, video = "a.mp4", @ }
 units|camera { units = { @ } }
 lights|camera { lights = {{ direction = {0, 0, -1}, @ }} }
 record|record { @ }
