@@ -221,7 +221,10 @@ static rb_vec3 sliding_friction(const struct rb_row_system *rows, const struct r
 		direction = rb_vec3_neg(
 			rb_vec3_reject(rb_constraint_velocity(&rows->bodies, row), row->normal));
 	const double length = rb_vec3_length(direction);
-	return length > 0 ? rb_vec3_scale(row->friction / length, direction) : (rb_vec3){0, 0, 0};
+	if (!(length > 0))
+		return (rb_vec3){0, 0, 0};
+	/* again: of a direction that was next to nothing rounding along the normal has grown */
+	return rb_vec3_reject(rb_vec3_scale(row->friction / length, direction), row->normal);
 }
 
 /*
