@@ -73,7 +73,7 @@ static void lay(struct lab *lab, struct course *course)
 	lab->scene.world.method = RB_METHOD_STEPPED;
 	lab->scene.world.time_step_s = 1.0 / 240;
 	lab->scene.world.rollback = course->rollback;
-	lab->scene.world.tolerance_m = 1e-7; /* so close that some steps fail */
+	lab->scene.world.tolerance_m = 1e-8; /* so close that some steps fail */
 	lab->scene.world.gravity = (rb_vec3){0, 0, -g};
 	lab_surface(lab, 0.5, 0);
 	lab_plane(lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
