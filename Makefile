@@ -130,7 +130,7 @@ untested := $(if $(filter 0,$(WITH_FILM)),tests/test_film% $(addprefix tests/cli
 ifeq ($(MODE),tsan)
 untested += $(filter-out $(shell grep -lE 'team|thread|pump|_ring|server|overtime' tests/test_*.c),$(wildcard tests/test_*.c)) \
 	$(wildcard tests/test_located_*.c) $(addprefix tests/test_,between.c convex.c save.c stepped_second_half.c) \
-	$(addprefix tests/cli/,damage.sh ledger.sh located-slips.sh oracle.sh random%.sh mutate.sh physics-%.sh scene-joints.sh scene-values.sh \
+	$(addprefix tests/cli/,damage.sh ledger.sh located-slips.sh oracle%.sh random%.sh mutate.sh physics-%.sh scene-joints.sh scene-values.sh \
 	check-%.sh converge.sh diff-recordings.sh docs.sh export.sh film-arc.sh film-callback.sh film-framing.sh film-lights.sh film-units.sh \
 	info-recording.sh joint-%.sh manual-examples.sh methods.sh options-%.sh \
 	plan-golden.sh plot.sh python.sh recording-readers.sh results.sh run-links.sh run-refusals.sh run-small.sh run-steps.sh \
