@@ -54,12 +54,30 @@ static void utc_is_a_date_as_iso_8601_has_it_and_now(void **state)
 	tzset();
 	rb_clock_utc(text);
 	const time_t after = time(NULL);
-	assert_int_equal(strlen(text), 20);
-	const char *const end = strptime(text, "%Y-%m-%dT%H:%M:%SZ", &tm);
-	assert_true(end && *end == '\0');
+	assert_int_equal(strlen(text), 27);
+	const char *const point = strptime(text, "%Y-%m-%dT%H:%M:%S", &tm);
+	assert_true(point && *point == '.');
+	assert_int_equal(strspn(point + 1, "0123456789"), 6);
+	assert_string_equal(point + 7, "Z");
 	const time_t told = timegm(&tm);
 	/* the coarse clock of time(2) may lag a tick behind */
 	assert_true(told >= before && told <= after + 1);
+}
+
+/* By them two runs of one name are told apart. */
+static void dates_of_one_second_differ(void **state)
+{
+	const struct timespec nap = {.tv_nsec = 2000};
+	char before[32], text[32];
+
+	(void)state;
+	rb_clock_utc(before);
+	for (int k = 0; k < 1000; k++) {
+		nanosleep(&nap, NULL);
+		rb_clock_utc(text);
+		assert_string_not_equal(before, text);
+		memcpy(before, text, sizeof before);
+	}
 }
 
 int main(void)
@@ -68,6 +86,7 @@ int main(void)
 		cmocka_unit_test(the_time_never_goes_back_and_is_that_of_the_system),
 		cmocka_unit_test(a_thread_that_sleeps_takes_no_processor_time),
 		cmocka_unit_test(utc_is_a_date_as_iso_8601_has_it_and_now),
+		cmocka_unit_test(dates_of_one_second_differ),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

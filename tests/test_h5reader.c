@@ -69,7 +69,7 @@ static void a_recording_says_how_it_was_made(void **slot)
 	assert_string_equal(r->status, "complete");
 	assert_string_equal(r->reason, "");
 	assert_string_equal(r->state_hash, "0123456789abcdef");
-	assert_int_equal(strlen(r->ended), 20);
+	assert_int_equal(strlen(r->ended), 27);
 	assert_string_equal(r->started, "2026-01-01T00:00:00Z");
 	assert_string_equal(r->version, "0.0.0");
 	assert_string_equal(r->command, "rbsim scene.lua");

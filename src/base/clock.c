@@ -2,10 +2,12 @@
 /*
  * Both clocks are those of clock_gettime: CLOCK_MONOTONIC for durations, since it neither jumps
  * with the wall clock nor runs backwards, and CLOCK_THREAD_CPUTIME_ID for the work of one thread.
- * The date is UTC with 'Z', so that recordings of two time zones compare as text.
+ * The date is UTC with 'Z', so that recordings of two time zones compare as text, and has
+ * microseconds, which tell runs apart that were started one after the other under one name.
  */
 #include "base/clock.h"
 
+#include <stdio.h>
 #include <time.h>
 
 static uint64_t now_ns(clockid_t clock)
@@ -29,10 +31,11 @@ uint64_t rb_clock_cpu_ns(void)
 
 void rb_clock_utc(char out[32])
 {
-	const time_t now = time(NULL);
+	struct timespec now = {0};
 	struct tm parts = {.tm_mday = 1, .tm_year = 70};
 
-	gmtime_r(&now, &parts);
-	if (strftime(out, 32, "%Y-%m-%dT%H:%M:%SZ", &parts) == 0)
-		out[0] = '\0';
+	clock_gettime(CLOCK_REALTIME, &now);
+	gmtime_r(&now.tv_sec, &parts);
+	const size_t size = strftime(out, 32, "%Y-%m-%dT%H:%M:%S", &parts);
+	snprintf(out + size, 32 - size, ".%06ldZ", now.tv_nsec / 1000);
 }

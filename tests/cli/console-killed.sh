@@ -124,7 +124,6 @@ given_back
 
 # a recording that is not of the run, as an older one under its name, is not taken for what a killed run has left
 exits 0 s.lua -o older.h5
-sleep 1 # runs of the same second have the same /rbsim/started
 "$RBSIM" long.lua -o a.h5 --listen sock -q &
 run=$!
 until_true test -f a.h5
