@@ -45,6 +45,7 @@ enum rb_row_range {
 	RB_RANGE_POSITIVE,
 	RB_RANGE_NOT_NEGATIVE,
 	RB_RANGE_UNIT,     /* [0, 1] */
+	RB_RANGE_SHARE,    /* (0, 1] */
 	RB_RANGE_NOT_ZERO, /* a vector with a length */
 	RB_RANGE_DIGIT,    /* [0, 9] */
 	RB_RANGE_PIXELS,   /* [1, 16384] */

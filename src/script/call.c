@@ -124,23 +124,31 @@ struct rb_call rb_call_begin(lua_State *L, const char *word, const struct rb_row
 	return call;
 }
 
+struct rb_call rb_call_entry(const struct rb_call *call, const char *list, int number)
+{
+	struct rb_call entry = *call;
+
+	RB_ASSERT(number >= 0);
+	entry.given = entry.wrong = 0;
+	entry.unknown = 0;
+	entry.index = entry.values = 0;
+	size_t used = strlen(entry.label);
+	if (*list)
+		snprintf(entry.label + used, sizeof entry.label - used, ": %s", list);
+	used = strlen(entry.label);
+	if (number > 0)
+		snprintf(entry.label + used, sizeof entry.label - used, "[%d]", number);
+	return entry;
+}
+
 struct rb_call rb_call_part(const struct rb_call *call, const struct rb_row_table *table, int index,
                             int number)
 {
-	struct rb_call part = *call;
+	struct rb_call part = rb_call_entry(call, table->name, number);
 	char found[80];
 
-	RB_ASSERT(number >= 0);
 	part.table = table;
-	part.given = part.wrong = 0;
-	part.unknown = 0;
 	part.index = lua_absindex(call->L, index);
-	const size_t used = strlen(part.label);
-	if (number > 0)
-		snprintf(part.label + used, sizeof part.label - used, ": %s[%d]", table->name,
-		         number);
-	else
-		snprintf(part.label + used, sizeof part.label - used, ": %s", table->name);
 	if (lua_type(call->L, part.index) != LUA_TTABLE) {
 		rb_call_mistake(&part, "must be a table of keys (got %s)",
 		                rb_describe(call->L, part.index, found));

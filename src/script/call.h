@@ -19,6 +19,7 @@ struct rb_call {
 	struct rb_script *script;
 	const struct rb_row_table *table;
 	int index;       /* of its table of keys; 0: there is none */
+	int values;      /* that stand there before the keys, without one */
 	int line;        /* in the scene's own file, 0: unknown */
 	char label[128]; /* "sphere 'ball'" */
 	char helper[80]; /* " (in rbsim.pile:33)", "" when the scene itself called */
@@ -31,6 +32,10 @@ struct rb_call {
  * when it is no table; raises an error when nothing is being loaded. */
 struct rb_call rb_call_begin(lua_State *L, const char *word, const struct rb_row_table *table,
                              int index);
+
+/* An entry of a list of a call, like the second of its texts ("": of a list without a name), at the
+ * same place in the scene; it has no table of keys. */
+struct rb_call rb_call_entry(const struct rb_call *call, const char *list, int number);
 
 /* A part of a call, like the second of its forces, or its motor (`number` 0: there is but one): its
  * own table at `index`, the same place in the scene. */

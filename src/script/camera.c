@@ -350,10 +350,10 @@ static int camera_named(struct rb_call *call)
 			rb_nearest_offer(&nearest, one, strlen(one));
 	}
 	if (name)
-		rb_call_mistake(call, "'rows': no camera is named '%.60s' so far%s", name,
+		rb_call_mistake(call, "no camera is named '%.60s' so far%s", name,
 		                rb_nearest_hint(&nearest, hint));
 	else
-		rb_call_mistake(call, "'rows' must be lists of names of cameras (got %s)",
+		rb_call_mistake(call, "must be the name of a camera (got %s)",
 		                rb_describe(call->L, -1, found));
 	return -1;
 }
@@ -370,19 +370,22 @@ static bool read_rows(struct rb_call *call, struct rb_film_def *film)
 		rb_call_mistake(call, "'rows' is missing: lists of names of cameras, like "
 		                      "{{\"front\", \"top\"}}");
 	for (int r = 0; r < rows && right; r++) {
+		const struct rb_call row = rb_call_entry(call, "rows", r + 1);
+
 		lua_rawgeti(L, -1, r + 1);
 		const size_t columns = lua_type(L, -1) == LUA_TTABLE ? lua_rawlen(L, -1) : 0;
 		right = columns > 0 && film->cell_count + (int)columns <= RB_FILM_CELLS_MAX &&
 		        columns <= RB_FILM_CELLS_MAX;
 		if (!right)
-			rb_call_mistake(call,
-			                "'rows' must be lists of names of cameras, %d in all at "
-			                "most (got %s at %d)",
-			                RB_FILM_CELLS_MAX, rb_describe(L, -1, found), r + 1);
+			rb_call_mistake(&row,
+			                "must be a list of names of cameras, %d in all rows at "
+			                "most (got %s)",
+			                RB_FILM_CELLS_MAX, rb_describe(L, -1, found));
 		film->columns[film->row_count++] = (int)columns;
 		for (size_t c = 0; c < columns && right; c++) {
 			lua_rawgeti(L, -1, (lua_Integer)c + 1);
-			const int camera = camera_named(call);
+			struct rb_call one = rb_call_entry(&row, "", (int)c + 1);
+			const int camera = camera_named(&one);
 			right = camera >= 0;
 			film->cells[film->cell_count++] = camera;
 			lua_pop(L, 1);

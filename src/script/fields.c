@@ -36,6 +36,13 @@ static const char *key_at(lua_State *L, int at)
 	return key && size > 0 && strlen(key) == size ? key : NULL;
 }
 
+/* Whether a key on the stack is the place of one of the values before the keys. */
+static bool is_value(const struct rb_call *call, int at)
+{
+	return lua_isinteger(call->L, at) && lua_tointeger(call->L, at) >= 1 &&
+	       lua_tointeger(call->L, at) <= call->values;
+}
+
 /*
  * One bit for each row whose key the call's table has; *others: it has something else too. Calls
  * state few of their rows, and the table holds no nil.
@@ -50,6 +57,8 @@ static uint64_t find_stated(const struct rb_call *call, bool *others)
 		const char *const key = key_at(L, -2);
 		int index;
 
+		if (is_value(call, -2))
+			continue;
 		if (!key || !rb_row_find(call->table, key, &index)) {
 			*others = true;
 			continue;
@@ -75,7 +84,7 @@ static void note_unknown(struct rb_call *call)
 			const char *const key = key_at(L, -2);
 
 			if (!key) {
-				unnamed = true;
+				unnamed |= !is_value(call, -2);
 				continue;
 			}
 			if (rb_row_find(call->table, key, NULL) ||
@@ -184,8 +193,12 @@ int rb_call_push_list(struct rb_call *call, const char *key, const char *of, int
 		if (keys == (lua_Integer)lua_rawlen(L, -1) && keys <= most)
 			return (int)keys;
 	}
-	rb_call_mistake(call, "'%s' must be a list of at most %d %s (got %s)", key, most, of,
-	                rb_describe(L, -1, found));
+	if (keys > most && keys == (lua_Integer)lua_rawlen(L, -1))
+		rb_call_mistake(call, "'%s' must be a list of at most %d %s (got %lld)", key, most,
+		                of, (long long)keys);
+	else
+		rb_call_mistake(call, "'%s' must be a list of at most %d %s (got %s)", key, most,
+		                of, rb_describe(L, -1, found));
 	lua_pop(L, 1);
 	return -1;
 }

@@ -2,6 +2,7 @@
 #include "script/marks.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -12,197 +13,122 @@
 #include "script/fields.h"
 #include "script/nearest.h"
 #include "script/values.h"
-#include "script/vector.h"
 
-/* Id of the body that the value at the top of the stack is or names; -1: it is none. */
-static int take_body(lua_State *L)
+/* What stands in lists: the call's label names the entry. */
+static const struct rb_row body_row = {.key = "", .type = RB_ROW_BODY};
+static const struct rb_row text_row = {.key = "", .type = RB_ROW_TEXT};
+
+/* Keys of the tables that may stand there instead. */
+#define AT(type, member) offsetof(struct type, member)
+static const struct rb_row caption_rows[] = {
+	{.key = "at",
+         .type = RB_ROW_NUMBERS,
+         .range = RB_RANGE_UNIT,
+         .count = 2,
+         .at = AT(rb_caption_def, at)},
+	{.key = "size",
+         .type = RB_ROW_NUMBER,
+         .range = RB_RANGE_SHARE,
+         .at = AT(rb_caption_def, size)},
+};
+static const struct rb_row plot_rows[] = {
+	{.key = "at",
+         .type = RB_ROW_NUMBERS,
+         .range = RB_RANGE_UNIT,
+         .count = 2,
+         .at = AT(rb_plot_def, at)},
+	{.key = "size",
+         .type = RB_ROW_NUMBERS,
+         .range = RB_RANGE_SHARE,
+         .count = 2,
+         .at = AT(rb_plot_def, size)},
+};
+static const struct rb_row arrows_rows[] = {
+	{.key = "bodies", .type = RB_ROW_LIST, .at = RB_ROW_BY_HAND},
+	{.key = "scale",
+         .type = RB_ROW_NUMBER,
+         .range = RB_RANGE_POSITIVE,
+         .at = AT(rb_arrows_def, scale)},
+};
+static const struct rb_row_table caption_table = {"text", caption_rows, 2, NULL};
+static const struct rb_row_table plot_table = {"plots", plot_rows, 2, NULL};
+static const struct rb_row_table arrows_table = {"vectors", arrows_rows, 2, NULL};
+static const struct rb_row_table label_table = {"labels", NULL, 0, NULL};
+
+/*
+ * Begins to read the entry at the top of the stack: a value, or a table that begins with `values`
+ * of them and may have keys. `number` 0: it stands at the key itself, without a list.
+ */
+static struct rb_call begin_entry(const struct rb_call *call, const struct rb_row_table *table,
+                                  int number, int values)
 {
-	char hint[96];
+	const bool has_keys = lua_type(call->L, -1) == LUA_TTABLE;
+	struct rb_call entry = *call;
 
-	return lua_type(L, -1) == LUA_TSTRING ? rb_body_named(L, lua_tostring(L, -1), hint)
-	                                      : rb_handle_id(L, -1);
+	if (number > 0 || has_keys)
+		entry = rb_call_entry(call, table->name, number);
+	entry.table = table;
+	entry.index = has_keys ? lua_gettop(call->L) : 0;
+	entry.values = values;
+	return entry;
 }
 
-/* Reads `trails`: bodies, or their names. */
-static void read_trails(struct rb_call *call, struct rb_camera_def *def)
+/* Pushes the k-th value of the entry at the top of the stack; `one` is what mistakes in it name. */
+static void push_value(const struct rb_call *entry, int k, struct rb_call *one)
 {
-	const int count = rb_call_push_list(call, "trails", "bodies", RB_CAMERA_TRAILS_MAX);
-	char found[80];
+	*one = entry->index ? rb_call_entry(entry, "", k) : *entry;
+	if (entry->index)
+		lua_rawgeti(entry->L, entry->index, k);
+	else
+		lua_pushvalue(entry->L, -1);
+}
+
+/* Reads bodies, or their names; returns how many, -1 if there is no list. */
+static int read_bodies(struct rb_call *call, const char *key, int ids[RB_CAMERA_TRAILS_MAX])
+{
+	const int count = rb_call_push_list(call, key, "bodies", RB_CAMERA_TRAILS_MAX);
 
 	for (int i = 0; i < count; i++) {
+		struct rb_call entry = rb_call_entry(call, key, i + 1);
+
 		lua_rawgeti(call->L, -1, i + 1);
-		def->trails[i] = take_body(call->L);
-		if (def->trails[i] < 0)
-			rb_call_mistake(call, "'trails' must be a list of bodies (got %s at %d)",
-			                rb_describe(call->L, -1, found), i + 1);
+		(void)rb_call_value(&entry, &body_row, -1, &ids[i]);
 		lua_pop(call->L, 1);
 	}
-	if (count >= 0) {
-		def->trail_count = count;
+	if (count >= 0)
 		lua_pop(call->L, 1);
-	}
-}
-
-/* The text at the top of the stack, or NULL and a mistake. */
-static const char *take_text(struct rb_call *call, const char *key, const char *wanted, int at)
-{
-	char found[80];
-
-	if (lua_type(call->L, -1) == LUA_TSTRING)
-		return lua_tostring(call->L, -1);
-	rb_call_mistake(call, "'%s' must be %s (got %s at %d)", key, wanted,
-	                rb_describe(call->L, -1, found), at);
-	return NULL;
+	return count;
 }
 
 /* Reads `labels`: bodies, or {body, "text"}. Texts live as long as the call's table. */
 static void read_labels(struct rb_call *call, struct rb_camera_def *def)
 {
-	static const char wanted[] = "a list of bodies, or {body, \"text\"}";
-	lua_State *const L = call->L;
 	const int count = rb_call_push_list(call, "labels", "bodies", RB_CAMERA_LABELS_MAX);
-	char found[80];
 
 	for (int i = 0; i < count; i++) {
 		struct rb_label_def *const label = &def->labels[i];
-		lua_rawgeti(L, -1, i + 1);
-		label->body = take_body(L);
-		if (label->body < 0 && lua_type(L, -1) == LUA_TTABLE && lua_rawlen(L, -1) == 2) {
-			lua_rawgeti(L, -1, 1);
-			label->body = take_body(L);
-			lua_rawgeti(L, -2, 2);
-			label->text = take_text(call, "labels", wanted, i + 1);
-			lua_pop(L, 2);
+		struct rb_call one;
+
+		lua_rawgeti(call->L, -1, i + 1);
+		struct rb_call entry = begin_entry(call, &label_table, i + 1, 2);
+		rb_call_read(&entry, label);
+		push_value(&entry, 1, &one);
+		(void)rb_call_value(&one, &body_row, -1, &label->body);
+		lua_pop(call->L, 1);
+		if (entry.index) {
+			push_value(&entry, 2, &one);
+			(void)rb_call_value(&one, &text_row, -1, &label->text);
+			lua_pop(call->L, 1);
 		}
-		if (label->body < 0)
-			rb_call_mistake(call, "'labels' must be %s (got %s at %d)", wanted,
-			                rb_describe(L, -1, found), i + 1);
-		lua_pop(L, 1);
+		lua_pop(call->L, 1);
 	}
 	if (count >= 0) {
 		def->label_count = count;
-		lua_pop(L, 1);
+		lua_pop(call->L, 1);
 	}
 }
 
-/* `at` and `size` of the table at the top of the stack; false: they are wrong, or there is more. */
-static bool read_place(lua_State *L, struct rb_caption_def *caption)
-{
-	bool right = true;
-
-	for (lua_pushnil(L); right && lua_next(L, -2); lua_pop(L, 1)) {
-		const char *const key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
-
-		if (strcmp(key, "at") == 0) {
-			right = rb_vector_numbers(L, -1, 2, caption->at, NULL) &&
-			        caption->at[0] >= 0 && caption->at[0] <= 1 && caption->at[1] >= 0 &&
-			        caption->at[1] <= 1;
-		} else if (strcmp(key, "size") == 0) {
-			caption->size = lua_tonumber(L, -1);
-			right = lua_type(L, -1) == LUA_TNUMBER && caption->size > 0 &&
-			        caption->size <= 1;
-		} else {
-			right = lua_isinteger(L, -2) && lua_tointeger(L, -2) == 1;
-		}
-		if (!right)
-			lua_pop(L, 1);
-	}
-	return right;
-}
-
-/* Reads one text of `text`, at the top of the stack: a text, a function, or a table of it. */
-static void read_caption(struct rb_call *call, struct rb_camera_def *def)
-{
-	lua_State *const L = call->L;
-	struct rb_caption_def *const caption = &def->texts[def->text_count++];
-	const bool table = lua_type(L, -1) == LUA_TTABLE;
-	char found[80];
-
-	*caption = (struct rb_caption_def){
-		.function = -1, .at = {(double)NAN, (double)NAN}, .size = (double)NAN};
-	const bool placed = !table || read_place(L, caption);
-	if (table)
-		lua_rawgeti(L, -1, 1);
-	if (lua_type(L, -1) == LUA_TFUNCTION)
-		caption->function = rb_script_keep_function(L, -1);
-	else if (lua_type(L, -1) == LUA_TSTRING)
-		caption->text = lua_tostring(L, -1);
-	if (table)
-		lua_pop(L, 1);
-	if (!placed || (!caption->text && caption->function < 0)) {
-		rb_call_mistake(
-			call,
-			"'text' must be a text, a function or {text, at = {x, y}, size = s} "
-			"with shares in [0, 1], or a list of these (got %s)",
-			rb_describe(L, -1, found));
-		caption->text = "";
-	}
-}
-
-static bool has_key(lua_State *L, const char *key)
-{
-	const bool has = lua_getfield(L, -1, key) != LUA_TNIL;
-
-	lua_pop(L, 1);
-	return has;
-}
-
-/* Reads `text`: one, with a place or without, or a list. */
-static void read_texts(struct rb_call *call, struct rb_camera_def *def)
-{
-	lua_State *const L = call->L;
-
-	if (rb_call_push(call, "text") == LUA_TNIL) {
-		lua_pop(L, 1);
-		return;
-	}
-	if (lua_type(L, -1) != LUA_TTABLE || has_key(L, "at") || has_key(L, "size")) {
-		read_caption(call, def);
-		lua_pop(L, 1);
-		return;
-	}
-	lua_pop(L, 1);
-	const int count = rb_call_push_list(call, "text", "texts", RB_CAMERA_TEXTS_MAX);
-	for (int i = 0; i < count; i++) {
-		lua_rawgeti(L, -1, i + 1);
-		read_caption(call, def);
-		lua_pop(L, 1);
-	}
-	if (count >= 0)
-		lua_pop(L, 1);
-}
-
-/* `bodies` and `scale` of the table at the top of the stack; false: they are wrong, or others. */
-static bool read_arrows(lua_State *L, struct rb_arrows_def *arrows)
-{
-	bool right = true;
-
-	for (lua_pushnil(L); right && lua_next(L, -2); lua_pop(L, 1)) {
-		const char *const key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
-
-		if (strcmp(key, "scale") == 0) {
-			arrows->scale = lua_tonumber(L, -1);
-			right = lua_type(L, -1) == LUA_TNUMBER && arrows->scale > 0 &&
-			        isfinite(arrows->scale);
-		} else if (strcmp(key, "bodies") == 0) {
-			const lua_Unsigned count = lua_type(L, -1) == LUA_TTABLE ? lua_rawlen(L, -1)
-			                                                         : 0;
-			right = count > 0 && count <= RB_CAMERA_TRAILS_MAX;
-			for (lua_Unsigned k = 0; right && k < count; k++) {
-				lua_rawgeti(L, -1, (lua_Integer)k + 1);
-				arrows->bodies[k] = take_body(L);
-				right = arrows->bodies[k] >= 0;
-				lua_pop(L, 1);
-			}
-			arrows->body_count = right ? (int)count : 0;
-		} else {
-			right = lua_isinteger(L, -2) && lua_tointeger(L, -2) == 1;
-		}
-		if (!right)
-			lua_pop(L, 1);
-	}
-	return right;
-}
+/* ---- one, or a list ---- */
 
 static const struct rb_row *row_of(const char *key)
 {
@@ -213,80 +139,97 @@ static const struct rb_row *row_of(const char *key)
 	return row;
 }
 
-/* Reads one entry of `vectors`, at the top of the stack: a name, or {name, bodies =, scale =}. */
-static void read_vector(struct rb_call *call, struct rb_camera_def *def)
+/* The row of a key for its entry of that number: without the key where the label has it. */
+static struct rb_row row_for(const char *key, const struct rb_call *entry, int number)
 {
-	lua_State *const L = call->L;
-	const struct rb_row *const row = row_of("vectors");
-	const bool table = lua_type(L, -1) == LUA_TTABLE;
-	struct rb_arrows_def arrows = {0};
-	char found[80];
+	struct rb_row row = *row_of(key);
 
-	if (table && !read_arrows(L, &arrows)) {
-		rb_call_mistake(
-			call,
-			"'vectors' must be names, or {NAME, bodies = {body, ...}, scale = m "
-			"per unit} with 1 to %d bodies and a positive scale (got %s)",
-			RB_CAMERA_TRAILS_MAX, rb_describe(L, -1, found));
-		return;
-	}
-	if (table)
-		lua_rawgeti(L, -1, 1);
-	const int kind = rb_call_choice(call, row, lua_absindex(L, -1));
-	if (table)
-		lua_pop(L, 1);
-	if (kind < 0)
-		return;
-	def->vectors |= 1u << kind;
-	def->arrows[kind] = arrows;
+	if (number > 0 || entry->index)
+		row.key = "";
+	return row;
 }
 
-/* Reads `vectors`: one, or a list. */
-static void read_vectors(struct rb_call *call, struct rb_camera_def *def)
+/* Whether what is at the top of the stack is no list: it has keys, or is no table. */
+static bool is_one(lua_State *L)
+{
+	bool has_keys = false;
+
+	if (lua_type(L, -1) != LUA_TTABLE)
+		return true;
+	for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
+		has_keys |= lua_type(L, -2) == LUA_TSTRING;
+	return has_keys;
+}
+
+typedef void entry_reader(struct rb_call *call, int number, struct rb_camera_def *def);
+
+static void read_one_or_list(struct rb_call *call, const char *key, const char *of, int most,
+                             entry_reader *read, struct rb_camera_def *def)
 {
 	lua_State *const L = call->L;
+	const bool is_there = rb_call_push(call, key) != LUA_TNIL, one = is_one(L);
 
-	if (rb_call_push(call, "vectors") == LUA_TNIL) {
-		lua_pop(L, 1);
-		return;
-	}
-	if (lua_type(L, -1) != LUA_TTABLE || has_key(L, "bodies") || has_key(L, "scale")) {
-		read_vector(call, def);
-		lua_pop(L, 1);
-		return;
-	}
+	if (is_there && one)
+		read(call, 0, def);
 	lua_pop(L, 1);
-	const int count = rb_call_push_list(call, "vectors", "names", RB_VECTORS_COUNT);
+	if (!is_there || one)
+		return;
+	const int count = rb_call_push_list(call, key, of, most);
 	for (int i = 0; i < count; i++) {
 		lua_rawgeti(L, -1, i + 1);
-		read_vector(call, def);
+		read(call, i + 1, def);
 		lua_pop(L, 1);
 	}
 	if (count >= 0)
 		lua_pop(L, 1);
 }
 
-/* `at` and `size` of the table at the top of the stack; false: they are wrong, or others. */
-static bool read_frame(lua_State *L, struct rb_plot_def *plot)
+/* Reads one text of `text`, at the top of the stack: a text, a function, or a table of it. */
+static void read_caption(struct rb_call *call, int number, struct rb_camera_def *def)
 {
-	bool right = true;
+	lua_State *const L = call->L;
+	struct rb_caption_def *const caption = &def->texts[def->text_count++];
+	struct rb_call entry = begin_entry(call, &caption_table, number, 1), one;
+	const struct rb_row row = row_for("text", &entry, number);
 
-	for (lua_pushnil(L); right && lua_next(L, -2); lua_pop(L, 1)) {
-		const char *const key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
-		const bool at = strcmp(key, "at") == 0;
-		double *const pair = at ? plot->at : plot->size;
-
-		if (at || strcmp(key, "size") == 0)
-			right = rb_vector_numbers(L, -1, 2, pair, NULL) &&
-			        (at ? pair[0] >= 0 && pair[1] >= 0 : pair[0] > 0 && pair[1] > 0) &&
-			        pair[0] <= 1 && pair[1] <= 1;
-		else
-			right = lua_isinteger(L, -2) && lua_tointeger(L, -2) == 1;
-		if (!right)
-			lua_pop(L, 1);
-	}
-	return right;
+	*caption = (struct rb_caption_def){
+		.function = -1, .at = {(double)NAN, (double)NAN}, .size = (double)NAN};
+	rb_call_read(&entry, caption);
+	push_value(&entry, 1, &one);
+	if (lua_type(L, -1) == LUA_TFUNCTION)
+		caption->function = rb_script_keep_function(L, -1);
+	else if (lua_type(L, -1) != LUA_TSTRING)
+		(void)rb_call_wrong(&one, &row, -1,
+		                    "a text or a function, or {TEXT, at = {x, y}, size = s}");
+	else
+		(void)rb_call_value(&one, &row, -1, &caption->text);
+	lua_pop(L, 1);
 }
+
+/* Reads one entry of `vectors`, at the top of the stack: a name, or {name, bodies =, scale =}. */
+static void read_vector(struct rb_call *call, int number, struct rb_camera_def *def)
+{
+	struct rb_call entry = begin_entry(call, &arrows_table, number, 1), one;
+	const struct rb_row row = row_for("vectors", &entry, number);
+	struct rb_arrows_def arrows = {0};
+
+	rb_call_read(&entry, &arrows);
+	const int bodies = read_bodies(&entry, "bodies", arrows.bodies);
+	if (bodies == 0)
+		rb_call_mistake(&entry, "'bodies' must not be empty (without it: all)");
+	arrows.body_count = bodies > 0 ? bodies : 0;
+	push_value(&entry, 1, &one);
+	const int kind = rb_call_choice(&one, &row, lua_absindex(call->L, -1));
+	lua_pop(call->L, 1);
+	if (kind < 0)
+		return;
+	if (def->vectors & 1u << kind)
+		rb_call_mistake(&one, "there are such arrows already");
+	def->vectors |= 1u << kind;
+	def->arrows[kind] = arrows;
+}
+
+/* ---- diagrams ---- */
 
 /* Whether the text before its last point is this name, or this kind of thing by its number. */
 static bool is_subject(const char *text, size_t size, const char *name, const char *kind,
@@ -348,7 +291,7 @@ static bool find_quantity(struct rb_call *call, struct rb_plot_def *plot)
 	if (find_part(scene, plot)) {
 		if (plot->of != RB_PLOT_BODY || !scene->bodies[plot->subject].is_static)
 			return true;
-		rb_call_mistake(call, "'plots': the body of '%.60s' never moves", plot->name);
+		rb_call_mistake(call, "the body of '%.60s' never moves", plot->name);
 		return false;
 	}
 	for (int k = 0; dot && k < scene->body_count; k++) {
@@ -359,7 +302,7 @@ static bool find_quantity(struct rb_call *call, struct rb_plot_def *plot)
 			rb_nearest_offer(&nearest, meant, (size_t)size);
 	}
 	rb_call_mistake(call,
-	                "'plots': there is no probe or quantity '%.60s' so far%s "
+	                "there is no probe or quantity '%.60s' so far%s "
 	                "(wanted: a probe, energy, momentum, BODY.z, .vz, .speed, JOINT.angle, "
 	                ".force, and more)",
 	                plot->name, rb_nearest_hint(&nearest, hint));
@@ -371,29 +314,23 @@ static void read_plots(struct rb_call *call, struct rb_camera_def *def)
 {
 	lua_State *const L = call->L;
 	const int count = rb_call_push_list(call, "plots", "names", RB_CAMERA_PLOTS_MAX);
-	char found[80];
 
 	for (int i = 0; i < count; i++) {
 		struct rb_plot_def *const plot = &def->plots[def->plot_count];
-		lua_rawgeti(L, -1, i + 1);
-		const bool table = lua_type(L, -1) == LUA_TTABLE;
+		struct rb_call one;
+
 		*plot = (struct rb_plot_def){.at = {0.98, 0.03 + 0.35 * i}, .size = {0.3, 0.25}};
-		const bool placed = !table || read_frame(L, plot);
-		if (table)
-			lua_rawgeti(L, -1, 1);
-		if (lua_type(L, -1) == LUA_TSTRING)
-			plot->name = lua_tostring(L, -1);
-		if (table)
-			lua_pop(L, 1);
-		if (!placed || !plot->name)
-			rb_call_mistake(
-				call,
-				"'plots' must be names of quantities, or {NAME, at = {x, y}, "
-				"size = {w, h}} with shares in [0, 1] (got %s at %d)",
-				rb_describe(L, -1, found), i + 1);
-		else
-			def->plot_count += find_quantity(call, plot);
-		lua_pop(L, 1);
+		lua_rawgeti(L, -1, i + 1);
+		struct rb_call entry = begin_entry(call, &plot_table, i + 1, 1);
+		rb_call_read(&entry, plot);
+		push_value(&entry, 1, &one);
+		if (lua_type(L, -1) != LUA_TSTRING)
+			(void)rb_call_wrong(&one, &text_row, -1,
+			                    "the name of a quantity, or {NAME, at = {x, y}, size = "
+			                    "{w, h}}");
+		else if (rb_call_value(&one, &text_row, -1, &plot->name))
+			def->plot_count += find_quantity(&one, plot);
+		lua_pop(L, 2);
 	}
 	if (count >= 0)
 		lua_pop(L, 1);
@@ -401,9 +338,11 @@ static void read_plots(struct rb_call *call, struct rb_camera_def *def)
 
 void rb_marks_read(struct rb_call *call, struct rb_camera_def *def)
 {
-	read_trails(call, def);
+	const int trails = read_bodies(call, "trails", def->trails);
+
+	def->trail_count = trails > 0 ? trails : 0;
 	read_labels(call, def);
-	read_texts(call, def);
-	read_vectors(call, def);
+	read_one_or_list(call, "text", "texts", RB_CAMERA_TEXTS_MAX, read_caption, def);
+	read_one_or_list(call, "vectors", "names", RB_VECTORS_COUNT, read_vector, def);
 	read_plots(call, def);
 }

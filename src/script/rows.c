@@ -492,6 +492,7 @@ const char *rb_range_text(enum rb_row_range range)
 		[RB_RANGE_POSITIVE] = "positive",
 		[RB_RANGE_NOT_NEGATIVE] = "0 or more",
 		[RB_RANGE_UNIT] = "in [0, 1]",
+		[RB_RANGE_SHARE] = "above 0 and at most 1",
 		[RB_RANGE_NOT_ZERO] = "not zero",
 		[RB_RANGE_DIGIT] = "in [0, 9]",
 		[RB_RANGE_PIXELS] = "in [1, 16384]",

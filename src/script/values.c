@@ -31,6 +31,8 @@ static bool in_range(enum rb_row_range range, double value)
 		return value >= 0;
 	case RB_RANGE_UNIT:
 		return value >= 0 && value <= 1;
+	case RB_RANGE_SHARE:
+		return value > 0 && value <= 1;
 	case RB_RANGE_DIGIT:
 		return value >= 0 && value <= 9;
 	case RB_RANGE_PIXELS:
@@ -46,12 +48,20 @@ static bool in_range(enum rb_row_range range, double value)
 	}
 }
 
-/* Notes what a key must be and what was found; false, for the caller to return. */
-static bool is_wrong(struct rb_call *call, const struct rb_row *row, int index, const char *wanted)
+/* "'KEY'" and what follows it; of an entry of a list, which the call's label names, "". */
+static const char *named(const struct rb_row *row, const char *behind, char out[80])
 {
-	char found[80];
+	out[0] = '\0';
+	if (*row->key)
+		snprintf(out, 80, "'%s'%s", row->key, behind);
+	return out;
+}
 
-	rb_call_mistake(call, "'%s' must be %s (got %s)", row->key, wanted,
+bool rb_call_wrong(struct rb_call *call, const struct rb_row *row, int index, const char *wanted)
+{
+	char found[80], name[80];
+
+	rb_call_mistake(call, "%smust be %s (got %s)", named(row, " ", name), wanted,
 	                rb_describe(call->L, index, found));
 	return false;
 }
@@ -72,16 +82,16 @@ static bool out_of_range(struct rb_call *call, const struct rb_row *row, int ind
 	/* a positive number may be too small */
 	const bool tiny = row->range == RB_RANGE_POSITIVE && lua_tonumber(call->L, index) > 0;
 	snprintf(wanted, sizeof wanted, "%s%s", range, tiny ? ", and not below 2.3e-308" : "");
-	return is_wrong(call, row, index, wanted);
+	return rb_call_wrong(call, row, index, wanted);
 }
 
 static bool read_number(struct rb_call *call, const struct rb_row *row, int index, double *value)
 {
 	if (lua_type(call->L, index) != LUA_TNUMBER)
-		return is_wrong(call, row, index, "a number");
+		return rb_call_wrong(call, row, index, "a number");
 	const double number = lua_tonumber(call->L, index);
 	if (!isfinite(number))
-		return is_wrong(call, row, index, "finite");
+		return rb_call_wrong(call, row, index, "finite");
 	if (!in_range(row->range, number))
 		return out_of_range(call, row, index);
 	*value = number;
@@ -94,11 +104,11 @@ static bool read_integer(struct rb_call *call, const struct rb_row *row, int ind
 	const lua_Integer number = lua_tointegerx(call->L, index, &whole);
 
 	if (lua_type(call->L, index) != LUA_TNUMBER || !whole)
-		return is_wrong(call, row, index, "a whole number");
+		return rb_call_wrong(call, row, index, "a whole number");
 	if (!in_range(row->range, (double)number))
 		return out_of_range(call, row, index);
 	if (number < INT32_MIN || number > INT32_MAX)
-		return is_wrong(call, row, index, "less than 2^31");
+		return rb_call_wrong(call, row, index, "less than 2^31");
 	*value = (int)number;
 	return true;
 }
@@ -109,7 +119,7 @@ static bool read_seed(struct rb_call *call, const struct rb_row *row, int index,
 	const lua_Integer number = lua_tointegerx(call->L, index, &whole);
 
 	if (lua_type(call->L, index) != LUA_TNUMBER || !whole || number < 0)
-		return is_wrong(call, row, index, "a whole number, 0 or more");
+		return rb_call_wrong(call, row, index, "a whole number, 0 or more");
 	*value = (uint64_t)number;
 	return true;
 }
@@ -117,7 +127,7 @@ static bool read_seed(struct rb_call *call, const struct rb_row *row, int index,
 static bool read_boolean(struct rb_call *call, const struct rb_row *row, int index, bool *value)
 {
 	if (lua_type(call->L, index) != LUA_TBOOLEAN)
-		return is_wrong(call, row, index, "true or false");
+		return rb_call_wrong(call, row, index, "true or false");
 	*value = lua_toboolean(call->L, index);
 	return true;
 }
@@ -127,10 +137,10 @@ static bool read_text(struct rb_call *call, const struct rb_row *row, int index,
 	size_t size;
 
 	if (lua_type(call->L, index) != LUA_TSTRING)
-		return is_wrong(call, row, index, "a text");
+		return rb_call_wrong(call, row, index, "a text");
 	const char *text = lua_tolstring(call->L, index, &size);
 	if (strlen(text) != size)
-		return is_wrong(call, row, index, "a text without zero bytes");
+		return rb_call_wrong(call, row, index, "a text without zero bytes");
 	*value = text;
 	return true;
 }
@@ -142,8 +152,8 @@ static bool read_file(struct rb_call *call, const struct rb_row *row, int index,
 	if (!read_text(call, row, index, &path))
 		return false;
 	if (!call->script->sandbox.trust && !rb_disk_path_stays(path))
-		return is_wrong(call, row, index,
-		                "a path within the output folder (--trust lifts this)");
+		return rb_call_wrong(call, row, index,
+		                     "a path within the output folder (--trust lifts this)");
 	*value = path;
 	return true;
 }
@@ -187,8 +197,8 @@ static bool read_texture(struct rb_call *call, const struct rb_row *row, int ind
 		return false;
 	}
 	if (!call->script->sandbox.trust && !rb_disk_path_stays(text))
-		return is_wrong(call, row, index,
-		                "a path within the scene's folder (--trust lifts this)");
+		return rb_call_wrong(call, row, index,
+		                     "a path within the scene's folder (--trust lifts this)");
 	if (!rb_texture_take(call, row->key, text))
 		return false;
 	*value = text;
@@ -205,16 +215,16 @@ static bool read_numbers(struct rb_call *call, const struct rb_row *row, int ind
 	RB_ASSERT(row->count > 0 && row->count <= 16);
 	if (!rb_vector_numbers(call->L, index, row->count, numbers, &found)) {
 		if (row->type == RB_ROW_VECTOR || row->type == RB_ROW_SOURCE)
-			return is_wrong(call, row, index,
-			                row->type == RB_ROW_SOURCE
-			                        ? "a vector {x, y, z}, a body or a function"
-			                        : "a vector {x, y, z}");
+			return rb_call_wrong(call, row, index,
+			                     row->type == RB_ROW_SOURCE
+			                             ? "a vector {x, y, z}, a body or a function"
+			                             : "a vector {x, y, z}");
 		snprintf(wanted, sizeof wanted, "a list of %d numbers", row->count);
-		return is_wrong(call, row, index, wanted);
+		return rb_call_wrong(call, row, index, wanted);
 	}
 	for (int i = 0; i < row->count; i++) {
 		if (!isfinite(numbers[i]))
-			return is_wrong(call, row, index, "finite");
+			return rb_call_wrong(call, row, index, "finite");
 		if (!in_range(row->range, numbers[i]))
 			return out_of_range(call, row, index);
 	}
@@ -233,7 +243,7 @@ static bool read_vector(struct rb_call *call, const struct rb_row *row, int inde
 		return false;
 	const rb_vec3 v = rb_vec3_from(numbers);
 	if (row->range == RB_RANGE_NOT_ZERO && !(rb_vec3_max_abs(v) >= DBL_MIN))
-		return is_wrong(call, row, index, "a vector with a length");
+		return rb_call_wrong(call, row, index, "a vector with a length");
 	*value = v;
 	return true;
 }
@@ -248,7 +258,7 @@ static bool read_integers(struct rb_call *call, const struct rb_row *row, int in
 		return false;
 	for (int i = 0; i < row->count; i++)
 		if (numbers[i] != floor(numbers[i]) || fabs(numbers[i]) > INT32_MAX)
-			return is_wrong(call, row, index, "whole numbers");
+			return rb_call_wrong(call, row, index, "whole numbers");
 	for (int i = 0; i < row->count; i++)
 		values[i] = (int)numbers[i];
 	return true;
@@ -264,11 +274,11 @@ static bool read_orientation(struct rb_call *call, const struct rb_row *row, int
 	case RB_TURN_RIGHT:
 		return true;
 	case RB_TURN_NO_LIST:
-		return is_wrong(call, row, index,
-		                "{w, x, y, z} or {axis = {x, y, z}, angle = radians}");
+		return rb_call_wrong(call, row, index,
+		                     "{w, x, y, z} or {axis = {x, y, z}, angle = radians}");
 	case RB_TURN_NOT_FINITE:
 		if (!found.by_axis)
-			return is_wrong(call, row, index, "finite");
+			return rb_call_wrong(call, row, index, "finite");
 		rb_call_mistake(call,
 		                "'%s': 'axis' and 'angle' must be finite (got {%.12g, %.12g, "
 		                "%.12g} and %.12g)",
@@ -312,13 +322,13 @@ static bool read_color(struct rb_call *call, const struct rb_row *row, int index
 			values[i] = (16 * high + low) / 255.0;
 		}
 		if (!right)
-			return is_wrong(call, row, index, color_wanted);
+			return rb_call_wrong(call, row, index, color_wanted);
 	} else if (!rb_vector_numbers(call->L, index, 3, values, NULL)) {
-		return is_wrong(call, row, index, color_wanted);
+		return rb_call_wrong(call, row, index, color_wanted);
 	}
 	for (int i = 0; i < 3; i++)
 		if (!(values[i] >= 0 && values[i] <= 1))
-			return is_wrong(call, row, index, "a color with parts in [0, 1]");
+			return rb_call_wrong(call, row, index, "a color with parts in [0, 1]");
 	memcpy(color, values, sizeof values);
 	return true;
 }
@@ -327,12 +337,12 @@ int rb_call_choice(struct rb_call *call, const struct rb_row *row, int index)
 {
 	struct rb_nearest nearest;
 	const char *name;
-	char hint[96], wanted[200];
+	char hint[96], wanted[200], key[80];
 	size_t size;
 
 	if (lua_type(call->L, index) != LUA_TSTRING) {
 		snprintf(wanted, sizeof wanted, "one of %s", row->choices);
-		is_wrong(call, row, index, wanted);
+		rb_call_wrong(call, row, index, wanted);
 		return -1;
 	}
 	const char *text = lua_tostring(call->L, index);
@@ -342,8 +352,8 @@ int rb_call_choice(struct rb_call *call, const struct rb_row *row, int index)
 			return k;
 		rb_nearest_offer(&nearest, name, size);
 	}
-	rb_call_mistake(call, "'%s' must be one of %s (got '%.60s')%s", row->key, row->choices,
-	                text, rb_nearest_hint(&nearest, hint));
+	rb_call_mistake(call, "%smust be one of %s (got '%.60s')%s", named(row, " ", key),
+	                row->choices, text, rb_nearest_hint(&nearest, hint));
 	return -1;
 }
 
@@ -374,7 +384,7 @@ static bool read_flags(struct rb_call *call, const struct rb_row *row, int index
 		return k >= 0;
 	}
 	if (lua_type(L, index) != LUA_TTABLE)
-		return is_wrong(call, row, index, "a text or a list of texts");
+		return rb_call_wrong(call, row, index, "a text or a list of texts");
 	const lua_Unsigned count = lua_rawlen(L, index);
 	for (lua_Unsigned i = adds ? 2 : 1; i <= count && i <= 32; i++) {
 		lua_rawgeti(L, index, (lua_Integer)i);
@@ -388,7 +398,7 @@ static bool read_flags(struct rb_call *call, const struct rb_row *row, int index
 	for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1))
 		keys++;
 	if (keys != count || count > 32)
-		return is_wrong(call, row, index, "a text or a list of texts");
+		return rb_call_wrong(call, row, index, "a text or a list of texts");
 	*value = flags;
 	return true;
 }
@@ -442,16 +452,16 @@ int rb_body_named(lua_State *L, const char *name, char hint[96])
 static bool read_body(struct rb_call *call, const struct rb_row *row, int index, int *value)
 {
 	int id = rb_handle_id(call->L, index);
-	char hint[96];
+	char hint[96], key[80];
 
 	if (id < 0 && lua_type(call->L, index) != LUA_TSTRING)
-		return is_wrong(call, row, index, "a body or the name of one");
+		return rb_call_wrong(call, row, index, "a body or the name of one");
 	if (id < 0) {
 		const char *name = lua_tostring(call->L, index);
 		id = rb_body_named(call->L, name, hint);
 		if (id < 0) {
-			rb_call_mistake(call, "'%s': no body is named '%.60s' so far%s", row->key,
-			                name, hint);
+			rb_call_mistake(call, "%sno body is named '%.60s' so far%s",
+			                named(row, ": ", key), name, hint);
 			return false;
 		}
 	}
@@ -463,7 +473,7 @@ static bool read_body(struct rb_call *call, const struct rb_row *row, int index,
 static bool read_function(struct rb_call *call, const struct rb_row *row, int index, int *value)
 {
 	if (lua_type(call->L, index) != LUA_TFUNCTION)
-		return is_wrong(call, row, index, "a function");
+		return rb_call_wrong(call, row, index, "a function");
 	*value = rb_script_keep_function(call->L, index);
 	return true;
 }
@@ -499,23 +509,23 @@ static bool read_inertia(struct rb_call *call, const struct rb_row *row, int ind
 	if (rb_vector_numbers(L, index, 3, d, NULL)) {
 		for (int i = 0; i < 3; i++) {
 			if (!isfinite(d[i]))
-				return is_wrong(call, row, index, "finite");
+				return rb_call_wrong(call, row, index, "finite");
 			if (!(d[i] >= DBL_MIN))
-				return is_wrong(call, row, index, "positive");
+				return rb_call_wrong(call, row, index, "positive");
 			m.m[i][i] = d[i];
 		}
 	} else {
 		if (lua_type(L, index) != LUA_TTABLE || lua_rawlen(L, index) != 3)
-			return is_wrong(call, row, index, wanted);
+			return rb_call_wrong(call, row, index, wanted);
 		for (int i = 0; i < 3; i++) {
 			lua_rawgeti(L, index, i + 1);
 			const bool right = rb_vector_numbers(L, -1, 3, m.m[i], NULL);
 			lua_pop(L, 1);
 			if (!right)
-				return is_wrong(call, row, index, wanted);
+				return rb_call_wrong(call, row, index, wanted);
 			for (int j = 0; j < 3; j++)
 				if (!isfinite(m.m[i][j]))
-					return is_wrong(call, row, index, "finite");
+					return rb_call_wrong(call, row, index, "finite");
 		}
 	}
 	const char *fault = rb_inertia_fault(&m);

@@ -18,6 +18,12 @@ bool rb_flags_add(lua_State *L, int index);
  * with `what`. */
 int rb_call_material(struct rb_call *call, const char *what, int index);
 
+/*
+ * Notes what the value at `index` must be; false, for the caller to return. A row without a key is
+ * that of an entry of a list, which the call's label names.
+ */
+bool rb_call_wrong(struct rb_call *call, const struct rb_row *row, int index, const char *wanted);
+
 /* Place of the text at `index` among the row's choices; -1: a mistake was noted. */
 int rb_call_choice(struct rb_call *call, const struct rb_row *row, int index);
 

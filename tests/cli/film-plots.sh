@@ -84,11 +84,12 @@ camera { plots = {"bar.angle"} }
 camera { plots = {"height", "height", "height", "height", "height"} }
 END
 exits 65 wrong.lua
-says err "wrong.lua:4: camera: 'plots': there is no probe or quantity 'heigt' so far \(did you mean 'height'\?\)"
+says err "wrong.lua:4: camera: plots\[1\]: there is no probe or quantity 'heigt' so far \(did you mean 'height'\?\)"
 says err "wrong.lua:11: .* quantity 'bal.vx' so far \(did you mean 'ball.vx'\?\)"
 says err "wrong.lua:12: .* quantity 'ball.vq'"
 says err "wrong.lua:13: .* the body of 'rock.z' never moves"
 says err "wrong.lua:14: .* quantity 'bar.angle'"
-for line in 5 6 7 15; do
-	says err "wrong.lua:$line: camera: 'plots' must be"
+for text in "5: camera: 'plots' must be a list" "6: camera: plots\[1\]: 'at' must lie in" "7: camera: plots\[1\]: must be the name" \
+	"15: camera: 'plots' must be a list of at most 4 names \(got 5\)"; do
+	says err "wrong.lua:$text"
 done

@@ -105,8 +105,8 @@ film { rows = {{"front"}}, video = "a.mp4", from = 2, to = 1 }
 film { name = "front", rows = {{"front"}}, video = "a.avi" }
 END
 exits 65 wrong.lua
-for text in "4: film: 'rows' is missing" "5: film: needs 'video' or 'png'" "6: film: 'rows' must be lists of names" \
-	"7: film: 'rows': no camera is named 'frnt' so far \(did you mean 'front'" "8: film: 'rows' must be lists of names" \
-	"9: film: 'rows' must be lists" "10: film: 'from' must not be after" "11: film.*'video' must end in" "11: .*'front' is taken"; do
+for text in "4: film: 'rows' is missing" "5: film: needs 'video' or 'png'" "6: film: rows\[1\]: must be a list of names" \
+	"7: film: rows\[1\]\[1\]: no camera is named 'frnt' so far \(did you mean 'front'" "8: film: rows\[1\]\[1\]: must be the name" \
+	"9: film: rows\[1\]: must be a list" "10: film: 'from' must not be after" "11: film.*'video' must end in" "11: .*'front' is taken"; do
 	says err "wrong.lua:$text"
 done

@@ -80,8 +80,10 @@ camera { text = {"b", at = {0, 0}, sise = 1} }
 camera { text = {{at = {0, 0}}} }
 END
 exits 65 wrong.lua
-for line in 3 4 5 6 7 8 9; do
-	grep -q "wrong.lua:$line: camera: '\(labels\|text\)' must be" err || fail "line $line: $(cat err)"
+for text in "3: camera: labels\[1\]: must be a body" "4: camera: labels\[1\]\[2\]: must be a text" "5: camera: 'labels' must be a list" \
+	"6: camera: 'text' must be a text" "7: camera: text\[2\]: 'at' must lie in" "8: camera: text: unknown key 'sise'" \
+	"9: camera: text\[1\]\[1\]: must be a text"; do
+	says err "wrong.lua:$text"
 done
 cat >late.lua <<'END'
 world { duration = 1 }
@@ -108,4 +110,4 @@ for k in 0 1 2; do
 done
 echo 'world { duration = 1 } sphere { name = "a", radius = 1 } camera { trails = {"b"} }' >wrong.lua
 exits 65 wrong.lua
-says err "'trails' must be a list of bodies \(got the text 'b' at 1\)"
+says err "camera: trails\[1\]: no body is named 'b' so far"

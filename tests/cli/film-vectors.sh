@@ -90,7 +90,7 @@ camera { vectors = {{5, bodies = {s}}} }
 END
 exits 65 wrong.lua
 says err "wrong.lua:3: camera: 'vectors' must be one of velocity, .* \(did you mean 'velocity'\?\)"
-for line in 4 5 6; do
-	says err "wrong.lua:$line: camera: 'vectors' must be names, or"
+for text in "4: camera: vectors\[2\]: 'scale' must be positive \(got -1\)" "5: camera: vectors\[1\]: 'bodies' must not be empty" \
+	"6: camera: vectors\[1\]: unknown key 'bodys'" "7: camera: vectors\[1\]\[1\]: must be one of"; do
+	says err "wrong.lua:$text"
 done
-says err "wrong.lua:7: camera: 'vectors' must be one of"

@@ -33,7 +33,7 @@ camera { projection = "parallel", height = 0 }
 -- expect: :9: camera: 'background' must be a color with parts in [0, 1] (got {2, 0, 0})
 -- expect: :9: camera: 'overlay' must be one of time, title, energy, scale (got 'tittle') (did you mean 'title'?)
 -- expect: :9: camera: 'style' must be one of shaded, wireframe (got 'wire') (did you mean 'wireframe'?)
--- expect: :9: camera: 'trails' must be a list of bodies (got 1 at 1)
+-- expect: :9: camera: trails[1]: must be a body or the name of one (got 1)
 -- expect: :9: camera: 'vectors' must be one of velocity, contact, joint, spring, angular_velocity, acceleration, momentum, force (got 'contacts') (did you mean 'contact'?)
 -- expect: :10: camera: 'png' must hold one %d for the number of the picture, like 'frames/%05d.png' (got 'frames/pic.png')
 -- expect: :10: camera: 'video' must end in .mp4, .webm or .gif (got 'film.avi')
