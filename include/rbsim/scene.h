@@ -363,7 +363,10 @@ struct rb_plot_def {
 	enum rb_plot_of of;
 	int subject; /* a probe's or joint's place in the scene, a body's id */
 	int part;    /* flow/quantity: of the world, the body or the joint */
-	/* shares of the picture's width and height; the same shares of the diagram lie at `at` */
+	/*
+	 * shares of the picture's width and height; the same shares of the diagram lie at `at`;
+	 * at[0], size[0] NAN: as usual
+	 */
 	double at[2], size[2];
 };
 

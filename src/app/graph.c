@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/outfile.h"
+#include "flow/quantity.h"
 #include "sink/module.h"
 
 enum { LABEL_SIZE = 256 };
@@ -129,11 +130,15 @@ static void widen(const double *values, uint64_t count, double *low, double *hig
 	}
 }
 
-/* Adds room around a range, so that no cross hides in the frame. */
+/*
+ * Adds room around a range, so that no cross hides in the frame, and what varies by rounding alone
+ * is seen to be constant.
+ */
 static void add_room(double *low, double *high)
 {
-	const double span = *high - *low;
-	const double room = span > 0 ? 0.04 * span : *high != 0 ? 0.04 * fabs(*high) : 1;
+	const double size = fmax(fabs(*low), fabs(*high));
+	const double span = rb_quantity_is_flat(*low, *high, 0) ? size : *high - *low;
+	const double room = span > 0 ? 0.04 * span : 1;
 
 	*low -= room;
 	*high += room;
@@ -195,12 +200,16 @@ static enum rb_status draw(const struct graph *graph, struct rb_error *err)
 			return RB_FAIL(err, RB_ERR_INPUT, "'%s' has no values of '%s'", graph->file,
 			               quantity(graph, k));
 	}
+	for (int k = 0; k < graph->quantity_count; k++)
+		widen(graph->y[k], graph->count, &plot.y_low, &plot.y_high);
 	if (!graph->reader || graph->options->against) {
 		widen(graph->x, graph->count, &plot.x_low, &plot.x_high);
-		for (int k = 0; k < graph->quantity_count; k++)
-			widen(graph->y[k], graph->count, &plot.y_low, &plot.y_high);
 		add_room(&plot.x_low, &plot.x_high);
 		add_room(&plot.y_low, &plot.y_high);
+	} else if (rb_quantity_is_flat(plot.y_low, plot.y_high, 0)) {
+		add_room(&plot.y_low, &plot.y_high);
+	} else { /* the usual range, which ends at round numbers */
+		plot.y_low = plot.y_high = (double)NAN;
 	}
 	if (!output)
 		return rb_plot_draw(&plot, RB_PLOT_TEXT, rb_plot_text_size(), stdout, err);

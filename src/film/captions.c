@@ -135,7 +135,8 @@ static void write_labels(struct rb_captions *captions, const struct rb_frame *fr
 		box.left = (int)lrint(fmin(fmax(pixel[0] - 0.5 * size.width, 0), right));
 		box.top = (int)lrint(fmax(pixel[1] - size.height, 0));
 		stack(&box, placed, count);
-		rb_overlay_put(captions->usual, picture, box.left, box.top, text);
+		rb_overlay_put(captions->usual, picture, box.left, box.top,
+		               picture->width - box.left, text);
 		placed[count++] = box;
 	}
 }
@@ -181,8 +182,8 @@ static void write_at(struct rb_overlay *overlay, struct rb_pixmap *picture, cons
 	while (next_line(&text, one)) {
 		size = rb_overlay_size_of(overlay, one);
 		const double room = picture->width - size.width - 2 * margin;
-		rb_overlay_put(overlay, picture, margin + (int)lrint(fmax(at[0] * room, 0)), y,
-		               one);
+		const int x = margin + (int)lrint(fmax(at[0] * room, 0));
+		rb_overlay_put(overlay, picture, x, y, picture->width - x, one);
 		y += size.height;
 	}
 }

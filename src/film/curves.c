@@ -16,6 +16,9 @@
 
 enum { POINTS_MAX = 4096 }; /* of a curve; when full, every second one is dropped */
 
+/* Usual diagrams, in shares of the picture: size, gap between them, distance from its edges. */
+static const double usual_size[2] = {0.3, 0.25}, gap_part = 0.0125, edge_part[2] = {0.014, 0.0225};
+
 /* Letters, as a share of the usual ones; half the thickness of a curve and of a dot, px at 720. */
 static const double letters_part = 0.7, line_px = 1.1, dot_px = 4, usual_height_px = 720;
 static const uint8_t ink[3] = {255, 214, 64};
@@ -25,10 +28,13 @@ struct rb_curves {
 	const struct rb_model *model;
 	const struct rb_camera_def *camera;
 	struct rb_overlay *overlay; /* owned */
+	char span[64];              /* the time from end to end, as text */
 	double from_s, to_s;
 	struct rb_quantity_turn turn[RB_CAMERA_PLOTS_MAX];
 	uint64_t seen, stride;
 	int count;
+	double magnitude
+		[RB_CAMERA_PLOTS_MAX]; /* that rounding is relative to, the largest so far */
 	double time_s[POINTS_MAX], value[RB_CAMERA_PLOTS_MAX][POINTS_MAX];
 };
 
@@ -39,7 +45,8 @@ struct axes {
 };
 
 enum rb_status rb_curves_create(struct rb_curves **curves, const struct rb_model *model,
-                                const struct rb_camera_def *camera, struct rb_error *err)
+                                const struct rb_camera_def *camera, const char *span,
+                                struct rb_error *err)
 {
 	struct rb_curves *const c = *curves = rb_memory_take(1, sizeof *c);
 	const struct rb_schedule schedule = rb_schedule_of(camera, model->frame_rate,
@@ -52,6 +59,7 @@ enum rb_status rb_curves_create(struct rb_curves **curves, const struct rb_model
 	c->from_s = schedule.from_s;
 	c->to_s = schedule.to_s;
 	c->stride = 1;
+	snprintf(c->span, sizeof c->span, "%s", span);
 	const enum rb_status status = rb_overlay_create(
 		&c->overlay, (int)ceil(letters_part * camera->size_px[0]),
 		(int)ceil(letters_part * camera->size_px[1]), err);
@@ -96,6 +104,25 @@ static double value_at(struct rb_curves *curves, int p, const struct rb_frame *f
 	return has ? value : (double)NAN;
 }
 
+static double magnitude_at(const struct rb_curves *curves, int p, const struct rb_frame *frame)
+{
+	const struct rb_plot_def *const plot = &curves->camera->plots[p];
+	const struct rb_model *const model = curves->model;
+
+	switch (plot->of) {
+	case RB_PLOT_PROBE:
+		return 0;
+	case RB_PLOT_WORLD:
+		return rb_world_part_magnitude(plot->part, model, frame);
+	case RB_PLOT_BODY:
+		return rb_body_part_magnitude(plot->part, model, frame,
+		                              model->index_of[plot->subject]);
+	case RB_PLOT_JOINT:
+		return rb_joint_part_magnitude(plot->part, model, frame, plot->subject);
+	}
+	return 0;
+}
+
 static const char *units_of(const struct rb_curves *curves, const struct rb_plot_def *plot)
 {
 	const struct rb_scene *const scene = curves->model->scene;
@@ -131,8 +158,12 @@ void rb_curves_add(struct rb_curves *curves, const struct rb_frame *frame)
 	double now[RB_CAMERA_PLOTS_MAX];
 
 	/* rotations are followed from frame to frame, whether these have a point or not */
-	for (int p = 0; p < curves->camera->plot_count; p++)
+	for (int p = 0; p < curves->camera->plot_count; p++) {
 		now[p] = value_at(curves, p, frame);
+		if (!isnan(now[p]))
+			curves->magnitude[p] = fmax(curves->magnitude[p],
+			                            magnitude_at(curves, p, frame));
+	}
 	if (frame->time_s < curves->from_s || frame->time_s > curves->to_s)
 		return;
 	if (curves->seen % curves->stride == 0 && curves->count == POINTS_MAX)
@@ -226,50 +257,114 @@ static void darken(struct rb_pixmap *picture, const struct axes *axes)
 		}
 }
 
-/* Name and unit, the largest and the smallest value. */
-static void write_axes(struct rb_curves *curves, int p, const struct axes *box, double low,
-                       double high, struct rb_pixmap *picture)
+/* The room that a text takes in a diagram, px, with some around it. */
+static int width_of(const struct rb_curves *curves, const char *text)
 {
-	const struct rb_plot_def *const plot = &curves->camera->plots[p];
-	const char *const units = units_of(curves, plot);
-	char text[120];
+	const struct rb_overlay_size size = rb_overlay_size_of(curves->overlay, text);
 
-	snprintf(text, sizeof text, units && *units ? "%.60s (%.31s)" : "%.60s", plot->name, units);
-	const struct rb_overlay_size name = rb_overlay_size_of(curves->overlay, text);
-	const int margin = name.height / 4;
-	rb_overlay_put(curves->overlay, picture, box->left + margin, box->top, text);
-	for (int k = 0; k < 2 && isfinite(high) && isfinite(low); k++) {
-		snprintf(text, sizeof text, "%.4g", k == 0 ? high : low);
-		const struct rb_overlay_size size = rb_overlay_size_of(curves->overlay, text);
-		const int y = k == 0 ? box->top : box->top + box->height - size.height;
-		rb_overlay_put(curves->overlay, picture,
-		               box->left + box->width - size.width - margin, y, text);
+	return size.width + size.height / 2;
+}
+
+/* Writes a text at an edge of a diagram, at the left one into this room, px. */
+static void write_right(struct rb_curves *curves, const struct axes *box, int y, const char *text,
+                        struct rb_pixmap *picture)
+{
+	const int width = width_of(curves, text);
+	const int margin = (width - rb_overlay_size_of(curves->overlay, text).width) / 2;
+
+	rb_overlay_put(curves->overlay, picture, box->left + box->width - width + margin, y, width,
+	               text);
+}
+
+static void write_left(struct rb_curves *curves, const struct axes *box, int y, int room,
+                       const char *text, struct rb_pixmap *picture)
+{
+	const int margin = width_of(curves, "") / 2;
+
+	rb_overlay_put(curves->overlay, picture, box->left + margin, y, room - 2 * margin, text);
+}
+
+/* Both ends of an axis, with as many digits as tell them apart. */
+static void print_ends(char low_text[32], char high_text[32], double low, double high)
+{
+	enum { FEWEST = 4, MOST = 12 };
+
+	for (int digits = FEWEST; digits <= MOST; digits++) {
+		snprintf(low_text, 32, "%.*g", digits, low);
+		snprintf(high_text, 32, "%.*g", digits, high);
+		if (strcmp(low_text, high_text) != 0)
+			break;
 	}
 }
 
-static void draw_one(struct rb_curves *curves, int p, struct rb_pixmap *picture)
+/*
+ * Name and unit, the time, if it has room, and the values: both ends, or where the curve is flat
+ * that at its right end.
+ */
+static void write_axes(struct rb_curves *curves, int p, const struct axes *box,
+                       const struct axes *axes, bool flat, struct rb_pixmap *picture)
 {
 	const struct rb_plot_def *const plot = &curves->camera->plots[p];
-	const double scale = fmax(0.5, picture->height / usual_height_px);
-	struct axes box = {.width = (int)lrint(plot->size[0] * picture->width),
-	                   .height = (int)lrint(plot->size[1] * picture->height)};
+	const char *const units = units_of(curves, plot);
+	const int line = rb_overlay_size_of(curves->overlay, "0").height;
+	const int bottom = box->top + box->height - line;
+	char text[120], low[32] = "", high[32] = "";
+
+	if (flat) {
+		snprintf(text, sizeof text, "%.4g", 0.5 * (axes->low + axes->high));
+		write_right(curves, box, axes->top + axes->height / 2 - line, text, picture);
+	} else if (isfinite(axes->low) && isfinite(axes->high)) {
+		print_ends(low, high, axes->low, axes->high);
+		write_right(curves, box, box->top, high, picture);
+		write_right(curves, box, bottom, low, picture);
+	}
+	snprintf(text, sizeof text, units && *units ? "%.60s (%.31s)" : "%.60s", plot->name, units);
+	write_left(curves, box, box->top, box->width - (*high ? width_of(curves, high) : 0), text,
+	           picture);
+	const int room = box->width - (*low ? width_of(curves, low) : 0);
+	if (axes->top > box->top && width_of(curves, curves->span) <= room)
+		write_left(curves, box, bottom, room, curves->span, picture);
+}
+
+/* The range of a diagram's values; true: they are one up to rounding, which is in its middle. */
+static bool find_range(const struct rb_curves *curves, int p, struct axes *axes)
+{
 	double low = (double)INFINITY, high = -(double)INFINITY;
 
 	for (int i = 0; i < curves->count; i++) {
 		low = fmin(low, curves->value[p][i]);
 		high = fmax(high, curves->value[p][i]);
 	}
-	box.left = (int)lrint(plot->at[0] * (picture->width - box.width));
-	box.top = (int)lrint((1 - plot->at[1]) * (picture->height - box.height));
-	darken(picture, &box);
-	/* the curve between the lines of text */
+	const bool flat = low <= high && isfinite(low) && isfinite(high) &&
+	                  rb_quantity_is_flat(low, high, curves->magnitude[p]);
+	axes->low = low;
+	axes->high = high;
+	if (!flat)
+		return false;
+	const bool is_zero = rb_quantity_is_flat(fmin(low, 0), fmax(high, 0), curves->magnitude[p]);
+	const double value = is_zero ? 0 : low + 0.5 * (high - low);
+	const double half = fmax(fabs(value), curves->magnitude[p]);
+	axes->low = value - (half > 0 ? half : 1);
+	axes->high = value + (half > 0 ? half : 1);
+	return true;
+}
+
+static void draw_one(struct rb_curves *curves, int p, const struct axes *box,
+                     struct rb_pixmap *picture)
+{
+	const double scale = fmax(0.5, picture->height / usual_height_px);
 	const int line = rb_overlay_size_of(curves->overlay, "0").height;
-	struct axes axes = {box.left,       box.top + line, box.width, box.height - 2 * line,
-	                    curves->from_s, curves->to_s,   low,       high};
-	if (!(high > low)) {
-		axes.low -= fabs(low) > 0 ? 0.5 * fabs(low) : 1;
-		axes.high += fabs(high) > 0 ? 0.5 * fabs(high) : 1;
-	}
+	/* the curve between the lines of text, if they leave it the height of one */
+	const int above = box->height >= 3 * line ? line : 0;
+	struct axes axes = {.left = box->left,
+	                    .top = box->top + above,
+	                    .width = box->width,
+	                    .height = box->height - 2 * above,
+	                    .from = curves->from_s,
+	                    .to = curves->to_s};
+	const bool flat = find_range(curves, p, &axes);
+
+	darken(picture, box);
 	if (curves->count > 0 && isfinite(axes.low) && isfinite(axes.high) && axes.height > 0 &&
 	    axes.width > 0 && axes.to > axes.from) {
 		const int last = curves->count - 1;
@@ -278,11 +373,58 @@ static void draw_one(struct rb_curves *curves, int p, struct rb_pixmap *picture)
 			draw_dot(&axes, curves->time_s[last], curves->value[p][last],
 			         dot_px * scale, picture);
 	}
-	write_axes(curves, p, &box, low, high, picture);
+	write_axes(curves, p, box, &axes, flat, picture);
 }
 
-void rb_curves_draw(struct rb_curves *curves, struct rb_pixmap *picture)
+/*
+ * Where diagrams stand in a picture: at their places, the others one above the other at the right,
+ * of equal heights unless they have their own, and in a further column where they do not fit.
+ */
+static void arrange(const struct rb_curves *curves, int upper_px, int lower_px,
+                    const struct rb_pixmap *picture, struct axes box[RB_CAMERA_PLOTS_MAX])
 {
+	const int count = curves->camera->plot_count;
+	const double width = picture->width, height = picture->height, gap = gap_part * height;
+	const double top = fmax(upper_px, edge_part[1] * height);
+	const double bottom = height - fmax(lower_px, edge_part[1] * height);
+	double right = (1 - edge_part[0]) * width, low = bottom, column = 0;
+	int stacked = 0;
+
+	for (int p = 0; p < count; p++)
+		stacked += isnan(curves->camera->plots[p].at[0]);
+	const double share = (bottom - top - gap * (stacked - 1)) / fmax(stacked, 1);
+	for (int p = 0; p < count; p++) {
+		const struct rb_plot_def *const plot = &curves->camera->plots[p];
+		const bool usual = isnan(plot->size[0]), placed = !isnan(plot->at[0]);
+		const double wide = width * (usual ? usual_size[0] : plot->size[0]);
+		const double most = placed ? usual_size[1] * height
+		                           : fmin(usual_size[1] * height, fmax(share, 1));
+		const double high = usual ? most : height * plot->size[1];
+		double left = plot->at[0] * (width - wide),
+		       upper = (1 - plot->at[1]) * (height - high);
+
+		if (!placed && low < bottom && low - high < top - 0.5) {
+			right -= column + gap;
+			low = bottom;
+			column = 0;
+		}
+		if (!placed) {
+			left = fmax(right - wide, 0);
+			upper = fmax(low - high, 0);
+			low -= high + gap;
+			column = fmax(column, wide);
+		}
+		box[p] = (struct axes){.left = (int)lrint(left), .top = (int)lrint(upper)};
+		box[p].width = (int)lrint(left + wide) - box[p].left;
+		box[p].height = (int)lrint(upper + high) - box[p].top;
+	}
+}
+
+void rb_curves_draw(struct rb_curves *curves, int upper_px, int lower_px, struct rb_pixmap *picture)
+{
+	struct axes box[RB_CAMERA_PLOTS_MAX];
+
+	arrange(curves, upper_px, lower_px, picture, box);
 	for (int p = 0; p < curves->camera->plot_count; p++)
-		draw_one(curves, p, picture);
+		draw_one(curves, p, &box[p], picture);
 }

@@ -13,15 +13,22 @@
 
 struct rb_curves;
 
-/* Of a camera that has plots. Model and camera are borrowed. RB_ERR_MEMORY, RB_ERR_MISSING. */
+/*
+ * Of a camera that has plots; `span` tells the time of its film. Model and camera are borrowed.
+ * RB_ERR_MEMORY, RB_ERR_MISSING.
+ */
 RB_CHECKED enum rb_status rb_curves_create(struct rb_curves **curves, const struct rb_model *model,
-                                           const struct rb_camera_def *camera,
+                                           const struct rb_camera_def *camera, const char *span,
                                            struct rb_error *err);
 void rb_curves_destroy(struct rb_curves *curves); /* NULL is fine */
 
 /* Every frame, in order of time. */
 void rb_curves_add(struct rb_curves *curves, const struct rb_frame *frame);
-/* Draws them all, up to the last frame that was added. */
-void rb_curves_draw(struct rb_curves *curves, struct rb_pixmap *picture);
+/*
+ * Draws them all, up to the last frame that was added. Those without a place of their own stand one
+ * above the other at the right, and leave this many px at the upper and the lower edge to others.
+ */
+void rb_curves_draw(struct rb_curves *curves, int upper_px, int lower_px,
+                    struct rb_pixmap *picture);
 
 #endif

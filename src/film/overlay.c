@@ -493,13 +493,18 @@ struct rb_overlay_size rb_overlay_size_of(struct rb_overlay *overlay, const char
 	return size;
 }
 
-void rb_overlay_put(struct rb_overlay *overlay, struct rb_pixmap *pixmap, int x, int y,
+int rb_overlay_lines_px(const struct rb_overlay *overlay, int lines)
+{
+	return lines > 0 ? overlay->margin + lines * overlay->line_height : 0;
+}
+
+void rb_overlay_put(struct rb_overlay *overlay, struct rb_pixmap *pixmap, int x, int y, int room,
                     const char *text)
 {
 	struct letter letters[LETTERS_MAX];
 	int text_width;
 
-	const int count = set_letters(overlay, letters, text, pixmap->width - x, &text_width);
+	const int count = set_letters(overlay, letters, text, room, &text_width);
 	put_letters(overlay, pixmap, letters, count, (const int[]){x, y}, text_width);
 }
 

@@ -43,12 +43,12 @@ struct rb_overlay_size {
 	int width, height;
 };
 struct rb_overlay_size rb_overlay_size_of(struct rb_overlay *overlay, const char *text);
-/*
- * The same with the upper left corner of the line's box at a pixel, cut where the picture ends to
- * the right.
- */
-void rb_overlay_put(struct rb_overlay *overlay, struct rb_pixmap *pixmap, int x, int y,
+/* The same with the upper left corner of the line's box at a pixel, cut to `room` px. */
+void rb_overlay_put(struct rb_overlay *overlay, struct rb_pixmap *pixmap, int x, int y, int room,
                     const char *text);
+
+/* px that so many lines at an edge of the picture take of it. */
+int rb_overlay_lines_px(const struct rb_overlay *overlay, int lines);
 
 /*
  * A line of text as above, with a bar of `length_px` below it that ends where the text does: two

@@ -24,6 +24,7 @@ static const char figure_space[] = "\xe2\x80\x87";
 
 /* Part of the picture's width that a bar of the scale takes at most. */
 static const double bar_part = 0.2;
+enum { SCALE_LINES = 2 }; /* the bar and its length */
 
 struct rb_take {
 	const struct rb_model *model;
@@ -88,6 +89,17 @@ static void choose_speed_text(struct rb_take *take, double time_s)
 		snprintf(take->speed, sizeof take->speed, "%.4g\xc3\x97 speed", speed);
 }
 
+/* Diagrams, with the time of the whole film as text. */
+static enum rb_status create_curves(struct rb_take *take, struct rb_error *err)
+{
+	const double unit = take->time_unit.size;
+	char span[64];
+
+	snprintf(span, sizeof span, "%.6g \xe2\x80\x93 %.6g %.16s", take->schedule.from_s / unit,
+	         take->schedule.to_s / unit, take->time_unit.name);
+	return rb_curves_create(&take->curves, take->model, take->camera, span, err);
+}
+
 bool rb_take_writes(const struct rb_camera_def *camera)
 {
 	return camera->overlay || camera->plot_count > 0 || rb_captions_wanted(camera);
@@ -113,7 +125,7 @@ enum rb_status rb_take_create(struct rb_take **take, const struct rb_model *mode
 	if (!status)
 		status = rb_painter_create(&t->painter, model, camera, err);
 	if (!status && camera->plot_count > 0)
-		status = rb_curves_create(&t->curves, model, camera, err);
+		status = create_curves(t, err);
 	if (status) {
 		rb_take_destroy(t);
 		*take = NULL;
@@ -225,19 +237,28 @@ static void print_energy(const struct rb_take *take, double total, double kineti
 	snprintf(out, TEXT_SIZE, "%s %s %s)", e, unit.name, k);
 }
 
-/* Writes the energy beside the time, or above it if the longest one would not fit. */
-static void write_energy(struct rb_take *take, const struct rb_frame *frame, const char *time,
+/* The line of the energy: beside the time, or above it if the longest one would not fit. */
+static int energy_line(const struct rb_take *take, double time_s, const struct rb_pixmap *picture)
+{
+	char text[TEXT_SIZE], time[TEXT_SIZE];
+
+	if (!(take->camera->overlay & RB_OVERLAY_TIME))
+		return 0;
+	print_time(take, time_s, time);
+	print_energy(take, -take->largest_energy, take->largest_energy, text);
+	return rb_overlay_fits(take->overlay, picture->width, time, text) ? 0 : 1;
+}
+
+static void write_energy(struct rb_take *take, const struct rb_frame *frame,
                          struct rb_pixmap *picture)
 {
 	const double kinetic = frame->numbers.kinetic_energy;
 	const double potential = frame->numbers.potential_energy;
 	char text[TEXT_SIZE];
 
-	see_energy(take, frame);
-	print_energy(take, -take->largest_energy, take->largest_energy, text);
-	const bool fits = !*time || rb_overlay_fits(take->overlay, picture->width, time, text);
 	print_energy(take, kinetic + potential, kinetic, text);
-	rb_overlay_write(take->overlay, picture, RB_OVERLAY_BOTTOM_RIGHT, fits ? 0 : 1, text);
+	rb_overlay_write(take->overlay, picture, RB_OVERLAY_BOTTOM_RIGHT,
+	                 energy_line(take, frame->time_s, picture), text);
 }
 
 /* Whether the widest text and bar of a scale have room beside the title. */
@@ -282,25 +303,39 @@ static void write_scale(struct rb_take *take, struct rb_pixmap *picture)
 	               has_room_for_scale(take, picture) ? 0 : 1, bar_px > 0 ? bar_px : 1, text);
 }
 
+/* Draws diagrams between what is written at the right. */
+static void draw_curves(struct rb_take *take, const struct rb_frame *frame,
+                        struct rb_pixmap *picture)
+{
+	const unsigned wanted = take->camera->overlay;
+	const int above = !(wanted & RB_OVERLAY_SCALE)        ? 0
+	                  : has_room_for_scale(take, picture) ? SCALE_LINES
+	                                                      : SCALE_LINES + 1;
+	const int below = wanted & RB_OVERLAY_ENERGY ? 1 + energy_line(take, frame->time_s, picture)
+	                                             : 0;
+
+	rb_curves_draw(take->curves, rb_overlay_lines_px(take->overlay, above),
+	               rb_overlay_lines_px(take->overlay, below), picture);
+}
+
 /* The texts that the camera asks for. */
 static void write_texts(struct rb_take *take, const struct rb_frame *frame,
                         struct rb_pixmap *picture)
 {
 	const unsigned wanted = take->camera->overlay;
-	char time[TEXT_SIZE] = "";
+	char time[TEXT_SIZE];
 
 	if (wanted & RB_OVERLAY_TITLE)
 		rb_overlay_write(take->overlay, picture, RB_OVERLAY_TOP_LEFT, 0,
 		                 take->model->scene->world.title);
 	if (wanted & RB_OVERLAY_TIME) {
-		choose_speed_text(take, frame->time_s);
 		print_time(take, frame->time_s, time);
 		rb_overlay_write(take->overlay, picture, RB_OVERLAY_BOTTOM_LEFT, 0, time);
 	}
 	if (wanted & RB_OVERLAY_SCALE)
 		write_scale(take, picture);
 	if (wanted & RB_OVERLAY_ENERGY)
-		write_energy(take, frame, time, picture);
+		write_energy(take, frame, picture);
 }
 
 enum rb_status rb_take_draw(struct rb_take *take, const struct rb_frame *frame,
@@ -311,8 +346,10 @@ enum rb_status rb_take_draw(struct rb_take *take, const struct rb_frame *frame,
 		take->painter, frame, shot, take->trails.path_count > 0 ? &take->trails : NULL,
 		picture, err);
 
+	see_energy(take, frame);
+	choose_speed_text(take, frame->time_s);
 	if (!status && take->curves)
-		rb_curves_draw(take->curves, picture);
+		draw_curves(take, frame, picture);
 	if (!status && take->overlay)
 		write_texts(take, frame, picture);
 	if (!status && take->captions)

@@ -269,3 +269,133 @@ double rb_world_part_value(int part, const struct rb_frame *frame)
 	}
 	return (double)NAN;
 }
+
+/* ---- rounding ---- */
+
+/* Units that gravity and a size of the bodies give: m, m/s, rad/s, m/s^2, N and N m. */
+struct natural {
+	double length, speed, spin, acceleration, force, torque;
+};
+
+/* Of a body by its index; of what has no mass only those without it. */
+static struct natural natural_of(const struct rb_model *model, int body)
+{
+	const double size = rb_model_reach(model, body);
+	const double length = isfinite(size) ? size : model->size_mean_m;
+	const double mass = body < model->body_count && isfinite(model->mass[body])
+	                            ? model->mass[body]
+	                            : 0;
+	const double gravity = rb_vec3_length(model->scene->world.gravity);
+
+	return (struct natural){.length = length,
+	                        .speed = sqrt(gravity * length),
+	                        .spin = length > 0 ? sqrt(gravity / length) : 0,
+	                        .acceleration = gravity,
+	                        .force = mass * gravity,
+	                        .torque = mass * gravity * length};
+}
+
+double rb_body_part_magnitude(int part, const struct rb_model *model, const struct rb_frame *frame,
+                              int body)
+{
+	const struct natural natural = natural_of(model, body);
+	double least = 1; /* of angles, rad */
+	const double *from;
+
+	RB_ASSERT(part >= 0 && part < PART_COUNT && body >= 0 && body < frame->body_count);
+	if (parts[part].shown != AXIS && parts[part].shown != LENGTH)
+		return least;
+	switch (parts[part].field) {
+	case RB_FIELD_POSITION:
+		least = natural.length;
+		break;
+	case RB_FIELD_VELOCITY:
+		least = natural.speed;
+		break;
+	case RB_FIELD_ANGULAR_VELOCITY:
+		least = natural.spin;
+		break;
+	case RB_FIELD_ACCELERATION:
+		least = natural.acceleration;
+		break;
+	case RB_FIELD_FORCE:
+		least = natural.force;
+		break;
+	default:
+		least = natural.torque;
+		break;
+	}
+	memcpy(&from, (const char *)frame + parts[part].column, sizeof from);
+	return from ? fmax(least, rb_vec3_length(rb_vec3_from(from + 3 * body))) : least;
+}
+
+double rb_joint_part_magnitude(int part, const struct rb_model *model, const struct rb_frame *frame,
+                               int joint)
+{
+	const struct rb_joint_def *const def = &model->scene->joints[joint];
+	const int a = model->index_of[def->a], b = def->b >= 0 ? model->index_of[def->b] : a;
+	const struct natural natural = natural_of(model, a < model->body_count ? a : b);
+	const char *const units = rb_joint_part_units(part, def->kind);
+	const bool turns = strncmp(units, "rad", 3) == 0;
+	const double *from;
+
+	RB_ASSERT(part >= 0 && part < JOINT_PART_COUNT);
+	memcpy(&from, (const char *)frame + joint_parts[part].column, sizeof from);
+	if (joint_parts[part].width == 3) {
+		const double least = strcmp(units, "N") == 0 ? natural.force : natural.torque;
+
+		return from ? fmax(least, rb_vec3_length(rb_vec3_from(from + 3 * (size_t)joint)))
+		            : least;
+	}
+	if (!joint_parts[part].units)
+		return turns ? natural.spin : natural.speed;
+	return turns ? 1 : natural.length;
+}
+
+/* m, how far bodies are from the origin, or as large as they are. */
+static double reach_of(const struct rb_model *model, const struct rb_frame *frame)
+{
+	double far = model->size_mean_m;
+
+	for (int i = 0; frame->position && i < frame->body_count; i++)
+		far = fmax(far, rb_vec3_length(rb_vec3_from(frame->position + 3 * i)));
+	return far;
+}
+
+/* kg m/s, the largest momentum that bodies with this kinetic energy may have together. */
+static double momentum_bound(const struct rb_model *model, const struct rb_frame *frame)
+{
+	double mass = 0;
+
+	for (int i = 0; i < model->body_count; i++)
+		mass += isfinite(model->mass[i]) ? model->mass[i] : 0;
+	return sqrt(2 * mass * frame->numbers.kinetic_energy);
+}
+
+double rb_world_part_magnitude(int part, const struct rb_model *model, const struct rb_frame *frame)
+{
+	switch ((enum world_part)part) {
+	case ENERGY:
+	case KINETIC:
+	case POTENTIAL:
+		return fmax(frame->numbers.kinetic_energy, fabs(frame->numbers.potential_energy));
+	case MOMENTUM:
+		return momentum_bound(model, frame);
+	case ANGULAR:
+		return reach_of(model, frame) * momentum_bound(model, frame);
+	case OVERLAP:
+		return reach_of(model, frame);
+	case COLLISIONS:
+	case CONTACTS:
+		break;
+	}
+	return 0;
+}
+
+bool rb_quantity_is_flat(double low, double high, double magnitude)
+{
+	/* conserved energies of runs vary by some 1e-14; what is told in 12 digits is told apart */
+	static const double rounding = 1e-12;
+
+	return high - low <= rounding * fmax(magnitude, fmax(fabs(low), fabs(high)));
+}

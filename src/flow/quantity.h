@@ -16,6 +16,7 @@
 #define RB_FLOW_QUANTITY_H
 
 #include <rbsim/frame.h>
+#include <rbsim/model.h>
 
 /* The rotation of a body from frame to frame; zeroed to begin with. */
 struct rb_quantity_turn {
@@ -47,5 +48,18 @@ bool rb_body_part_value(int part, const struct rb_frame *frame, int body,
                         struct rb_quantity_turn *turn, double *value);
 bool rb_joint_part_value(int part, const struct rb_frame *frame, int joint, double *value);
 double rb_world_part_value(int part, const struct rb_frame *frame);
+
+/*
+ * Magnitudes that rounding of these values is relative to, of a frame that has them: of the vector
+ * that a value is a component of, and of what gravity makes of a body of that size.
+ */
+double rb_body_part_magnitude(int part, const struct rb_model *model, const struct rb_frame *frame,
+                              int body);
+double rb_joint_part_magnitude(int part, const struct rb_model *model, const struct rb_frame *frame,
+                               int joint);
+double rb_world_part_magnitude(int part, const struct rb_model *model,
+                               const struct rb_frame *frame);
+/* Whether values between these are one up to rounding. */
+bool rb_quantity_is_flat(double low, double high, double magnitude);
 
 #endif

@@ -319,7 +319,8 @@ static void read_plots(struct rb_call *call, struct rb_camera_def *def)
 		struct rb_plot_def *const plot = &def->plots[def->plot_count];
 		struct rb_call one;
 
-		*plot = (struct rb_plot_def){.at = {0.98, 0.03 + 0.35 * i}, .size = {0.3, 0.25}};
+		*plot = (struct rb_plot_def){.at = {(double)NAN, (double)NAN},
+		                             .size = {(double)NAN, (double)NAN}};
 		lua_rawgeti(L, -1, i + 1);
 		struct rb_call entry = begin_entry(call, &plot_table, i + 1, 1);
 		rb_call_read(&entry, plot);

@@ -264,8 +264,8 @@ static const struct rb_row camera_rows[] = {
          "of probes, or of what rbsim plot knows: energy, kinetic_energy, potential_energy, "
          "momentum, angular_momentum, collisions, contacts, max_penetration, BODY.z, BODY.speed, "
          "JOINT.angle and the like; each also as {NAME, at = {x, y}, size = {w, h}} in shares of "
-         "the picture, at as for text; default: {0.3, 0.25} large, one above the other from the "
-         "lower right corner"},
+         "the picture, at as for text; default: {0.3, 0.25} large or lower, so that all fit one "
+         "above the other at the right"},
 	{"vectors", RB_ROW_FLAGS, 0, 0, HAND,
          "velocity, contact, joint, spring, angular_velocity, acceleration, momentum, force",
          "none", "",

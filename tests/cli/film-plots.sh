@@ -30,6 +30,29 @@ look("parts", {"b.z", "b.az", "b.angle", "turns.angle"})
 look("sums", {"momentum", "#1.speed", "joint#0.speed", "collisions"})
 END
 exits 0 plots.lua -q
+# the energy of a pendulum and the momentum of two bodies on a spring, which vary by rounding alone
+cat >flat.lua <<'END'
+world { duration = 2, frame_rate = 16, gravity = {0, 0, -9.81} }
+local bob = sphere { radius = 0.1, mass = 1, position = {1, 0, 0}, visible = false }
+joint { kind = "rod", a = bob, at_b = {0, 0, 0}, visible = false }
+camera { position = {0, -9, 0}, background = {0, 0, 0}, size = {320, 180}, fps = 1, samples = 1, png = "flat/%d.png",
+	overlay = {"energy", "scale"}, plots = {"energy", "kinetic_energy"} }
+END
+cat >still.lua <<'END'
+world { duration = 2, frame_rate = 16, gravity = {0, 0, 0} }
+local a = sphere { radius = 0.1, mass = 1.1, position = {0.7, 0.3, 0}, velocity = {0.3, 0, 0.7}, visible = false }
+local b = sphere { radius = 0.1, mass = 3.3, position = {-0.7, 0, 0}, velocity = {-0.1, 0, -0.7 / 3}, visible = false }
+spring { a = a, b = b, stiffness = 40, rest_length = 1, visible = false }
+camera { position = {0, -9, 0}, background = {0, 0, 0}, size = {320, 180}, fps = 1, samples = 1, png = "still/%d.png",
+	plots = {"momentum", "energy"} }
+END
+exits 0 flat.lua -q
+exits 0 still.lua -q
+exits 0 plot flat.h5 energy --json
+python3 -c "
+import json
+energy = json.load(open('out'))['quantities'][0]['values']
+assert min(energy) < max(energy), 'the energy does not vary'" || fail "nothing to be seen as flat"
 cat >look.py <<'END'
 import subprocess
 W, H = 320, 180
@@ -48,15 +71,26 @@ assert 36 <= max(begun) <= 44, f"at a quarter of the run the curve ends at {max(
 tops = [sum(whole[x]) / len(whole[x]) for x in range(10, 150)]
 slope = (tops[-1] - tops[0]) / (len(tops) - 1)
 assert slope < -0.3 and all(abs(tops[k] - tops[0] - slope * k) < 1.5 for k in range(len(tops))), "no straight line"
-def alone(name, number):  # points of the diagram of that number from below
-    return {x: [y for y in ys if 0.73 < y / H + 0.2625 * number < 0.98] for x, ys in curve(name).items()}
+def alone(name, number, bottom=0.9775, size=0.2294):  # points of the diagram of that number from below
+    return {x: [y for y in ys if 0 < bottom - (size + 0.0125) * number - y / H < size] for x, ys in curve(name).items()}
 for name in "parts", "sums":
-    for number in range(3):
+    for number in range(4):
         assert len([x for x, ys in alone(name + "/8", number).items() if ys]) > 80, f"{name}: diagram {number} has no curve"
+top = min(min(ys) for ys in curve("parts/8").values())
+assert top > 8, f"the diagram at the top is cut off: its curve reaches row {top}, where its name should be"
 z = {x: sum(ys) / len(ys) for x, ys in alone("parts/8", 0).items() if ys}
 at = sorted(z)
 slopes = [(z[at[k + 8]] - z[at[k]]) / 8 for k in (6, len(at) - 16)]
 assert slopes[1] < 2 * slopes[0] < 0, f"z = t + t^2 rises ever faster: {slopes}"
+def rows(name, *of):
+    return [y for ys in alone(name, *of).values() for y in ys]
+for name, number in ("still/2", 0), ("still/2", 1):
+    seen = rows(name, number, 0.9775, 0.25)
+    assert len(seen) > 80 and max(seen) - min(seen) <= 6, f"{name}: what is constant but for rounding takes {min(seen)} to {max(seen)} px"
+# 13 px of the energy below, of which nothing is in diagrams, and as many again of the scale above
+seen = rows("flat/2", 0, 0.93, 0.25)
+assert len(seen) > 80 and max(seen) - min(seen) <= 6, "the energy of a pendulum is not flat"
+assert max(max(ys) for ys in curve("flat/2").values()) < H - 13, "a diagram where the energy is written"
 assert max(curve("half/8")) < 85, "a curve where there is no number"
 END
 python3 look.py || fail "the pictures are wrong"

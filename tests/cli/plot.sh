@@ -39,6 +39,14 @@ exits 0 plot two.h5 a2.z
 says out ' 5 [+|]\*\*'
 exits 0 plot two.h5 a21.z
 says out ' 9 [+|]\*\*'
+# what is constant but for rounding is a level line
+cat >still.lua <<'END'
+world { duration = 2, frame_rate = 16, gravity = {0, 0, -9.81} }
+joint { kind = "rod", a = sphere { radius = 0.1, mass = 1, position = {1, 0, 1} }, at_b = {0, 0, 1} }
+END
+exits 0 still.lua -q
+exits 0 plot still.h5 energy
+[ "$(grep -c '[*][*][*]' out)" -le 3 ] || fail "the energy of a pendulum is no level line"
 exits 0 plot d/sweep.h5 e --against e
 [ "$(grep -o X out | wc -l)" -ge 4 ] || fail "not a cross for each run and one in the key"
 
