@@ -56,6 +56,18 @@ static void words_for_bodies_lead_to_shapes_that_there_are(void **state)
 	}
 }
 
+/* A union is made by `body`; the name of its type is no call. */
+static void words_for_unions_lead_to_the_call_that_makes_them(void **state)
+{
+	static const char *const words[] = {"compound", "rigidbody", "RigidBody", "addBody"};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+		assert_non_null(strstr(rb_advice_for_global(words[i]), "body { shapes = "));
+		assert_null(strstr(rb_advice_for_global(words[i]), "union {"));
+	}
+}
+
 static void keys_that_are_advised_are_keys_of_the_call_that_is_named(void **state)
 {
 	(void)state;
@@ -207,6 +219,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(words_for_bodies_lead_to_shapes_that_there_are),
 		cmocka_unit_test(synonyms_are_keys_of_some_call),
+		cmocka_unit_test(words_for_unions_lead_to_the_call_that_makes_them),
 		cmocka_unit_test(keys_that_are_advised_are_keys_of_the_call_that_is_named),
 		cmocka_unit_test(words_of_the_language_are_not_advised_against),
 		cmocka_unit_test(only_the_whole_word_counts),
