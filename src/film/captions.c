@@ -14,6 +14,7 @@
 #include "math/quat.h"
 #include "math/vec3.h"
 #include "model/center.h"
+#include "model/shape.h"
 
 struct rb_captions {
 	const struct rb_model *model;
@@ -76,7 +77,51 @@ void rb_captions_destroy(struct rb_captions *captions)
 
 /* ---- labels ---- */
 
-/* Pixel of the top of the sphere about a body; false: its centre is not in the picture. */
+/* The uppermost pixel row of the box around a part, but not above that of the ball around it. */
+static double part_top(const struct rb_captions *captions, const struct rb_view *view,
+                       const struct rb_solid_part *part, rb_pose body)
+{
+	const struct rb_part_size size = rb_part_size(captions->model->scene, &part->shape);
+	const rb_pose pose = rb_view_part(body, part);
+	const rb_vec3 middle = rb_view_point(
+		view, rb_vec3_add(pose.position, rb_quat_rotate(pose.orientation, size.middle)));
+	double top = (double)INFINITY, pixel[2];
+
+	for (int k = 0; k < 8; k++) {
+		const rb_vec3 corner = {k & 1 ? size.low.x : size.high.x,
+		                        k & 2 ? size.low.y : size.high.y,
+		                        k & 4 ? size.low.z : size.high.z};
+		const rb_vec3 at = rb_view_point(
+			view, rb_vec3_add(pose.position, rb_quat_rotate(pose.orientation, corner)));
+		if (!view->parallel && !(at.z < 0))
+			continue;
+		rb_view_pixel(view, at, pixel);
+		top = fmin(top, pixel[1]);
+	}
+	if (!view->parallel && !(middle.z < 0))
+		return top;
+	rb_view_pixel(view, middle, pixel);
+	return fmax(top, pixel[1] - size.reach / rb_view_pixel_at(view, -middle.z));
+}
+
+/* The uppermost pixel row of a body; of what has no volume INFINITY. */
+static double body_top(const struct rb_captions *captions, const struct rb_view *view, int index,
+                       rb_pose pose)
+{
+	const struct rb_shape *const shape = &captions->model->shape[index];
+	struct rb_solid_part own;
+	double top = (double)INFINITY;
+	int count;
+
+	const struct rb_solid_part *const part = rb_parts_of(captions->model->scene, shape, &own,
+	                                                     &count);
+	for (int k = 0; k < count; k++)
+		if (rb_shape_type(&part[k].shape)->form != RB_FORM_SURFACE)
+			top = fmin(top, part_top(captions, view, &part[k], pose));
+	return top;
+}
+
+/* Pixel above the middle of a body, at its top; false: its middle is not in the picture. */
 static bool find_top(const struct rb_captions *captions, const struct rb_frame *frame,
                      const struct rb_view *view, int id, double pixel[2])
 {
@@ -88,15 +133,14 @@ static bool find_top(const struct rb_captions *captions, const struct rb_frame *
 	                                                pose.orientation)
 	                              : pose.position;
 	const rb_vec3 at = rb_view_point(view, world);
-	const double reach = rb_model_reach(model, index);
-
 	if (!view->parallel && !(at.z < 0))
 		return false;
 	rb_view_pixel(view, at, pixel);
 	const bool seen = pixel[0] >= 0 && pixel[0] < view->width && pixel[1] >= 0 &&
 	                  pixel[1] < view->height;
-	if (reach > 0 && isfinite(reach))
-		pixel[1] -= fmin(reach / rb_view_pixel_at(view, -at.z), 0.5 * view->height);
+	const double top = body_top(captions, view, index, pose);
+	if (isfinite(top))
+		pixel[1] = fmax(fmin(top, pixel[1]), pixel[1] - 0.5 * view->height);
 	return seen;
 }
 
@@ -131,8 +175,9 @@ static void write_labels(struct rb_captions *captions, const struct rb_frame *fr
 			continue;
 		const struct rb_overlay_size size = rb_overlay_size_of(captions->usual, text);
 		struct box box = {.width = size.width, .height = size.height};
-		const double right = fmax(picture->width - size.width, 0);
-		box.left = (int)lrint(fmin(fmax(pixel[0] - 0.5 * size.width, 0), right));
+		const double margin = 0.25 * size.height;
+		const double right = picture->width - size.width - margin;
+		box.left = (int)lrint(fmax(fmin(pixel[0] - 0.5 * size.width, right), margin));
 		box.top = (int)lrint(fmax(pixel[1] - size.height, 0));
 		stack(&box, placed, count);
 		rb_overlay_put(captions->usual, picture, box.left, box.top,

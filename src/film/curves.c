@@ -21,6 +21,7 @@ static const double usual_size[2] = {0.3, 0.25}, gap_part = 0.0125, edge_part[2]
 
 /* Letters, as a share of the usual ones; half the thickness of a curve and of a dot, px at 720. */
 static const double letters_part = 0.7, line_px = 1.1, dot_px = 4, usual_height_px = 720;
+static const char widest_number[] = "-0.0000";
 static const uint8_t ink[3] = {255, 214, 64};
 static const double shade = 0.4; /* share of the background's light that is left */
 
@@ -297,9 +298,26 @@ static void print_ends(char low_text[32], char high_text[32], double low, double
 	}
 }
 
+/* Writes both ends of the axis, the upper one below the name if that leaves it no room. */
+static void write_ends(struct rb_curves *curves, const struct axes *box, const struct axes *axes,
+                       int name_width, struct rb_pixmap *picture)
+{
+	const int line = rb_overlay_size_of(curves->overlay, "0").height;
+	const int room = box->width - width_of(curves, widest_number);
+	char low[32], high[32];
+
+	print_ends(low, high, axes->low, axes->high);
+	const bool beside = name_width <= room && name_width + width_of(curves, high) <= box->width;
+	write_right(curves, box, beside ? box->top : axes->top, high, picture);
+	write_right(curves, box, box->top + box->height - line, low, picture);
+	if (axes->top > box->top && width_of(curves, curves->span) <= room &&
+	    width_of(curves, curves->span) + width_of(curves, low) <= box->width)
+		write_left(curves, box, box->top + box->height - line, room, curves->span, picture);
+}
+
 /*
  * Name and unit, the time, if it has room, and the values: both ends, or where the curve is flat
- * that at its right end.
+ * that at its right end. Room is left for any number, so that nothing moves as numbers change.
  */
 static void write_axes(struct rb_curves *curves, int p, const struct axes *box,
                        const struct axes *axes, bool flat, struct rb_pixmap *picture)
@@ -307,23 +325,22 @@ static void write_axes(struct rb_curves *curves, int p, const struct axes *box,
 	const struct rb_plot_def *const plot = &curves->camera->plots[p];
 	const char *const units = units_of(curves, plot);
 	const int line = rb_overlay_size_of(curves->overlay, "0").height;
-	const int bottom = box->top + box->height - line;
-	char text[120], low[32] = "", high[32] = "";
+	char text[120];
 
-	if (flat) {
-		snprintf(text, sizeof text, "%.4g", 0.5 * (axes->low + axes->high));
-		write_right(curves, box, axes->top + axes->height / 2 - line, text, picture);
-	} else if (isfinite(axes->low) && isfinite(axes->high)) {
-		print_ends(low, high, axes->low, axes->high);
-		write_right(curves, box, box->top, high, picture);
-		write_right(curves, box, bottom, low, picture);
-	}
 	snprintf(text, sizeof text, units && *units ? "%.60s (%.31s)" : "%.60s", plot->name, units);
-	write_left(curves, box, box->top, box->width - (*high ? width_of(curves, high) : 0), text,
-	           picture);
-	const int room = box->width - (*low ? width_of(curves, low) : 0);
-	if (axes->top > box->top && width_of(curves, curves->span) <= room)
-		write_left(curves, box, bottom, room, curves->span, picture);
+	write_left(curves, box, box->top, box->width, text, picture);
+	if (!isfinite(axes->low) || !isfinite(axes->high))
+		return;
+	if (!flat) {
+		write_ends(curves, box, axes, width_of(curves, text), picture);
+		return;
+	}
+	snprintf(text, sizeof text, "%.4g", 0.5 * (axes->low + axes->high));
+	write_right(curves, box, axes->top + axes->height / 2 - line, text, picture);
+	if (axes->top > box->top &&
+	    width_of(curves, curves->span) + width_of(curves, widest_number) <= box->width)
+		write_left(curves, box, box->top + box->height - line, box->width, curves->span,
+		           picture);
 }
 
 /* The range of a diagram's values; true: they are one up to rounding, which is in its middle. */

@@ -13,6 +13,9 @@ local function ball(name, x, z, vx)
 end
 local a, b, edge = ball("alpha", -2, 1, 4), ball("beta", 2, 1, 0), ball("a name that is long", 3.9, -1, 0)
 local gone = ball("gone", 0, 50, 0)
+local bar = box { name = "bar", size = {2, 0.1, 0.1}, position = {0, 0, -0.75}, visible = false, collides_with = {}, static = true }
+local joined = body { name = "union", position = {0, 0, -0.75}, visible = false, collides_with = {}, static = true,
+	shapes = {{shape = "box", size = {2, 0.1, 0.1}}, {shape = "sphere", radius = 0.1, position = {0.5, 0, 0.2}}} }
 local function look(name, more)
 	camera { name = name, projection = "orthographic", position = {0, -9, 0}, height = 5, background = {0, 0, 0}, size = {320, 200},
 		fps = 2, png = name .. "/%d.png", labels = more.labels, text = more.text, overlay = more.overlay }
@@ -21,6 +24,8 @@ look("none", {})
 look("one", {labels = {a, gone}})
 look("two", {labels = {a, {b, "other"}}})
 look("edge", {labels = {edge}})
+look("bar", {labels = {bar}})
+look("union", {labels = {joined}})
 look("low", {text = {{"one\ntwo", at = {1, 0}}}})
 look("high", {overlay = "title", text = {"first", function(t) return "t = " .. t end}})
 look("large", {text = {{function(t) return ("%.1f"):format(a.position.x) end, at = {0.5, 0.5}, size = 0.2}}})
@@ -49,7 +54,9 @@ for k, t in enumerate((0, 0.5, 1)):
 left, top, right, bottom = box("two/2", (200, 0, W, H))
 single = box("one/2", (200, 0, W, H))
 assert bottom - top > 1.8 * (single[3] - single[1]) and right - left < 60, "labels cover each other"
-assert box("edge/0")[2] < W, "a label is cut"
+assert box("edge/0")[2] < W - 2, "a label is cut"
+near("the label of a bar that lies, below it", box("bar/0")[3], 100 + 40 * (0.75 - 0.05) - 4, 5)
+near("the label of a union whose highest part is small", box("union/0")[3], 100 + 40 * (0.75 - 0.3) - 4, 5)
 left, top, right, bottom = box("low/0")
 assert right > 300 and bottom > 180 and left > 270 and bottom - top > 12, "a text at the lower right corner"
 first, second = box("high/0", (0, 0, W, 40)), box("high/1", (0, 0, W, 40))
@@ -60,7 +67,7 @@ near("the middle of a large text", (left + right) / 2, 160, 3)
 assert 20 < bottom - top < 45, f"a large text is {bottom - top} px high"
 END
 python3 look.py || fail "the pictures are wrong"
-mkdir again && mv none one two edge low high large again
+mkdir again && mv none one two edge bar union low high large again
 exits 0 render texts.h5 -q
 for name in one two high large; do
 	for k in 0 1 2; do
