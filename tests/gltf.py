@@ -82,8 +82,12 @@ class File:
             self.unit(normals, "a normal")
             need(all(0 <= x <= 1 for row in colours for x in row), "a colour out of range")
             indices = [row[0] for row in self.values(primitive["indices"])]
-            need(len(indices) % 3 == 0 and max(indices) < len(positions), "an index out of range")
+            need(max(indices) < len(positions), "an index out of range")
             volume = 0
+            if primitive.get("mode", 4) == 3:  # a line, along z
+                need(positions[0] == (0, 0, 0) and positions[-1] == (0, 0, 1), "a line from elsewhere to elsewhere")
+                continue
+            need(primitive.get("mode", 4) == 4 and len(indices) % 3 == 0, "neither triangles nor a line")
             for k in range(0, len(indices), 3):
                 a, b, c = (positions[i] for i in indices[k:k + 3])
                 u = [b[i] - a[i] for i in range(3)]
@@ -131,7 +135,7 @@ def main():
     tracks = {}
     for animation in tree.get("animations", []):
         for name, path, times, rows in file.animation(animation):
-            tracks[f"{name}.{path}"] = {"times": [times[0], times[-1]], "count": len(times), "last": rows[-1]}
+            tracks[f"{name}.{path}"] = {"times": [times[0], times[-1]], "count": len(times), "last": rows[-1], "rows": rows}
     names = [node["name"] for node in tree["nodes"]]
     print(json.dumps({"nodes": names, "tracks": tracks,
                       "volumes": {node["name"]: volumes[node["mesh"]] for node in tree["nodes"] if "mesh" in node}}))

@@ -2,11 +2,13 @@
 /*
  * One glTF 2.0 file in binary form (Khronos: ISO/IEC 12113): a node for each visible body under a
  * node that turns z up into y up, a mesh for each shape and colour, and an animation that moves and
- * turns the bodies through the recorded frames, straight from one to the next.
+ * turns the bodies through the recorded frames, straight from one to the next. Springs are lines, a
+ * coil along z of length 1 in a node that is moved, turned and stretched.
  *
  * The binary chunk: times, corners of all meshes (position, normal, colour of each), their indices,
- * then for each moving body its positions and its orientations at all times. What is moved is held
- * in memory, because bodies stand one after the other there and frames in the recording.
+ * then for each moving body and each spring its positions and its orientations at all times, and
+ * the lengths of springs. What is moved is held in memory, because bodies stand one after the other
+ * there and frames in the recording.
  */
 #include "app/exported.h"
 
@@ -17,19 +19,30 @@
 #include "app/json.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "flow/joint_view.h"
+#include "force/spring.h"
 #include "math/quat.h"
 #include "math/vec3.h"
 #include "model/colour.h"
 
 /* Numbers of glTF. */
-enum { FLOAT32 = 5126, UINT32 = 5125, VERTICES = 34962, INDICES = 34963 };
+enum { FLOAT32 = 5126, UINT32 = 5125, VERTICES = 34962, INDICES = 34963, LINE_STRIP = 3 };
 /* Views of the buffer. */
-enum { VIEW_TIMES, VIEW_CORNERS, VIEW_INDICES, VIEW_POSITIONS, VIEW_TURNS, VIEW_COUNT };
-/* Accessors of a mesh, and of a body that moves. */
-enum { OF_MESH = 4, OF_BODY = 2 };
+enum {
+	VIEW_TIMES,
+	VIEW_CORNERS,
+	VIEW_INDICES,
+	VIEW_POSITIONS,
+	VIEW_TURNS,
+	VIEW_LENGTHS,
+	VIEW_COUNT
+};
+/* Accessors of a mesh. */
+enum { OF_MESH = 4 };
 
 struct mesh {
-	int body; /* index of the first body that has it */
+	int body;   /* index of the first body that has it; -1: it is that of springs */
+	int spring; /* number of the first spring that has it */
 	size_t corner_first, corner_count, index_first, index_count;
 };
 
@@ -46,11 +59,17 @@ struct glb {
 	int *node_of; /* owned: number of its node */
 	int *moving;  /* owned: visible bodies that move, by number of their track */
 	int moving_count;
+	int node_count;   /* so far, with the root */
+	int *springs;     /* owned: those that are seen, whose tracks are behind those of bodies */
+	int *spring_mesh; /* owned: of each of these */
+	int spring_count;
+	int first_spring_node;
 
 	size_t frame_count;
 	float *times;     /* owned */
-	float *positions; /* owned: [moving][frames][3] */
-	float *turns;     /* owned: [moving][frames][4], x, y, z, w; NULL: nothing turns */
+	float *positions; /* owned: [moving and springs][frames][3] */
+	float *turns; /* owned: [moving and springs][frames][4], x, y, z, w; NULL: nothing turns */
+	float *lengths; /* owned: [springs][frames][3]: 1, 1, length */
 	uint64_t size[VIEW_COUNT];
 };
 
@@ -64,6 +83,9 @@ static void release(struct glb *glb)
 	rb_memory_free(glb->times);
 	rb_memory_free(glb->positions);
 	rb_memory_free(glb->turns);
+	rb_memory_free(glb->springs);
+	rb_memory_free(glb->spring_mesh);
+	rb_memory_free(glb->lengths);
 }
 
 static enum rb_status no_memory(struct rb_error *err)
@@ -74,6 +96,12 @@ static enum rb_status no_memory(struct rb_error *err)
 static const struct rb_body_def *body_of(const struct glb *glb, int index)
 {
 	return &glb->scene->bodies[glb->model->id_of[index]];
+}
+
+/* All springs of the scene. */
+static int element_count(const struct glb *glb)
+{
+	return rb_scene_element_count(glb->scene, &rb_force_spring);
 }
 
 /* Whether two bodies have the same surface. */
@@ -123,9 +151,9 @@ static enum rb_status take_bodies(struct glb *glb, struct rb_error *err)
 {
 	const size_t room = (size_t)glb->total + 1;
 	enum rb_status status = RB_OK;
-	int node = 1; /* behind the root */
 
-	glb->meshes = rb_memory_take(room, sizeof *glb->meshes);
+	glb->node_count = 1; /* the root */
+	glb->meshes = rb_memory_take(room + (size_t)element_count(glb), sizeof *glb->meshes);
 	glb->mesh_of = rb_memory_take(room, sizeof *glb->mesh_of);
 	glb->node_of = rb_memory_take(room, sizeof *glb->node_of);
 	glb->moving = rb_memory_take(room, sizeof *glb->moving);
@@ -136,12 +164,128 @@ static enum rb_status take_bodies(struct glb *glb, struct rb_error *err)
 		if (!body_of(glb, i)->visible)
 			continue;
 		status = take_mesh(glb, i, err);
-		glb->node_of[i] = node++;
+		glb->node_of[i] = glb->node_count++;
 		if (i < glb->model->body_count)
 			glb->moving[glb->moving_count++] = i;
 	}
 	return status;
 }
+
+/* ---- springs ---- */
+
+/* The look of a spring: radius of its coil (0: a straight line) and linear colour. */
+struct spring_look {
+	double radius_m, colour[3];
+};
+
+static struct spring_look look_of(const struct glb *glb, int spring)
+{
+	const struct rb_spring_def *const def = rb_scene_spring(glb->scene, spring);
+	struct spring_look look = {0, {0.08, 0.08, 0.09}};
+
+	if (element_count(glb) <= RB_COILS_MAX)
+		look.radius_m = rb_spring_radius(glb->model, spring, 2 * glb->model->size_mean_m);
+	for (int c = 0; c < 3 && !isnan(def->color[0]); c++)
+		look.colour[c] = rb_colour_linear(def->color[c]);
+	return look;
+}
+
+/* Finds or makes the mesh of a spring; its number, or -1: no memory. */
+static int spring_mesh(struct glb *glb, int spring, int first_mesh)
+{
+	const struct spring_look look = look_of(glb, spring);
+	struct rb_trimesh *const to = &glb->surface;
+
+	for (int k = first_mesh; k < glb->mesh_count; k++) {
+		const struct spring_look other = look_of(glb, glb->meshes[k].spring);
+		if (memcmp(&look, &other, sizeof look) == 0)
+			return k;
+	}
+	const int points = look.radius_m > 0 ? RB_COIL_POINTS : 2;
+	if (!rb_memory_reserve(&to->corners, &to->corner_room, to->corner_count + (size_t)points,
+	                       sizeof *to->corners) ||
+	    !rb_memory_reserve(&to->indices, &to->index_room, to->index_count + (size_t)points,
+	                       sizeof *to->indices))
+		return -1;
+	glb->meshes[glb->mesh_count] = (struct mesh){.body = -1,
+	                                             .spring = spring,
+	                                             .corner_first = to->corner_count,
+	                                             .corner_count = (size_t)points,
+	                                             .index_first = to->index_count,
+	                                             .index_count = (size_t)points};
+	for (int k = 0; k < points; k++) {
+		const rb_vec3 p = rb_coil_point(points > 2 || k == 0 ? k : RB_COIL_POINTS - 1);
+		const rb_vec3 out = rb_vec3_unit((rb_vec3){p.x, p.y, 0}, (rb_vec3){1, 0, 0});
+
+		to->corners[to->corner_count++] = (struct rb_trimesh_corner){
+			.position = {(float)(look.radius_m * p.x), (float)(look.radius_m * p.y),
+		                     (float)p.z},
+			.normal = {(float)out.x, (float)out.y, (float)out.z},
+			.colour = {(float)look.colour[0], (float)look.colour[1],
+		                   (float)look.colour[2]}};
+		to->indices[to->index_count++] = (uint32_t)k;
+	}
+	return glb->mesh_count++;
+}
+
+/* Makes meshes and nodes of springs that are seen; whether one is does not change. */
+static enum rb_status take_springs(struct glb *glb, const struct rb_frame *frame,
+                                   struct rb_error *err)
+{
+	const int count = element_count(glb), first_mesh = glb->mesh_count;
+	rb_vec3 end[2];
+
+	glb->springs = rb_memory_take((size_t)count + 1, sizeof *glb->springs);
+	glb->spring_mesh = rb_memory_take((size_t)count + 1, sizeof *glb->spring_mesh);
+	if (!glb->springs || !glb->spring_mesh)
+		return no_memory(err);
+	glb->first_spring_node = glb->node_count;
+	for (int k = 0; k < count; k++) {
+		if (!rb_spring_ends(glb->model, frame, k, end))
+			continue;
+		const int mesh = spring_mesh(glb, k, first_mesh);
+		if (mesh < 0)
+			return no_memory(err);
+		glb->springs[glb->spring_count] = k;
+		glb->spring_mesh[glb->spring_count++] = mesh;
+		glb->node_count++;
+	}
+	return RB_OK;
+}
+
+/* The turn that brings z to a direction, from one that brings it near: it does not twist. */
+static rb_quat turn_to(rb_quat before, rb_vec3 way)
+{
+	const rb_vec3 z = rb_quat_rotate(before, (rb_vec3){0, 0, 1});
+	const rb_vec3 axis = rb_vec3_cross(z, way);
+	const double sine = rb_vec3_length(axis), angle = atan2(sine, rb_vec3_dot(z, way));
+	const rb_vec3 unit = rb_vec3_unit(axis, rb_vec3_across(z));
+
+	return rb_quat_unit(rb_quat_turned(before, rb_vec3_scale(angle, unit)));
+}
+
+/* Where a spring is: its end on a, how it is turned, how long it is. */
+struct spring_place {
+	rb_vec3 from;
+	rb_quat turn;
+	double length;
+};
+
+static struct spring_place place_of(const struct glb *glb, const struct rb_frame *frame, int spring,
+                                    rb_quat before)
+{
+	rb_vec3 end[2];
+
+	(void)rb_spring_ends(glb->model, frame, spring, end);
+	const rb_vec3 span = rb_vec3_sub(end[1], end[0]);
+	const double length = rb_vec3_length(span);
+	/* what has no length has no direction either, and no inverse */
+	return (struct spring_place){
+		end[0], length > 0 ? turn_to(before, rb_vec3_scale(1 / length, span)) : before,
+		fmax(length, 1e-6 * glb->model->size_mean_m)};
+}
+
+/* ---- tracks ---- */
 
 /* An orientation, of the two that mean the same the one nearer to that before. */
 static void put_turn(float *to, rb_quat q, const float *before)
@@ -174,6 +318,21 @@ static void take_frame(struct glb *glb, const struct rb_frame *frame, size_t row
 			         rb_exported_orientation(glb->exported, frame, glb->moving[m]),
 			         k > 0 ? glb->turns + 4 * (at - 1) : NULL);
 	}
+	for (int s = 0; s < glb->spring_count; s++) {
+		const size_t at = (size_t)(glb->moving_count + s) * rows + k;
+		const float *const before = k > 0 ? glb->turns + 4 * (at - 1) : NULL;
+		const rb_quat last = before ? (rb_quat){(double)before[3], (double)before[0],
+		                                        (double)before[1], (double)before[2]}
+		                            : (rb_quat){1, 0, 0, 0};
+		const struct spring_place place = place_of(glb, frame, glb->springs[s], last);
+		const float position[3] = {(float)place.from.x, (float)place.from.y,
+		                           (float)place.from.z};
+		const float scale[3] = {1, 1, (float)place.length};
+
+		memcpy(glb->positions + 3 * at, position, sizeof position);
+		put_turn(glb->turns + 4 * at, place.turn, before);
+		memcpy(glb->lengths + 3 * ((size_t)s * rows + k), scale, sizeof scale);
+	}
 }
 
 /* Reads the frames; times must grow in single precision too. */
@@ -181,21 +340,28 @@ static enum rb_status take_frames(struct glb *glb, struct rb_error *err)
 {
 	const struct rb_exported *const exported = glb->exported;
 	const size_t rows = (size_t)exported->reading->frame_count;
-	const size_t cells = rows * (size_t)glb->moving_count;
 	struct rb_frame frame;
+	enum rb_status status = exported->module->reader_frame(exported->reader, 0, &frame, err);
+
+	if (!status)
+		status = take_springs(glb, &frame, err);
+	if (status)
+		return status;
+	const size_t cells = rows * (size_t)(glb->moving_count + glb->spring_count);
 
 	glb->times = rb_memory_take(rows, sizeof *glb->times);
 	glb->positions = rb_memory_take(cells + 1, 3 * sizeof *glb->positions);
-	if (exported->reading->fields & RB_FIELD_ORIENTATION) {
+	glb->lengths = rb_memory_take(rows * (size_t)glb->spring_count + 1,
+	                              3 * sizeof *glb->lengths);
+	if (exported->reading->fields & RB_FIELD_ORIENTATION || glb->spring_count > 0) {
 		glb->turns = rb_memory_take(cells + 1, 4 * sizeof *glb->turns);
 		if (!glb->turns)
 			return no_memory(err);
 	}
-	if (!glb->times || !glb->positions)
+	if (!glb->times || !glb->positions || !glb->lengths)
 		return no_memory(err);
 	for (uint64_t row = 0; row < rows; row++) {
-		const enum rb_status status = exported->module->reader_frame(exported->reader, row,
-		                                                             &frame, err);
+		status = exported->module->reader_frame(exported->reader, row, &frame, err);
 		if (status)
 			return status;
 		if (glb->frame_count == 0 || (float)frame.time_s > glb->times[glb->frame_count - 1])
@@ -294,7 +460,13 @@ static void put_mesh_accessors(const struct glb *glb, struct rb_json *json, cons
 	                                mesh->index_count, UINT32, "SCALAR", NULL, NULL});
 }
 
-/* Times, then those of meshes, then those of moving bodies. */
+/* Tracks of bodies and springs with positions and, where there are any, turns. */
+static int track_count(const struct glb *glb)
+{
+	return glb->moving_count + glb->spring_count;
+}
+
+/* Times, then those of meshes, then those of moving bodies and of springs, lengths of these. */
 static void put_accessors(const struct glb *glb, struct rb_json *json)
 {
 	const double first = (double)glb->times[0];
@@ -306,7 +478,7 @@ static void put_accessors(const struct glb *glb, struct rb_json *json)
 	             &(struct accessor){VIEW_TIMES, 0, frames, FLOAT32, "SCALAR", &first, &last});
 	for (int k = 0; k < glb->mesh_count; k++)
 		put_mesh_accessors(glb, json, &glb->meshes[k]);
-	for (int m = 0; m < glb->moving_count; m++) {
+	for (int m = 0; m < track_count(glb); m++) {
 		const uint64_t at = (uint64_t)m * frames * sizeof(float);
 		put_accessor(glb, json,
 		             &(struct accessor){VIEW_POSITIONS, 3 * at, frames, FLOAT32, "VEC3",
@@ -316,6 +488,11 @@ static void put_accessors(const struct glb *glb, struct rb_json *json)
 			             &(struct accessor){VIEW_TURNS, 4 * at, frames, FLOAT32, "VEC4",
 			                                NULL, NULL});
 	}
+	for (int s = 0; s < glb->spring_count; s++)
+		put_accessor(glb, json,
+		             &(struct accessor){VIEW_LENGTHS,
+		                                3 * (uint64_t)s * frames * sizeof(float), frames,
+		                                FLOAT32, "VEC3", NULL, NULL});
 	rb_json_close(json, ']');
 }
 
@@ -335,6 +512,8 @@ static void put_meshes(const struct glb *glb, struct rb_json *json)
 		rb_json_close(json, '}');
 		rb_json_count(json, "indices", first + 3);
 		rb_json_count(json, "material", 0);
+		if (glb->meshes[k].body < 0)
+			rb_json_count(json, "mode", LINE_STRIP);
 		rb_json_close(json, '}');
 		rb_json_close(json, ']');
 		rb_json_close(json, '}');
@@ -365,6 +544,8 @@ static void put_nodes(const struct glb *glb, struct rb_json *json, const struct 
 	for (int i = 0; i < glb->total; i++)
 		if (glb->mesh_of[i] >= 0)
 			rb_json_count(json, NULL, (uint64_t)glb->node_of[i]);
+	for (int s = 0; s < glb->spring_count; s++)
+		rb_json_count(json, NULL, (uint64_t)(glb->first_spring_node + s));
 	rb_json_close(json, ']');
 	rb_json_close(json, '}');
 	for (int i = 0; i < glb->total; i++) {
@@ -383,24 +564,48 @@ static void put_nodes(const struct glb *glb, struct rb_json *json, const struct 
 		rb_json_vector(json, "rotation", (const double[]){q.x, q.y, q.z, q.w}, 4);
 		rb_json_close(json, '}');
 	}
+	for (int s = 0; s < glb->spring_count; s++) {
+		const struct spring_place place = place_of(glb, first, glb->springs[s],
+		                                           (rb_quat){1, 0, 0, 0});
+		const rb_vec3 x = place.from;
+		const rb_quat q = place.turn;
+
+		snprintf(label, sizeof label, "spring#%d", glb->springs[s]);
+		rb_json_open(json, NULL, '{');
+		rb_json_text(json, "name", label);
+		rb_json_count(json, "mesh", (uint64_t)glb->spring_mesh[s]);
+		rb_json_vector(json, "translation", (const double[]){x.x, x.y, x.z}, 3);
+		rb_json_vector(json, "rotation", (const double[]){q.x, q.y, q.z, q.w}, 4);
+		rb_json_vector(json, "scale", (const double[]){1, 1, place.length}, 3);
+		rb_json_close(json, '}');
+	}
 	rb_json_close(json, ']');
 }
 
-/* A sampler or a channel for each track. */
+/* The node that the track of a body or a spring is of. */
+static int node_of_track(const struct glb *glb, int track)
+{
+	return track < glb->moving_count ? glb->node_of[glb->moving[track]]
+	                                 : glb->first_spring_node + track - glb->moving_count;
+}
+
+/* A sampler or a channel for each accessor of a track. */
 static void put_tracks(const struct glb *glb, struct rb_json *json, bool channels)
 {
-	const int tracks = glb->turns ? OF_BODY : 1;
+	static const char *const paths[] = {"translation", "rotation"};
+	const int each = glb->turns ? 2 : 1, poses = track_count(glb) * each;
 	const uint64_t first = 1 + (uint64_t)OF_MESH * (uint64_t)glb->mesh_count;
 
 	rb_json_open(json, channels ? "channels" : "samplers", '[');
-	for (int k = 0; k < glb->moving_count * tracks; k++) {
+	for (int k = 0; k < poses + glb->spring_count; k++) {
+		const int track = k < poses ? k / each : glb->moving_count + k - poses;
+
 		rb_json_open(json, NULL, '{');
 		if (channels) {
 			rb_json_count(json, "sampler", (uint64_t)k);
 			rb_json_open(json, "target", '{');
-			rb_json_count(json, "node",
-			              (uint64_t)glb->node_of[glb->moving[k / tracks]]);
-			rb_json_text(json, "path", k % tracks ? "rotation" : "translation");
+			rb_json_count(json, "node", (uint64_t)node_of_track(glb, track));
+			rb_json_text(json, "path", k < poses ? paths[k % each] : "scale");
 			rb_json_close(json, '}');
 		} else {
 			rb_json_count(json, "input", 0);
@@ -437,7 +642,7 @@ static enum rb_status put_json(const struct glb *glb, FILE *file, struct rb_erro
 	put_meshes(glb, &json);
 	put_accessors(glb, &json);
 	put_views(glb, &json);
-	if (glb->moving_count > 0) {
+	if (track_count(glb) > 0) {
 		rb_json_open(&json, "animations", '[');
 		rb_json_open(&json, NULL, '{');
 		put_tracks(glb, &json, false);
@@ -461,19 +666,22 @@ static void put_u32(FILE *file, uint32_t value)
 
 static void put_binary(const struct glb *glb, FILE *file)
 {
-	const void *const from[VIEW_COUNT] = {glb->times, glb->surface.corners,
-	                                      glb->surface.indices, NULL, NULL};
+	const void *const from[VIEW_COUNT] = {
+		glb->times, glb->surface.corners, glb->surface.indices, NULL, NULL, NULL};
 	const size_t rows = (size_t)glb->exported->reading->frame_count;
 
 	for (int k = 0; k <= VIEW_INDICES; k++)
 		if (glb->size[k] > 0)
 			fwrite(from[k], 1, glb->size[k], file);
 	/* tracks have room for all rows; frames may be fewer */
-	for (int m = 0; m < glb->moving_count; m++)
+	for (int m = 0; m < track_count(glb); m++)
 		fwrite(glb->positions + 3 * (size_t)m * rows, 3 * sizeof(float), glb->frame_count,
 		       file);
-	for (int m = 0; glb->turns && m < glb->moving_count; m++)
+	for (int m = 0; glb->turns && m < track_count(glb); m++)
 		fwrite(glb->turns + 4 * (size_t)m * rows, 4 * sizeof(float), glb->frame_count,
+		       file);
+	for (int s = 0; s < glb->spring_count; s++)
+		fwrite(glb->lengths + 3 * (size_t)s * rows, 3 * sizeof(float), glb->frame_count,
 		       file);
 }
 
@@ -520,12 +728,14 @@ static enum rb_status gather(struct glb *glb, uint64_t *binary, struct rb_error 
 		status = take_frames(glb, err);
 	if (status)
 		return status;
-	const uint64_t tracks = (uint64_t)glb->moving_count * glb->frame_count * sizeof(float);
+	const uint64_t column = glb->frame_count * sizeof(float);
+	const uint64_t tracks = (uint64_t)track_count(glb) * column;
 	glb->size[VIEW_TIMES] = glb->frame_count * sizeof(float);
 	glb->size[VIEW_CORNERS] = glb->surface.corner_count * sizeof(struct rb_trimesh_corner);
 	glb->size[VIEW_INDICES] = glb->surface.index_count * sizeof(uint32_t);
 	glb->size[VIEW_POSITIONS] = 3 * tracks;
 	glb->size[VIEW_TURNS] = glb->turns ? 4 * tracks : 0;
+	glb->size[VIEW_LENGTHS] = 3 * (uint64_t)glb->spring_count * column;
 	*binary = 0;
 	for (int k = 0; k < VIEW_COUNT; k++)
 		*binary += glb->size[k];

@@ -46,8 +46,6 @@ struct rb_lines {
 
 static const double TRAIL_PX = 2.2, DOT_PX = 6, SPECK_PX = 4, WIRE_PX = 1.8, ARROW_PX = 3.2,
 		    HEAD_PX = 13;
-/* More springs than these are lines. */
-enum { COILS_MAX = 64 };
 /* Widths are for this height of the picture; others scale with it. */
 static const double USUAL_HEIGHT_PX = 720;
 
@@ -256,42 +254,20 @@ static void add_specks(struct rb_lines *lines, struct pen *pen, const struct rb_
 	}
 }
 
-/*
- * m: half the width of a coil: a part of the smaller body, and of the length at rest; the same in
- * all pictures.
- */
-static double coil_width(const struct rb_lines *lines, const struct rb_spring_def *spring)
-{
-	const struct rb_model *model = lines->setup.model;
-	const int id[2] = {spring->a, spring->b};
-	double width = 0.2 * lines->setup.looks->size_m;
-
-	for (int k = 0; k < 2; k++) {
-		const double reach = rb_model_reach(model, model->index_of[id[k]]);
-		if (reach > 0)
-			width = fmin(width, 0.4 * reach);
-	}
-	if (spring->radius_m > 0)
-		return spring->radius_m;
-	return spring->rest_length_m > 0 ? fmin(width, 0.08 * spring->rest_length_m) : width;
-}
-
-/* A coil between two points, straight at its ends. */
+/* A coil between two points. */
 static void add_coil(struct pen *pen, const struct rb_view *view, rb_vec3 from, rb_vec3 to,
                      double width)
 {
-	enum { TURNS = 10, PIECES = 12 * TURNS };
-	static const double lead = 0.1; /* share of the length of either end */
 	const rb_vec3 span = rb_vec3_sub(to, from), way = rb_vec3_unit(span, (rb_vec3){0, 0, 1});
 	const rb_vec3 x = rb_vec3_across(way), y = rb_vec3_cross(way, x);
 	rb_vec3 last = from;
 
-	for (int k = 0; k <= PIECES + 1; k++) {
-		const double share = (double)k / PIECES, angle = 2 * acos(-1) * TURNS * share;
-		rb_vec3 here = rb_vec3_add_scaled(from, lead + (1 - 2 * lead) * share, span);
+	for (int k = 1; k < RB_COIL_POINTS; k++) {
+		const rb_vec3 point = rb_coil_point(k);
+		rb_vec3 here = rb_vec3_add_scaled(from, point.z, span);
 
-		here = rb_vec3_add_scaled(here, width * cos(angle), x);
-		here = k > PIECES ? to : rb_vec3_add_scaled(here, width * sin(angle), y);
+		here = rb_vec3_add_scaled(here, width * point.x, x);
+		here = rb_vec3_add_scaled(here, width * point.y, y);
 		stroke(pen, rb_view_point(view, last), rb_view_point(view, here), 1, 1);
 		last = here;
 	}
@@ -315,8 +291,9 @@ static void add_springs(struct rb_lines *lines, struct pen *pen, const struct rb
 		pen->colour = isnan(spring->color[0]) ? spring_colour : own;
 		if (!rb_spring_ends(model, frame, k, end))
 			continue;
-		if (count <= COILS_MAX)
-			add_coil(pen, view, end[0], end[1], coil_width(lines, spring));
+		if (count <= RB_COILS_MAX)
+			add_coil(pen, view, end[0], end[1],
+			         rb_spring_radius(model, k, lines->setup.looks->size_m));
 		else
 			stroke(pen, rb_view_point(view, end[0]), rb_view_point(view, end[1]), 1, 1);
 	}

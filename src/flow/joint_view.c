@@ -62,6 +62,34 @@ bool rb_spring_ends(const struct rb_model *model, const struct rb_frame *frame, 
 	       (model->scene->bodies[id[0]].visible || model->scene->bodies[id[1]].visible);
 }
 
+double rb_spring_radius(const struct rb_model *model, int number, double size_m)
+{
+	const struct rb_spring_def *spring = rb_scene_spring(model->scene, number);
+	const int id[2] = {spring->a, spring->b};
+	double width = 0.2 * size_m;
+
+	for (int k = 0; k < 2; k++) {
+		const double reach = rb_model_reach(model, model->index_of[id[k]]);
+		if (reach > 0)
+			width = fmin(width, 0.4 * reach);
+	}
+	if (spring->radius_m > 0)
+		return spring->radius_m;
+	return spring->rest_length_m > 0 ? fmin(width, 0.08 * spring->rest_length_m) : width;
+}
+
+rb_vec3 rb_coil_point(int k)
+{
+	static const double lead = 0.1; /* share of the length of either end */
+	const double share = (double)(k - 1) / (RB_COIL_POINTS - 3);
+	const double angle = 2 * acos(-1) * RB_COIL_TURNS * share;
+
+	RB_ASSERT(k >= 0 && k < RB_COIL_POINTS);
+	if (k == 0 || k == RB_COIL_POINTS - 1)
+		return (rb_vec3){0, 0, k == 0 ? 0 : 1};
+	return (rb_vec3){cos(angle), sin(angle), lead + (1 - 2 * lead) * share};
+}
+
 bool rb_joint_place(const struct rb_model *model, const struct rb_frame *frame, int number,
                     struct rb_joint_place *place)
 {

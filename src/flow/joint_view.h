@@ -25,6 +25,18 @@ bool rb_joint_place(const struct rb_model *model, const struct rb_frame *frame, 
 bool rb_spring_ends(const struct rb_model *model, const struct rb_frame *frame, int spring,
                     rb_vec3 end[2]);
 
+/*
+ * m: of a spring's coil: a part of the smaller body, of a typical diameter `size_m` and of the
+ * length at rest; the same in all frames.
+ */
+double rb_spring_radius(const struct rb_model *model, int spring, double size_m);
+/* More springs than these are lines. */
+enum { RB_COILS_MAX = 64 };
+/* Points of a coil, straight at its ends. */
+enum { RB_COIL_TURNS = 10, RB_COIL_POINTS = 12 * RB_COIL_TURNS + 3 };
+/* The k-th one: x and y in radii, z in lengths. */
+rb_vec3 rb_coil_point(int k);
+
 /* m: half the thickness of what is drawn. */
 double rb_joint_radius(const struct rb_model *model, int joint);
 

@@ -49,6 +49,41 @@ assert len(t["tracks"]) == 2 * 7, t["tracks"].keys()
 assert t["tracks"]["ball.translation"]["times"] == [0, 1] and t["tracks"]["ball.translation"]["count"] == 21
 END
 
+# springs are lines from end to end, in every frame
+cat >coils.lua <<'END'
+world { duration = 1, frame_rate = 20, gravity = {0, 0, -9.81} }
+local top = sphere { name = "top", radius = 0.1, position = {0, 0, 3}, static = true }
+local a = box { name = "a", size = {0.2, 0.2, 0.2}, position = {0.5, 0, 2}, velocity = {0, 3, 0}, angular_velocity = {5, 0, 1} }
+local b = sphere { name = "b", radius = 0.1, position = {0, 0.5, 1} }
+spring { a = top, b = a, stiffness = 200, color = "#ff0000" }
+spring { a = top, b = b, stiffness = 20, visible = false }
+spring { a = a, b = b, stiffness = 20, radius = 0.05 }
+END
+exits 0 coils.lua -q
+exits 0 export coils.h5 --to glb
+exits 0 export coils.h5 --to csv
+python3 "$TOP/tests/gltf.py" coils.glb >sprung || fail "coils.glb: no glTF"
+python3 - <<'END' || fail "coils.glb has other springs"
+import csv, json
+t = json.load(open("sprung"))
+assert t["nodes"][1:] == ["a", "b", "top", "spring#0", "spring#2"], t["nodes"]
+at = {}
+for row in csv.DictReader(open("coils-bodies.csv")):
+    at.setdefault(row["name"], []).append([float(row[k]) for k in "xyz"])
+at["top"] = [[0, 0, 3]] * 21
+for name, ends in ("spring#0", ("top", "a")), ("spring#2", ("a", "b")):
+    track = [t["tracks"][f"{name}.{path}"]["rows"] for path in ("translation", "rotation", "scale")]
+    assert all(len(rows) == 21 for rows in track)
+    for k, (start, (x, y, z, w), scale) in enumerate(zip(*track)):
+        way = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]
+        for c in range(3):
+            assert abs(start[c] - at[ends[0]][k][c]) < 1e-6, (name, k, start)
+            assert abs(start[c] + scale[2] * way[c] - at[ends[1]][k][c]) < 1e-5, (name, k, c)
+    # from frame to frame they turn no further than their ends make them
+    turns = [abs(sum(p * q for p, q in zip(*two))) for two in zip(track[1], track[1][1:])]
+    assert min(turns) > 0.9, (name, min(turns))
+END
+
 # tables: a row for each body and frame, whose numbers are those of the glTF to its rounding
 exits 0 export run.h5 --to csv --json
 says out '"outputs":\["run-bodies.csv","run-frames.csv","run-events.csv","run-contacts.csv","run-results.csv"\]'
