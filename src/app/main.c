@@ -31,6 +31,7 @@
 #include "app/simulate.h"
 #include "app/sweep.h"
 #include "app/verify.h"
+#include "base/address_space.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/memory.h"
@@ -166,6 +167,7 @@ int main(int argc, char **argv)
 	bool bar = rb_terminal_is_capable(STDERR_FILENO);
 	int exit_code;
 
+	rb_address_space_share_arenas();
 	/* A reader that goes away or a file at its limit is an error of a write, not an end. */
 	signal(SIGPIPE, SIG_IGN);
 	signal(SIGXFSZ, SIG_IGN);

@@ -27,6 +27,7 @@
  */
 #include "sink/recorder.h"
 
+#include "base/address_space.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/log.h"
@@ -393,13 +394,31 @@ static enum rb_status reopen_file(struct rb_recorder *recorder, struct rb_error 
 	return h5->status;
 }
 
+/*
+ * HDF5 1.10 reads through null pointers where it gets no memory. It takes 2 MiB to make a file, and
+ * a thread for checkpoints 8 MiB; the rest is for what grows with the run.
+ */
+static enum rb_status find_room(const struct rb_recorder *recorder, struct rb_error *err)
+{
+	enum { ROOM_MIB = 24 };
+
+	if (rb_address_space_has((size_t)ROOM_MIB << 20))
+		return RB_OK;
+	return RB_FAIL(err, RB_ERR_MEMORY,
+	               "cannot record '%s': out of memory: less than %d MiB of address space are "
+	               "left (ulimit -v)",
+	               recorder->path, ROOM_MIB);
+}
+
 /* rb_sink.open. */
 static enum rb_status open_file(void *self, struct rb_error *err)
 {
 	struct rb_recorder *const recorder = self;
-	enum rb_status status;
+	enum rb_status status = find_room(recorder, err);
 
 	RB_ASSERT(!recorder->file_open);
+	if (status)
+		return status;
 	rb_h5_quiet();
 	if (recorder->options.resume) {
 		status = reopen_file(recorder, err);

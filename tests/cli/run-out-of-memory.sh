@@ -39,6 +39,26 @@ for args in "s.lua --no-record" "s.lua --no-record --method stepped" "j.lua --no
 	echo "$args: $((k - 1)) allocations, every $every-th failed once"
 done
 
+# however little address space there is: HDF5 ends with SIGSEGV where it gets none
+if [ "${RBSIM_MODE:-release}" = release ]; then
+	for kib in $(seq 20000 2500 95000); do
+		rm -f r.h5
+		(
+			ulimit -v "$kib" || exit 77
+			exec "$RBSIM" run s.lua -q -o r.h5
+		) >out 2>err </dev/null
+		got=$?
+		case $got in
+		0) ;;
+		127) says err 'thread-local data: ABORT' ;; # of the C library, when a thread first uses a variable of its own
+		69 | 71) [ -s err ] || fail "with $kib KiB of address space: status $got without a word" ;;
+		*) fail "with $kib KiB of address space: exit status $got" ;;
+		esac
+	done
+	[ $got -eq 0 ] || fail "a small run does not get by with $kib KiB of address space"
+	exits 0 run s.lua -q -o r.h5 --force
+fi
+
 # so does what reads a recording
 k=1
 while :; do
