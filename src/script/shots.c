@@ -197,13 +197,17 @@ static enum rb_status mean_speed(struct rb_script *script, const struct rb_camer
 	return status;
 }
 
-static enum rb_status refuse_speed(const struct rb_camera_def *camera, double time_s,
+static enum rb_status refuse_speed(const struct rb_script *script,
+                                   const struct rb_camera_def *camera, double time_s,
                                    const char *what, struct rb_error *err)
 {
 	const struct request request = {.key = "speed", .time_s = time_s};
+	const char *const file = camera->file ? camera->file : script->scene->file;
 	struct rb_error own;
+	const enum rb_status status = RB_FAIL(&own, RB_ERR_SCENE, "%s:%d: the speed %s", file,
+	                                      camera->line, what);
 
-	return tell(camera, &request, RB_FAIL(&own, RB_ERR_SCENE, "the speed %s", what), &own, err);
+	return tell(camera, &request, status, &own, err);
 }
 
 /*
@@ -226,8 +230,8 @@ static enum rb_status list_pictures(struct rb_script *script, const struct rb_ca
 		double mean = 0;
 
 		if (made == PICTURES_MAX)
-			return refuse_speed(camera, time_s, "makes more than a million pictures",
-			                    err);
+			return refuse_speed(script, camera, time_s,
+			                    "makes more than a million pictures", err);
 		if (!rb_memory_reserve(&times->picture_s, &capacity, made + 1,
 		                       sizeof *times->picture_s))
 			return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare a film: out of memory");
@@ -241,8 +245,8 @@ static enum rb_status list_pictures(struct rb_script *script, const struct rb_ca
 		if (!status && !(time_s > times->picture_s[made - 1])) {
 			if (time_s == to_s)
 				break;
-			return refuse_speed(camera, time_s, "is too small to come any further",
-			                    err);
+			return refuse_speed(script, camera, time_s,
+			                    "is too small to come any further", err);
 		}
 	}
 	return status;

@@ -91,6 +91,11 @@ for wrong in "0" "'fast'" "0/0" "error('no')"; do
 	exits 65 wrong.lua -q
 	says err "^wrong.lua:1: .* \(camera 'c', speed at t = 0 s\)"
 done
+for wrong in 1e-300 1e-12; do
+	printf 'world { duration = 1 }\nsphere { radius = 1 }\ncamera { png = "c/%%d.png", speed = function() return %s end }\n' $wrong >wrong.lua
+	exits 65 wrong.lua --force
+	says err "^wrong.lua:3: the speed .* \(camera of line 3, speed at t = "
+done
 echo "world { duration = 1 } sphere { radius = 1 } camera { speed = 'fast' } camera { speed = 0 }" >wrong.lua
 exits 65 wrong.lua
 says err "'speed' must be a number or a function \(got the text 'fast'\)"
