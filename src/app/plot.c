@@ -107,6 +107,18 @@ static void put_label(FILE *script, const char *what, const char *text)
 	putc('\n', script);
 }
 
+/* gnuplot leaves out what does not fit beside the axis of a text: there it stands above the axis. */
+static void put_y_label(FILE *script, const char *text, enum rb_plot_kind kind)
+{
+	if (kind != RB_PLOT_TEXT) {
+		put_label(script, "ylabel", text);
+		return;
+	}
+	fputs("set label 1 ", script);
+	put_text(script, text ? text : "");
+	fputs(" at screen 0, screen 1 left offset character 0, -1\n", script);
+}
+
 /*
  * Number of points that can be drawn. A series may have none at all; gnuplot would refuse to draw
  * it.
@@ -173,7 +185,7 @@ static void put_plot(FILE *script, const struct rb_plot *plot, enum rb_plot_kind
 	put_terminal(script, kind, size);
 	put_label(script, "title", plot->title);
 	put_label(script, "xlabel", plot->x_label);
-	put_label(script, "ylabel", plot->y_label);
+	put_y_label(script, plot->y_label, kind);
 	put_range(script, "x", plot->x_log, plot->x_low, plot->x_high);
 	put_range(script, "y", plot->y_log, plot->y_low, plot->y_high);
 	fprintf(script, "set grid\nset key %s\n",

@@ -34,6 +34,13 @@ fi
 exits 0 plot run.h5 energy kinetic_energy left.z
 says out 'time \[s\]'
 says out 'left.z'
+# units in a text, too: of one quantity, of several that share it, and at the names where they differ
+exits 0 plot run.h5 left.z
+says out '^left.z \[m\]'
+exits 0 plot run.h5 energy kinetic_energy
+says out '^\[J\]'
+exits 0 plot run.h5 left.z left.vz
+says out 'left.vz \[m/s\]'
 # of two bodies whose names are alike the one that was named, and no other
 exits 0 plot two.h5 a2.z
 says out ' 5 [+|]\*\*'
