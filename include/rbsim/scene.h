@@ -396,7 +396,9 @@ struct rb_camera_def {
 	double near, far;  /* m; NAN: chosen from the scene */
 	int size_px[2];
 	double fps, speed, from_s, to_s; /* fps NAN: the frame rate; to_s INFINITY: the end */
-	bool speed_varies;               /* the speed is that of a function, `speed` is 1 */
+	bool single;                     /* one picture of a film of the following span is made */
+	double film_from_s, film_to_s;
+	bool speed_varies; /* the speed is that of a function, `speed` is 1 */
 	int speed_function;
 	/* of such a film that is made: the times of its pictures, borrowed from who makes it */
 	const double *picture_s;

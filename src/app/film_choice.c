@@ -119,6 +119,9 @@ static void resize(struct rb_camera_def *camera, int width, int height)
 
 static void apply(struct rb_camera_def *camera, const struct rb_films_wish *wish)
 {
+	camera->single = wish->still;
+	camera->film_from_s = camera->from_s;
+	camera->film_to_s = camera->to_s;
 	if (!isnan(wish->from_s))
 		camera->from_s = wish->from_s;
 	if (!isnan(wish->to_s))
@@ -180,6 +183,9 @@ static bool divide(struct film *film, const struct rb_scene *scene, const struct
 			rb_camera_take_speed(&part->camera, &film->camera);
 			part->camera.from_s = film->camera.from_s;
 			part->camera.to_s = film->camera.to_s;
+			part->camera.single = film->camera.single;
+			part->camera.film_from_s = film->camera.film_from_s;
+			part->camera.film_to_s = film->camera.film_to_s;
 		}
 	}
 	return true;
@@ -241,9 +247,7 @@ static enum rb_status add(struct rb_films *films, const struct rb_camera_def *ca
 		return status;
 	if (def && !divide(film, &films->loaded->scene, def))
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare films: out of memory");
-	/* one picture shows what it would in the film */
-	film->from_s = wish->still ? camera->from_s : film->camera.from_s;
-	film->to_s = wish->still ? camera->to_s : film->camera.to_s;
+	film->span = rb_film_span_of(&film->camera, (double)INFINITY);
 	if (camera->name)
 		snprintf(film->label, sizeof film->label, "%s '%.60s'", def ? "film" : "camera",
 		         camera->name);

@@ -171,8 +171,8 @@ enum rb_status rb_films_frame(struct rb_films *films, const struct rb_hdf5_modul
 			struct rb_camera_def seen = *camera;
 			if (!camera->framed || !works(films, film))
 				continue;
-			seen.from_s = film->from_s;
-			seen.to_s = film->to_s;
+			seen.from_s = film->span.from_s;
+			seen.to_s = film->span.to_s;
 			status = rb_films_frame_camera(&seen, films->loaded->model, module, reader,
 			                               film->label, err);
 			camera->position = seen.position;

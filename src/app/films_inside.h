@@ -23,9 +23,9 @@ struct film {
 	double *picture_s; /* owned, NULL: the speed is constant */
 	char label[80];    /* "camera 'main'", for messages */
 	struct rb_schedule schedule;
-	uint64_t next;       /* the next picture to compute a shot for */
-	bool late;           /* made from the recording after the run */
-	double from_s, to_s; /* span of motion that it frames if it has no position */
+	uint64_t next;            /* the next picture to compute a shot for */
+	bool late;                /* made from the recording after the run */
+	struct rb_film_span span; /* whose motion it frames if it has no position */
 	struct rb_film *film;
 	struct rb_sink sink;
 	struct rb_pump *pump;

@@ -29,8 +29,8 @@ struct rb_curves {
 	const struct rb_model *model;
 	const struct rb_camera_def *camera;
 	struct rb_overlay *overlay; /* owned */
-	char span[64];              /* the time from end to end, as text */
-	double from_s, to_s;
+	char span_text[64];         /* the time from end to end */
+	struct rb_film_span span;
 	struct rb_quantity_turn turn[RB_CAMERA_PLOTS_MAX];
 	uint64_t seen, stride;
 	int count;
@@ -46,21 +46,18 @@ struct axes {
 };
 
 enum rb_status rb_curves_create(struct rb_curves **curves, const struct rb_model *model,
-                                const struct rb_camera_def *camera, const char *span,
+                                const struct rb_camera_def *camera, const char *span_text,
                                 struct rb_error *err)
 {
 	struct rb_curves *const c = *curves = rb_memory_take(1, sizeof *c);
-	const struct rb_schedule schedule = rb_schedule_of(camera, model->frame_rate,
-	                                                   model->duration_s);
 
 	if (!c)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare diagrams: out of memory");
 	c->model = model;
 	c->camera = camera;
-	c->from_s = schedule.from_s;
-	c->to_s = schedule.to_s;
+	c->span = rb_film_span_of(camera, model->duration_s);
 	c->stride = 1;
-	snprintf(c->span, sizeof c->span, "%s", span);
+	snprintf(c->span_text, sizeof c->span_text, "%s", span_text);
 	const enum rb_status status = rb_overlay_create(
 		&c->overlay, (int)ceil(letters_part * camera->size_px[0]),
 		(int)ceil(letters_part * camera->size_px[1]), err);
@@ -165,7 +162,7 @@ void rb_curves_add(struct rb_curves *curves, const struct rb_frame *frame)
 			curves->magnitude[p] = fmax(curves->magnitude[p],
 			                            magnitude_at(curves, p, frame));
 	}
-	if (frame->time_s < curves->from_s || frame->time_s > curves->to_s)
+	if (frame->time_s < curves->span.from_s || frame->time_s > curves->span.to_s)
 		return;
 	if (curves->seen % curves->stride == 0 && curves->count == POINTS_MAX)
 		thin_out(curves);
@@ -310,9 +307,10 @@ static void write_ends(struct rb_curves *curves, const struct axes *box, const s
 	const bool beside = name_width <= room && name_width + width_of(curves, high) <= box->width;
 	write_right(curves, box, beside ? box->top : axes->top, high, picture);
 	write_right(curves, box, box->top + box->height - line, low, picture);
-	if (axes->top > box->top && width_of(curves, curves->span) <= room &&
-	    width_of(curves, curves->span) + width_of(curves, low) <= box->width)
-		write_left(curves, box, box->top + box->height - line, room, curves->span, picture);
+	if (axes->top > box->top && width_of(curves, curves->span_text) <= room &&
+	    width_of(curves, curves->span_text) + width_of(curves, low) <= box->width)
+		write_left(curves, box, box->top + box->height - line, room, curves->span_text,
+		           picture);
 }
 
 /*
@@ -338,9 +336,9 @@ static void write_axes(struct rb_curves *curves, int p, const struct axes *box,
 	snprintf(text, sizeof text, "%.4g", 0.5 * (axes->low + axes->high));
 	write_right(curves, box, axes->top + axes->height / 2 - line, text, picture);
 	if (axes->top > box->top &&
-	    width_of(curves, curves->span) + width_of(curves, widest_number) <= box->width)
-		write_left(curves, box, box->top + box->height - line, box->width, curves->span,
-		           picture);
+	    width_of(curves, curves->span_text) + width_of(curves, widest_number) <= box->width)
+		write_left(curves, box, box->top + box->height - line, box->width,
+		           curves->span_text, picture);
 }
 
 /* The range of a diagram's values; true: they are one up to rounding, which is in its middle. */
@@ -377,8 +375,8 @@ static void draw_one(struct rb_curves *curves, int p, const struct axes *box,
 	                    .top = box->top + above,
 	                    .width = box->width,
 	                    .height = box->height - 2 * above,
-	                    .from = curves->from_s,
-	                    .to = curves->to_s};
+	                    .from = curves->span.from_s,
+	                    .to = curves->span.to_s};
 	const bool flat = find_range(curves, p, &axes);
 
 	darken(picture, box);

@@ -14,12 +14,12 @@
 struct rb_curves;
 
 /*
- * Of a camera that has plots; `span` tells the time of its film. Model and camera are borrowed.
+ * Of a camera that has plots; `span_text` tells the time of its film. Model and camera are borrowed.
  * RB_ERR_MEMORY, RB_ERR_MISSING.
  */
 RB_CHECKED enum rb_status rb_curves_create(struct rb_curves **curves, const struct rb_model *model,
-                                           const struct rb_camera_def *camera, const char *span,
-                                           struct rb_error *err);
+                                           const struct rb_camera_def *camera,
+                                           const char *span_text, struct rb_error *err);
 void rb_curves_destroy(struct rb_curves *curves); /* NULL is fine */
 
 /* Every frame, in order of time. */

@@ -52,7 +52,8 @@ static void choose_time_format(struct rb_take *take)
 		{"ms", 1e-3},     {"\xc2\xb5s", 1e-6}, {"ns", 1e-9}};
 	/* a run of hours is still told in seconds, one of weeks in days, one of decades in years */
 	static const double least[] = {3e8, 1e6, 0.1, 0.1e-3, 0.1e-6, 0};
-	const double end = take->schedule.to_s, step = rb_schedule_step(&take->schedule);
+	const double end = rb_film_span_of(take->camera, take->model->duration_s).to_s;
+	const double step = rb_schedule_step(&take->schedule);
 	int u = 0;
 
 	while (u < 5 && end < least[u])
@@ -92,12 +93,13 @@ static void choose_speed_text(struct rb_take *take, double time_s)
 /* Diagrams, with the time of the whole film as text. */
 static enum rb_status create_curves(struct rb_take *take, struct rb_error *err)
 {
+	const struct rb_film_span span = rb_film_span_of(take->camera, take->model->duration_s);
 	const double unit = take->time_unit.size;
-	char span[64];
+	char text[64];
 
-	snprintf(span, sizeof span, "%.6g \xe2\x80\x93 %.6g %.16s", take->schedule.from_s / unit,
-	         take->schedule.to_s / unit, take->time_unit.name);
-	return rb_curves_create(&take->curves, take->model, take->camera, span, err);
+	snprintf(text, sizeof text, "%.6g \xe2\x80\x93 %.6g %.16s", span.from_s / unit,
+	         span.to_s / unit, take->time_unit.name);
+	return rb_curves_create(&take->curves, take->model, take->camera, text, err);
 }
 
 bool rb_take_writes(const struct rb_camera_def *camera)

@@ -26,6 +26,13 @@ struct rb_schedule rb_schedule_of(const struct rb_camera_def *camera, double fra
 	                            .picture_count = camera->picture_count};
 }
 
+struct rb_film_span rb_film_span_of(const struct rb_camera_def *camera, double end_s)
+{
+	return (struct rb_film_span){
+		.from_s = camera->single ? camera->film_from_s : camera->from_s,
+		.to_s = fmin(camera->single ? camera->film_to_s : camera->to_s, end_s)};
+}
+
 uint64_t rb_schedule_count(const struct rb_schedule *schedule)
 {
 	const double from = schedule->from_s, to = schedule->to_s;

@@ -23,6 +23,11 @@ struct rb_schedule {
 /* Of a camera over a run of `frame_rate` that ends at `end_s`. */
 struct rb_schedule rb_schedule_of(const struct rb_camera_def *camera, double frame_rate,
                                   double end_s);
+/* Simulated time that a film shows; of a single picture, the film that it is of. */
+struct rb_film_span {
+	double from_s, to_s;
+};
+struct rb_film_span rb_film_span_of(const struct rb_camera_def *camera, double end_s);
 /*
  * How many pictures there are; a quotient within a few ulp of a whole number counts as that number.
  * 0 where the camera starts after its end.

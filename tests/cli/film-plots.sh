@@ -19,7 +19,7 @@ local function look(name, plots, more)
 end
 look("line", {{"line", at = {0, 1}, size = {0.5, 0.5}}})
 look("half", {{"half", at = {0, 1}, size = {0.5, 0.5}}})
-look("more", {"energy", "kinetic_energy", "line"}, {from = 0.5, speed = 0.5, to = 1})
+look("more", {"energy", "kinetic_energy", "line"}, {from = 0.5, speed = 0.5, to = 1, overlay = "time"})
 END
 cat >>plots.lua <<'END'
 local b = sphere { name = "b", visible = false, radius = 0.1, mass = 2, position = {5, 0, 0}, velocity = {0, 0, 1}, angular_velocity = {0, 4, 0},
@@ -98,6 +98,18 @@ mkdir again && mv line half more parts sums again
 exits 0 render plots.h5 -q
 for name in line/3 half/8 more/0 more/2 parts/8 sums/7; do
 	cmp "$name.png" "again/$name.png" || fail "$name.png is another one from the recording"
+done
+
+# a single picture is that of the film: its curve begins where the film does, and its time is told as there
+pixels()
+{
+	ffmpeg -v error -i "$1" -f rawvideo -pix_fmt rgb24 - </dev/null >"$2"
+}
+for pair in line/3 more/2; do
+	exits 0 render plots.h5 --camera "${pair%/*}" --frame 6 -o one.png --force -q
+	pixels one.png one.raw
+	pixels "$pair.png" film.raw
+	cmp one.raw film.raw || fail "the picture of frame 6 by itself is another one than $pair"
 done
 
 cat >wrong.lua <<'END'
