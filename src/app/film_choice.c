@@ -52,20 +52,22 @@ static bool is_named(const char *names, const char *name)
 static void list_names(const struct rb_scene *scene, char *out, size_t size)
 {
 	size_t used = 0;
+	int nameless = 0;
 
 	snprintf(out, size,
 	         scene->camera_count > 0 ? "no camera of the scene has a name"
 	                                 : "the scene has no camera");
-	for (int i = 0; i < scene->camera_count && used < size; i++)
-		if (scene->cameras[i].name)
+	for (int i = 0; i < scene->camera_count + scene->film_count && used < size; i++) {
+		const int film = i - scene->camera_count;
+		const char *const name = film < 0 ? scene->cameras[i].name
+		                                  : scene->films[film].camera.name;
+		nameless += !name;
+		if (name)
 			used += (size_t)snprintf(out + used, size - used, "%s%s",
-			                         used > 0 ? ", " : "there are ",
-			                         scene->cameras[i].name);
-	for (int i = 0; i < scene->film_count && used < size; i++)
-		if (scene->films[i].camera.name)
-			used += (size_t)snprintf(out + used, size - used, "%s%s",
-			                         used > 0 ? ", " : "there are ",
-			                         scene->films[i].camera.name);
+			                         used > 0 ? ", " : "there are ", name);
+	}
+	if (used > 0 && used < size && nameless > 0)
+		snprintf(out + used, size - used, ", and %d without a name", nameless);
 }
 
 static enum rb_status check_names(const struct rb_scene *scene, const char *names,

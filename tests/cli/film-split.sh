@@ -71,7 +71,7 @@ for x, y, width, height in (242, 146, 238, 100), (2, 146, 236, 100), (4, 4, 200,
 END
 python3 cell.py || fail "the contact sheet is wrong"
 exits 64 render split.h5 -o x.mp4
-says err "there are 10 cameras: choose one with --camera \(there are front, moves, rides, third, sees all, cone, wide, big\)"
+says err "there are 10 cameras: choose one with --camera \(there are front, moves, rides, third, sees all, cone, wide, big, and 2 without a name\)"
 exits 0 split.lua --help
 says out '^  big$'
 cat >cameras.lua <<'END'
@@ -90,6 +90,15 @@ film { rows = {{"one", "one", "one", "one", "one", "one", "one", "one"}}, size =
 END
 exits 0 narrow.lua -q
 [ -s narrow/1.png ] || fail "no film of narrow cells"
+
+# what --camera cannot name is counted beside what it can
+cat >nameless.lua <<'END'
+camera { name = "a", position = {0, -9, 0} }
+camera { position = {0, 9, 0} }
+film { rows = {{"a"}}, video = "film.mp4" }
+END
+exits 64 render split.h5 --with nameless.lua --contact-sheet -o none.png
+says err "there are 3 cameras: choose one with --camera \(there are a, and 2 without a name\)"
 
 cat >wrong.lua <<'END'
 world { duration = 1 }
