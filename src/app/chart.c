@@ -307,7 +307,7 @@ static void json_methods(struct rb_json *json, const struct rb_report *report)
 	rb_json_close(json, ']');
 }
 
-void rb_chart_print_json(FILE *file, const struct rb_report *report)
+void rb_chart_print_json(FILE *file, const struct rb_report *report, int exit_code)
 {
 	struct rb_json json = {.file = file};
 
@@ -343,6 +343,7 @@ void rb_chart_print_json(FILE *file, const struct rb_report *report)
 	rb_json_text(&json, "text", report->advice);
 	rb_json_number(&json, "row", report->advised >= 0 ? (double)report->advised : (double)NAN);
 	rb_json_close(&json, '}');
+	rb_json_count(&json, "exit_status", (uint64_t)exit_code);
 	rb_json_close(&json, '}');
 	putc('\n', file);
 }

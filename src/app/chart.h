@@ -11,6 +11,6 @@ RB_CHECKED enum rb_status rb_chart_draw(FILE *file, const struct rb_report *repo
                                         enum rb_plot_kind kind, struct rb_plot_size size,
                                         struct rb_error *err);
 void rb_chart_print_csv(FILE *file, const struct rb_report *report);
-void rb_chart_print_json(FILE *file, const struct rb_report *report);
+void rb_chart_print_json(FILE *file, const struct rb_report *report, int exit_code);
 
 #endif

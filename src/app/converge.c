@@ -507,6 +507,15 @@ static enum rb_status run_all(struct converge *converge, struct rb_error *err)
 
 /* ---- telling ---- */
 
+/* A report of failures alone is a failure, with the status of the first. */
+static int exit_code_of(const struct rb_report *report)
+{
+	for (int i = 0; i < report->row_count; i++)
+		if (report->rows[i].result.state == RB_RUNG_OK)
+			return 0;
+	return report->row_count > 0 ? report->rows[0].result.exit_status : 0;
+}
+
 /* Writes the file of --output. */
 static enum rb_status write_output(const struct converge *converge, struct rb_error *err)
 {
@@ -523,7 +532,7 @@ static enum rb_status write_output(const struct converge *converge, struct rb_er
 		rb_chart_print_csv(out.file, report);
 		break;
 	case JSON:
-		rb_chart_print_json(out.file, report);
+		rb_chart_print_json(out.file, report, exit_code_of(report));
 		break;
 	case SVG:
 	case PNG:
@@ -561,15 +570,6 @@ static enum rb_status print_all(const struct converge *converge, struct rb_error
 	return status;
 }
 
-/* A report of failures alone is a failure, with the status of the first. */
-static int exit_code_of(const struct rb_report *report)
-{
-	for (int i = 0; i < report->row_count; i++)
-		if (report->rows[i].result.state == RB_RUNG_OK)
-			return 0;
-	return report->row_count > 0 ? report->rows[0].result.exit_status : 0;
-}
-
 /* Writes and prints the report; the exit status. */
 static int tell(const struct converge *converge)
 {
@@ -582,7 +582,7 @@ static int tell(const struct converge *converge)
 		failed = err.status;
 	}
 	if (converge->options->json) {
-		rb_chart_print_json(stdout, &converge->report);
+		rb_chart_print_json(stdout, &converge->report, exit_code);
 	} else {
 		struct converge shown = *converge;
 		if (failed)

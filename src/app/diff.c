@@ -313,6 +313,11 @@ static void print_text(const struct side *side, const struct difference *found)
 	}
 }
 
+static int exit_code_of(const struct difference *found)
+{
+	return rb_status_exit_code(found->kind == SAME ? RB_OK : RB_ERR_EXPECT);
+}
+
 static void print_json(const struct side *side, const struct difference *found)
 {
 	struct rb_json json = {.file = stdout};
@@ -346,6 +351,7 @@ static void print_json(const struct side *side, const struct difference *found)
 		rb_json_number(&json, "by", found->largest);
 		rb_json_number(&json, "largest", found->largest_in_frame);
 	}
+	rb_json_count(&json, "exit_status", (uint64_t)exit_code_of(found));
 	rb_json_close(&json, '}');
 	putchar('\n');
 }
@@ -384,6 +390,6 @@ int rb_diff_main(const struct rb_options *options)
 	if (status)
 		exit_code = rb_app_refuse(options, &err);
 	else
-		exit_code = rb_status_exit_code(found.kind == SAME ? RB_OK : RB_ERR_EXPECT);
+		exit_code = exit_code_of(&found);
 	return rb_app_finish(options, exit_code);
 }

@@ -291,6 +291,7 @@ static void print_json(const struct graph *graph)
 	rb_json_text(&json, "picture", graph->options->output);
 	rb_json_count(&json, "exit_status", 0);
 	rb_json_close(&json, '}');
+	putchar('\n');
 }
 
 int rb_graph_main(const struct rb_options *options)

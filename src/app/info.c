@@ -283,6 +283,7 @@ static void print_json(const char *path, const struct rb_reading *reading,
 	rb_json_number(&json, "rollbacks", course->rollbacks);
 	rb_json_number(&json, "substeps", course->substeps);
 	rb_json_number(&json, "stepped", course->stepped);
+	rb_json_count(&json, "exit_status", 0);
 	rb_json_close(&json, '}');
 	putchar('\n');
 }
@@ -396,7 +397,9 @@ static void print_scene(const struct rb_options *options, const char *text, size
 		rb_json_open(&json, NULL, '{');
 		rb_json_text(&json, "file", options->operand[0]);
 		rb_json_text(&json, "scene", text);
+		rb_json_count(&json, "exit_status", 0);
 		rb_json_close(&json, '}');
+		putchar('\n');
 	} else if (isatty(STDOUT_FILENO))
 		rb_print_lines(stdout, text, size);
 	else

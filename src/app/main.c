@@ -144,6 +144,16 @@ static bool wants_overview(int argc, char **argv)
 	return argc == 2 && strcmp(argv[1], "help") == 0 && access("help", F_OK) != 0;
 }
 
+/* Whether a command line that is wrong asks for JSON further on. */
+static bool asks_json(int argc, char **argv)
+{
+	bool asks = false;
+
+	for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++)
+		asks |= strcmp(argv[i], "--json") == 0;
+	return asks;
+}
+
 /* Prints the verbs in a line or two each. */
 static int print_overview(void)
 {
@@ -190,6 +200,7 @@ int main(int argc, char **argv)
 		argv = of_verb;
 	}
 	if (rb_options_parse(&options, argc, argv, &err)) {
+		options.json = options.json || asks_json(argc, argv);
 		exit_code = rb_app_refuse(&options, &err);
 		if (err.status == RB_ERR_USAGE)
 			rb_print(stderr, "rbsim: see 'rbsim %s%s--help'\n",

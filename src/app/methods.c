@@ -42,6 +42,7 @@ int rb_methods_main(const struct rb_options *options)
 			rb_json_close(&json, '}');
 		}
 		rb_json_close(&json, ']');
+		rb_json_count(&json, "exit_status", 0);
 		rb_json_close(&json, '}');
 		putchar('\n');
 		return rb_app_finish(options, 0);

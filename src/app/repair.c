@@ -116,6 +116,7 @@ static void tell(const struct patient *patient, const struct rb_options *options
 	rb_json_count(&json, "frames", patient->row_count);
 	rb_json_count(&json, "exit_status", 0);
 	rb_json_close(&json, '}');
+	putchar('\n');
 }
 
 int rb_repair_main(const struct rb_options *options)

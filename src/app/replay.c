@@ -251,6 +251,7 @@ static void tell_json(const struct replay *replay, int exit_code)
 	rb_json_text(&json, "state_hash", text);
 	rb_json_count(&json, "exit_status", (uint64_t)exit_code);
 	rb_json_close(&json, '}');
+	putchar('\n');
 }
 
 /* Prints the outcome; the exit status. */

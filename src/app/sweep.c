@@ -169,8 +169,6 @@ static enum rb_status tell_status(const struct rb_planned *sweep, int *exit_code
 	if (wish.tasks == 0)
 		wish.tasks = sweep->plan.count;
 	enum rb_status failed = rb_planned_reader(sweep, &wish.module, err);
-	if (failed)
-		return failed;
 	if (options->json) {
 		rb_json_open(&json, NULL, '{');
 		rb_json_text(&json, "sweep", sweep->shown);
@@ -178,7 +176,8 @@ static enum rb_status tell_status(const struct rb_planned *sweep, int *exit_code
 		rb_json_count(&json, "points", sweep->plan.count);
 		rb_json_open(&json, "failures", '[');
 	}
-	failed = rb_status_take(&status, &wish, err);
+	if (!failed)
+		failed = rb_status_take(&status, &wish, err);
 	if (options->json) {
 		rb_json_close(&json, ']');
 		for (int i = 0; i < RB_POINT_STATE_COUNT; i++)
@@ -187,6 +186,7 @@ static enum rb_status tell_status(const struct rb_planned *sweep, int *exit_code
 		rb_json_count(&json, "tasks", wish.tasks);
 		rb_json_text(&json, "array", status.array);
 		rb_json_text(&json, "error", failed ? err->text : NULL);
+		rb_json_count(&json, "exit_status", (uint64_t)rb_status_exit_code(failed));
 		rb_json_close(&json, '}');
 		putchar('\n');
 	} else if (!failed) {

@@ -35,7 +35,7 @@ says out "files +s.lua, $(wc -c <s.lua) bytes \(see --scene\)"
 exits 0 info s.h5 --scene
 cmp -s out s.lua || fail "--scene is not the scene"
 exits 0 info s.h5 --scene --json
-says out '^\{"file":"s.h5","scene":"world .*\\n.*"\}$'
+says out '^\{"file":"s.h5","scene":"world .*\\n.*","exit_status":0\}$'
 echo "not a recording" >text.h5
 exits 66 info text.h5
 exits 66 info .
