@@ -162,6 +162,10 @@ static void only_one_writes_a_recording(void **state)
 	assert_ok(rb_output_publish(&place.output, &err));
 	assert_int_equal(rb_output_reopen(&other.output, place.path, 0, &other.err), RB_ERR_CREATE);
 	assert_non_null(strstr(other.err.text, "the run that writes it goes on"));
+	/* nor is it replaced meanwhile, even by who may replace files */
+	assert_int_equal(rb_output_open(&other.output, place.path, RB_PLACE_REPLACE, &other.err),
+	                 RB_ERR_CREATE);
+	assert_non_null(strstr(other.err.text, "the run that writes it goes on"));
 	rb_output_release(&place.output);
 	assert_ok(rb_output_reopen(&other.output, place.path, 0, &err));
 	assert_true(other.output.published && rb_output_is_ours(&other.output));

@@ -21,6 +21,24 @@
 /* Bytes that are reserved ahead of what is needed, at least and at most. */
 static const uint64_t ahead_min = (uint64_t)1 << 20, ahead_max = (uint64_t)64 << 20;
 
+/* Fails. */
+static enum rb_status still_written(const char *name, struct rb_error *err)
+{
+	return RB_FAIL(err, RB_ERR_CREATE, "cannot write to '%s': the run that writes it goes on",
+	               name);
+}
+
+/* A recording that is replaced while it grows would be lost to its run, which may take hours. */
+static enum rb_status check_idle(const struct rb_place *place, struct rb_error *err)
+{
+	const int fd = rb_place_reach(place, place->name, O_RDONLY | O_NONBLOCK);
+	const bool is_written = fd >= 0 && rb_place_is_written(fd);
+
+	if (fd >= 0)
+		close(fd);
+	return is_written ? still_written(place->path, err) : RB_OK;
+}
+
 enum rb_status rb_output_open(struct rb_output *output, const char *name, unsigned how,
                               struct rb_error *err)
 {
@@ -28,6 +46,8 @@ enum rb_status rb_output_open(struct rb_output *output, const char *name, unsign
 	enum rb_status status = rb_place_open(&output->place, name, how, err);
 	if (!status)
 		status = rb_place_check(&output->place, err);
+	if (!status)
+		status = check_idle(&output->place, err);
 	if (!status) {
 		const int fd = rb_place_create(&output->place, "", output->partial);
 		if (fd < 0) {
@@ -88,8 +108,7 @@ enum rb_status rb_output_reopen(struct rb_output *output, const char *name, unsi
 	else
 		status = rb_place_link(output->fd, NULL, output->library, err);
 	if (!status && !rb_output_lock(output))
-		status = RB_FAIL(err, RB_ERR_CREATE,
-		                 "cannot write to '%s': the run that writes it goes on", name);
+		status = still_written(name, err);
 	output->published = true;
 	if (status)
 		rb_output_release(output);

@@ -77,6 +77,8 @@ pid=$!
 until_true [ -s k.h5.checkpoint~ ]
 exits 73 repair k.h5 # while it goes on
 says err "the run that writes it goes on"
+exits 73 s.lua -o k.h5 --force # which would lose it, after hours of work
+says err "cannot write to 'k.h5': the run that writes it goes on"
 kill -9 $pid || fail "the run was over before it was killed"
 wait $pid
 pid=
