@@ -161,6 +161,7 @@ static enum rb_status take_methods(struct converge *converge, struct rb_error *e
 static enum rb_status take_output(struct converge *converge, struct rb_error *err)
 {
 	const char *const name = converge->options->output;
+	struct rb_outfile out;
 
 	if (!name)
 		return RB_OK;
@@ -173,7 +174,10 @@ static enum rb_status take_output(struct converge *converge, struct rb_error *er
 		return RB_FAIL(err, RB_ERR_USAGE,
 		               "option '--output': '%s' must end in .svg, .png, .csv or .json",
 		               name);
-	const enum rb_status status = rb_outfile_check(name, converge->options->force, err);
+	/* before the runs, which take a minute or more */
+	const enum rb_status status = rb_outfile_open(&out, name, converge->options->force, err);
+	if (!status)
+		rb_outfile_release(&out);
 	if (!status && (converge->output == SVG || converge->output == PNG))
 		return rb_plot_available(", or ask for .csv or .json", err);
 	return status;

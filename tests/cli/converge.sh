@@ -143,6 +143,7 @@ exits 0 converge throw.lua $classic --dt 0.01 -o report.json
 python3 -c 'import json; assert len(json.load(open("report.json"))["rows"]) == 2' || fail "report.json is not the report"
 exits 64 converge throw.lua -o report.pdf
 exits 73 converge throw.lua $classic --dt 0.01 -o nowhere/report.csv
+says_nothing out # refused before anything runs
 ls ./*.partial* >/dev/null 2>&1 && fail "partial files stay"
 
 # Without gnuplot: the table goes on, a picture is refused before anything runs.
