@@ -66,6 +66,10 @@ class _Lazy(Mapping[str, Any]):
         return f"<{', '.join(self._readers) or 'none'}>"
 
 
+def _count(number: int, one: str, more: str) -> str:
+    return f"{number} {one if number == 1 else more}"
+
+
 class Body:
     """One moving body of a run: its columns through all frames."""
 
@@ -157,6 +161,7 @@ class Run:
                             yield element[name]
         for element in self._file.get("/observables/probes", {}).values():
             yield element["value"]
+        yield from self._file.get("/rbsim/frames", {}).values()
 
     def _read(self, path: str) -> Array:
         """A dataset; those with a row for each frame are cut to the frames that are whole."""
@@ -341,6 +346,9 @@ class Run:
                                  f"record {{ fields = {{\"+\", \"{group.rsplit('/', 1)[-1]}\"}} }}")
         columns = {name: dataset[()] for name, dataset in self._file[group].items()}
         rows = min((len(column) for column in columns.values()), default=0)
+        ends = self._file.get(f"/rbsim/frames/{group.rsplit('/', 1)[-1][:-1]}_end")
+        if ends is not None:  # a run that was killed may have written rows of frames that are not whole
+            rows = min(rows, int(ends[self.frame_count - 1]) if self.frame_count else 0)
         types: List[Tuple[Any, ...]] = []
         for name, column in columns.items():
             kind: Any = "U16" if kinds and name == "kind" else column.dtype
@@ -412,7 +420,8 @@ class Run:
             return self.render(path, **options).read_bytes()
 
     def __repr__(self) -> str:
-        return (f"<run {str(self.path)!r}: {self.frame_count} frames of {len(self.ids)} bodies, {self.status}>")
+        return (f"<run {str(self.path)!r}: {_count(self.frame_count, 'frame', 'frames')} of "
+                f"{_count(len(self.ids), 'body', 'bodies')}, {self.status}>")
 
     def _repr_html_(self) -> str:
         """For notebooks: what the run is, its numbers, and its film."""

@@ -108,7 +108,7 @@ class Sweep:
         return _Runs(self)
 
     def __repr__(self) -> str:
-        return f"<sweep {str(self.folder)!r}: {len(self)} points>"
+        return f"<sweep {str(self.folder)!r}: {len(self)} {'point' if len(self) == 1 else 'points'}>"
 
     def close(self) -> None:
         """Removes the folder where it was made for this object only."""
