@@ -144,8 +144,9 @@ static void print_status(const struct rb_planned *sweep, const struct rb_sweep_s
 	if (status->due > 0)
 		rb_print(stdout,
 		         "  to be run   %" PRIu64 ": 'rbsim sweep %s', or of %" PRIu64
-		         " tasks --array=%s\n",
-		         status->due, sweep->shown, tasks, status->array);
+		         " %s --array=%s\n",
+		         status->due, sweep->shown, tasks, rb_text_plural(tasks, "task", "tasks"),
+		         status->array);
 }
 
 /* Serves --status. */

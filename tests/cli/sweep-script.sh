@@ -56,6 +56,8 @@ says out '9 points of s.lua: 9 done'
 # the notice ahead of the limit: the sweep stops, 75, and the task is queued again; after a cancellation it is not
 long_scene >long.lua
 exits 0 sweep long.lua -p n=300,301 -o long --slurm --tasks 1
+exits 0 sweep long --status
+says out 'of 1 task --array=0'
 pid=
 trap '[ -n "$pid" ] && kill -9 $pid 2>/dev/null' EXIT
 for signal in USR1 TERM; do
