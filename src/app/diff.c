@@ -13,20 +13,21 @@
 
 static const struct {
 	unsigned field;
-	const char *name;
+	const char *name, *unit;
 	int width;
 	size_t offset; /* of the column in struct rb_frame */
 } columns[] = {
-	{RB_FIELD_POSITION, "position", 3, offsetof(struct rb_frame, position)},
-	{RB_FIELD_ORIENTATION, "orientation", 4, offsetof(struct rb_frame, orientation)},
-	{RB_FIELD_VELOCITY, "velocity", 3, offsetof(struct rb_frame, velocity)},
-	{RB_FIELD_ANGULAR_VELOCITY, "angular_velocity", 3,
+	{RB_FIELD_POSITION, "position", "m", 3, offsetof(struct rb_frame, position)},
+	{RB_FIELD_ORIENTATION, "orientation", "", 4, offsetof(struct rb_frame, orientation)},
+	{RB_FIELD_VELOCITY, "velocity", "m/s", 3, offsetof(struct rb_frame, velocity)},
+	{RB_FIELD_ANGULAR_VELOCITY, "angular_velocity", "rad/s", 3,
          offsetof(struct rb_frame, angular_velocity)},
-	{RB_FIELD_ACCELERATION, "acceleration", 3, offsetof(struct rb_frame, acceleration)},
-	{RB_FIELD_ANGULAR_ACCELERATION, "angular_acceleration", 3,
+	{RB_FIELD_ACCELERATION, "acceleration", "m/s^2", 3,
+         offsetof(struct rb_frame, acceleration)},
+	{RB_FIELD_ANGULAR_ACCELERATION, "angular_acceleration", "rad/s^2", 3,
          offsetof(struct rb_frame, angular_acceleration)},
-	{RB_FIELD_FORCE, "force", 3, offsetof(struct rb_frame, force)},
-	{RB_FIELD_TORQUE, "torque", 3, offsetof(struct rb_frame, torque)},
+	{RB_FIELD_FORCE, "force", "N", 3, offsetof(struct rb_frame, force)},
+	{RB_FIELD_TORQUE, "torque", "N m", 3, offsetof(struct rb_frame, torque)},
 };
 enum { COLUMN_COUNT = sizeof columns / sizeof *columns };
 
@@ -40,7 +41,7 @@ static const char *const kind_names[] = {
 /* What was found first. */
 struct difference {
 	enum kind kind;
-	uint64_t row;
+	uint64_t frame[2];       /* of TIMES, VALUES and PROBES: their numbers, not their rows */
 	int body, column;        /* of VALUES */
 	double time[2];          /* of TIMES and VALUES */
 	double value[2][4];      /* of VALUES */
@@ -179,12 +180,12 @@ static enum rb_status compare(const struct rb_hdf5_module *module, struct side *
 		return RB_OK;
 	}
 	for (uint64_t row = 0; row < rows; row++) {
-		found->row = row;
 		for (int i = 0; i < 2; i++) {
 			const enum rb_status status = module->reader_frame(side[i].reader, row,
 			                                                   &side[i].frame, err);
 			if (status)
 				return status;
+			found->frame[i] = side[i].frame.index;
 			found->time[i] = side[i].frame.time_s;
 		}
 		if (memcmp(&found->time[0], &found->time[1], sizeof(double)) != 0) {
@@ -272,15 +273,19 @@ static void print_text(const struct side *side, const struct difference *found)
 		print_fields(side, found);
 		break;
 	case TIMES:
-		rb_print(stdout, "frame %" PRIu64 " is at %.17g s in '%s' and at %.17g s in '%s'\n",
-		         found->row, found->time[0], side[0].path, found->time[1], side[1].path);
+		rb_print(stdout,
+		         "the times of frames differ: '%s' has frame %" PRIu64
+		         " at %.17g s where '%s' has frame %" PRIu64 " at %.17g s\n",
+		         side[0].path, found->frame[0], found->time[0], side[1].path,
+		         found->frame[1], found->time[1]);
 		break;
 	case VALUES:
 		rb_print(stdout,
-		         "frame %" PRIu64 " (%.9g s): body %s: %s differs by %.3g (the largest "
+		         "frame %" PRIu64 " (%.9g s): body %s: %s differs by %.3g%s%s (the largest "
 		         "difference of any body: %.3g)\n",
-		         found->row, found->time[0], label_of(&side[0], found->body, label),
+		         found->frame[0], found->time[0], label_of(&side[0], found->body, label),
 		         columns[found->column].name, plain_nan(found->largest),
+		         *columns[found->column].unit ? " " : "", columns[found->column].unit,
 		         plain_nan(found->largest_in_frame));
 		print_vector(side, found, 0);
 		print_vector(side, found, 1);
@@ -289,8 +294,9 @@ static void print_text(const struct side *side, const struct difference *found)
 		rb_print(stdout,
 		         "frame %" PRIu64 " (%.9g s): probe '%s' is %.17g in '%s' and %.17g in "
 		         "'%s'\n",
-		         found->row, found->time[0], found->name, plain_nan(found->value[0][0]),
-		         side[0].path, plain_nan(found->value[1][0]), side[1].path);
+		         found->frame[0], found->time[0], found->name,
+		         plain_nan(found->value[0][0]), side[0].path, plain_nan(found->value[1][0]),
+		         side[1].path);
 		break;
 	case RESULTS:
 		rb_print(stdout,
@@ -332,7 +338,7 @@ static void print_json(const struct side *side, const struct difference *found)
 	rb_json_count(&json, "bodies_a", (uint64_t)side[0].reading->body_count);
 	rb_json_count(&json, "bodies_b", (uint64_t)side[1].reading->body_count);
 	if (found->kind == TIMES || found->kind == VALUES || found->kind == PROBES) {
-		rb_json_count(&json, "frame", found->row);
+		rb_json_count(&json, "frame", found->frame[0]);
 		rb_json_vector(&json, "time", found->time, 2);
 	}
 	if (found->kind == PROBES || found->kind == RESULTS) {
