@@ -60,5 +60,19 @@ status=0
 kill -INT $first
 wait $first || status=$?
 [ $status -eq 74 ] || fail "exit $status, wanted 74: the recording was taken away"
+# a reader that has opened it without heed of who writes it keeps /VTKHDF out, until it has gone
+if command -v flock >/dev/null; then
+	"$RBSIM" long.lua -o locked.h5 2>second &
+	second=$!
+	until_true [ -f locked.h5 ]
+	flock -s locked.h5 sh -c "kill -INT $second; while kill -0 $second 2>/dev/null; do sleep 0.1; done" &
+	status=0
+	wait $second || status=$?
+	wait $!
+	[ $status -eq 75 ] || fail "exit $status, wanted 75"
+	grep -q "complete but for '/VTKHDF': .*unavailable (rbsim repair adds it)" second || fail "$(cat second)"
+	exits 0 repair locked.h5
+	h5ls locked.h5 | grep -q VTKHDF || fail "it was not added"
+fi
 grep -q "'taken.h5' is lost" first || fail "nobody says that the recording is lost"
 exits 0 info taken.h5
