@@ -107,7 +107,7 @@ static void put_label(FILE *script, const char *what, const char *text)
 	putc('\n', script);
 }
 
-/* gnuplot leaves out what does not fit beside the axis of a text: there it stands above the axis. */
+/* gnuplot leaves out what does not fit beside the axis of a text: there it stands above it. */
 static void put_y_label(FILE *script, const char *text, enum rb_plot_kind kind)
 {
 	if (kind != RB_PLOT_TEXT) {

@@ -595,8 +595,7 @@ static void add_vtk(struct rb_recorder *recorder, bool interrupted)
 	rb_vtk_release(&vtk);
 	if (h5->status)
 		rb_log(RB_LOG_WARNING, "'%s' is complete but for '/VTKHDF': %s%s", recorder->path,
-		       h5->error.text,
-		       recorder->options.repair ? "" : " (rbsim repair adds it)");
+		       h5->error.text, recorder->options.repair ? "" : " (rbsim repair adds it)");
 }
 
 /*
