@@ -128,7 +128,7 @@ RB_LANES_INLINE void store(const rb_lanes *x, size_t count, double *to)
 		to[2] = (*x)[2];
 }
 
-/* The largest change of the rows of a group, or `max`, if one is not finite. */
+/* The largest change of the rows of a group, or `max`; NaN if one is. */
 static double largest(const rb_lanes *off, const rb_lanes *next, size_t count, double max)
 {
 	for (size_t m = 0; m < count; m++) {
@@ -137,8 +137,7 @@ static double largest(const rb_lanes *off, const rb_lanes *next, size_t count, d
 		/* divided by a tiny scale it may still overflow */
 		if (size > DBL_MAX && isfinite((*next)[m]))
 			size = DBL_MAX;
-		if (!(size <= max)) /* also if NaN */
-			max = size;
+		max = rb_gauss_worse(size, max);
 	}
 	return max;
 }
@@ -509,7 +508,7 @@ static double largest_error(const struct attempt *a, double *off)
 		rb_gauss_newton_soften(&a->newton, off);
 	for (size_t i = 0; i < (size_t)p->n; i++)
 		if (rate_row(p, i) < 0)
-			worst = fmax(worst, fabs(off[i]) / p->scale[i]);
+			worst = rb_gauss_worse(worst, fabs(off[i]) / p->scale[i]);
 	return worst;
 }
 
@@ -552,7 +551,7 @@ static double missed_at_ends(struct attempt *a, const double *coefficient, doubl
 		return 0;
 	for (size_t i = 0; i < n; i++)
 		rate[i] = a->g[0][i] - a->h_s * rate[i];
-	return node[0] * fmax(at_start, largest_error(a, rate));
+	return node[0] * rb_gauss_worse(at_start, largest_error(a, rate));
 }
 
 /*
@@ -717,12 +716,13 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 			return status;
 		if (sweeps > 0) {
 			coefficients(&a, piece->coefficient);
-			const double required = fmax(
-				problem->tolerance,
-				problem->noise ? problem->noise(problem->user, piece->coefficient)
-					       : 0);
+			const double noise = problem->noise ? problem->noise(problem->user,
+			                                                     piece->coefficient)
+			                                    : 0;
+			const double required = rb_gauss_worse(problem->tolerance, noise);
 			const double error = stiff_tail(&a, piece->coefficient, required, rate);
-			const bool fits = error <= required && residual <= required;
+			const bool fits = isfinite(required) && error <= required &&
+			                  residual <= required;
 			const double missed = fits && problem->jumps
 			                              ? missed_at_ends(&a, piece->coefficient, rate,
 			                                               &status)

@@ -9,7 +9,7 @@ enum { NODES = RB_GAUSS_NODES };
 /* Rounding of the sum of a row's coefficients. */
 static const double rounding = DBL_EPSILON / 8;
 
-/* Inlined fmax and fmin. */
+/* Inlined fmax and fmin: a quotient of zeros says nothing of the decay. */
 static inline double max_of(double a, double b)
 {
 	return a > b || isnan(b) ? a : b;
@@ -35,14 +35,14 @@ double rb_gauss_tail(const struct rb_gauss_problem *problem, const double *coeff
 		double pair[3];
 
 		for (size_t k = 0; k < 3; k++)
-			pair[k] = max_of(fabs(coefficient[(2 * k + 2) * n + i]),
-			                 fabs(coefficient[(2 * k + 3) * n + i]));
-		if (!(pair[2] > 0))
+			pair[k] = rb_gauss_worse(fabs(coefficient[(2 * k + 2) * n + i]),
+			                         fabs(coefficient[(2 * k + 3) * n + i]));
+		if (pair[2] == 0)
 			continue;
 		const double fall = min_of(max_of(pair[2] / pair[1], pair[1] / pair[0]), 1);
 		/* the integral of P_8 is (P_9 - P_7)/34 on [0, 1] */
 		const double missing = pair[2] * fall / (1 - min_of(fall, 0.75)) / 34;
-		worst = max_of(worst, missing / problem->scale[i]);
+		worst = rb_gauss_worse(worst, missing / problem->scale[i]);
 	}
 	return worst;
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "math/gauss_error.h"
 #include "math/gauss_tables.h"
 
 enum { NODES = RB_GAUSS_NODES, PAIRS = NODES / 2, SYSTEMS = PAIRS + 1 };
@@ -341,9 +342,7 @@ static double value_change(const struct rb_gauss_newton *newton, const struct rb
 
 			for (int k = 0; k < NODES; k++)
 				sum += matrix[j][k] * newton->residual[k][i];
-			const double size = fabs(sum) / nodes->size[i];
-			if (!(size <= max)) /* also if NaN */
-				max = size;
+			max = rb_gauss_worse(fabs(sum) / nodes->size[i], max);
 		}
 	return max;
 }
