@@ -124,7 +124,7 @@ static void open_forces_are_brought_into_all_cones(void **slot)
 		spoil(&t, unknown, m);
 		spoilt += !is_lawful(&t, unknown);
 		sum_up(&t, unknown, before);
-		assert_true(rb_open_forces_keep_law(&t.open, unknown));
+		assert_true(rb_open_forces_keep_law(&t.open, false, unknown));
 		sum_up(&t, unknown, after);
 		assert_true(is_lawful(&t, unknown));
 		for (int k = 0; k < 2; k++)
@@ -144,7 +144,7 @@ static void what_no_open_forces_can_do_is_left_alone(void **slot)
 	set_up(&t, &arena, false, 0.5);
 	for (int i = 0; i < MOST; i++) /* more friction than all of them together have */
 		kept[i] = unknown[i] = i % 3 == 2 ? 1 + i : i % 3 == 0 ? 5 : 0;
-	assert_true(rb_open_forces_keep_law(&t.open, unknown));
+	assert_true(rb_open_forces_keep_law(&t.open, false, unknown));
 	assert_memory_equal(unknown, kept, sizeof kept);
 	rb_arena_release(&arena);
 }
@@ -163,8 +163,43 @@ static void loads_that_move_the_body_are_not_exchanged(void **slot)
 	memcpy(kept, unknown, sizeof kept);
 	for (int k = 0; k < LEGS; k++)
 		t.contact[k].unit = (rb_vec3){0.5 * cos(k), 0.5 * sin(k), 1};
-	assert_true(rb_open_forces_keep_law(&t.open, unknown));
+	assert_true(rb_open_forces_keep_law(&t.open, false, unknown));
 	assert_memory_equal(unknown, kept, sizeof kept);
+	/* but where there is no other way */
+	assert_true(rb_open_forces_keep_law(&t.open, true, unknown));
+	assert_true(is_lawful(&t, unknown));
+	rb_arena_release(&arena);
+}
+
+/*
+ * Two rows of the four as those of joints: the nearest to what the others are is that itself, once
+ * and again, however large the first two are. All four: the least has none of what does nothing.
+ */
+static void the_nearest_forces_are_nearest_by_contacts(void **slot)
+{
+	struct rb_arena arena = {0};
+	struct table t;
+	double unknown[LEGS] = {50, -30, 0, 0};
+	double along = 0;
+
+	(void)slot;
+	set_up(&t, &arena, true, 0.5);
+	for (int round = 0; round < 2; round++) {
+		assert_true(rb_open_forces_close(&t.open, 2, unknown));
+		assert_near(unknown[0], 50, 1e-13);
+		assert_near(unknown[1], -30, 1e-13);
+		assert_near(unknown[2], 0, 1e-15);
+		assert_near(unknown[3], 0, 1e-15);
+	}
+	assert_true(rb_open_forces_close(&t.open, 0, unknown));
+	assert_true(fabs(unknown[2]) > 1);
+	for (int k = 0; k < LEGS; k++)
+		if (rb_dense_is_open(&t.dense, k)) {
+			rb_dense_opened(&t.dense, k);
+			for (int i = 0; i < LEGS; i++)
+				along += unknown[i] * t.dense.right[i];
+		}
+	assert_near(along, 0, 1e-13);
 	rb_arena_release(&arena);
 }
 
@@ -174,6 +209,7 @@ int main(void)
 		cmocka_unit_test(open_forces_are_brought_into_all_cones),
 		cmocka_unit_test(what_no_open_forces_can_do_is_left_alone),
 		cmocka_unit_test(loads_that_move_the_body_are_not_exchanged),
+		cmocka_unit_test(the_nearest_forces_are_nearest_by_contacts),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

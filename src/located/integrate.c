@@ -556,7 +556,7 @@ static void run(struct rb_modes *w, const struct columns *columns)
 		.n = c->piece.n,
 		.rates = rb_rates_of(w),
 		.quick_rates = l->top && w->joints.joint_count > 0 ? rb_rates_turning : NULL,
-		.noise = l->model->features & RB_FEATURE_FIELD ? rb_modes_noise : NULL,
+		.noise = l->model->features & RB_FEATURE_FIELD ? rb_rates_noise : NULL,
 		.user = w,
 		.rate_row = columns->rate_row,
 		.guess = guess_of(w, columns->guess),

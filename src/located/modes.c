@@ -24,8 +24,6 @@ enum { TURNS = 6, REFINEMENTS = 4, STRAIGHT_NOISES = 8 };
 static const double turned_share = 1e-9;
 /* Share of friction that may remain across a creeping slip: friction is too large by its square. */
 static const double balanced_share = 1e-7;
-/* Largest relative error attributed to rounding of positions. */
-static const double rounding_error_max = 1e-6;
 
 bool rb_modes_move(const struct rb_modes *w)
 {
@@ -305,9 +303,10 @@ static struct rb_open_contact *open_contacts(const struct rb_modes *w, int *coun
 }
 
 /* Sets the nearest forces that satisfy the law, if there are any; false: out of memory. */
-static bool enforce_law(struct rb_modes *w, struct rb_open_forces *open, double *unknown)
+static bool enforce_law(struct rb_modes *w, struct rb_open_forces *open, bool moves,
+                        double *unknown)
 {
-	const bool good = rb_open_forces_keep_law(open, unknown);
+	const bool good = rb_open_forces_keep_law(open, moves, unknown);
 
 	if (good)
 		set_forces(w, unknown);
@@ -315,9 +314,40 @@ static bool enforce_law(struct rb_modes *w, struct rb_open_forces *open, double 
 }
 
 /*
- * Chooses open forces: the smallest, which have the bodies' symmetry; if these violate a law, the
- * nearest ones that satisfy it with the same accelerations; if there are none, those nearest to the
- * forces when the cluster was resolved.
+ * The least open forces; if these violate a law, the nearest that do not, with the same
+ * accelerations if possible: they change steadily, and do not depend on how the scene is turned.
+ */
+static bool choose_least(struct rb_modes *w, struct rb_open_forces *open, double *unknown)
+{
+	const bool good = rb_open_forces_close(open, 0, unknown);
+
+	if (good)
+		set_forces(w, unknown);
+	for (int moves = 0; moves < 2 && good && !rb_modes_are_lawful(w); moves++)
+		if (!enforce_law(w, open, moves, unknown))
+			return false;
+	return good;
+}
+
+/* Open forces whose contact forces are nearest to the resolved ones, from which they change. */
+static bool choose_nearest(struct rb_modes *w, struct rb_open_forces *open, double *unknown)
+{
+	const struct rb_cluster *c = w->c;
+	int row = w->joints.count;
+	const bool good = rb_open_forces_close(open, (size_t)row, unknown);
+
+	for (int i = 0; i < c->held_count; i++)
+		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
+			unknown[row] += guess_of(w, i, k);
+	if (good)
+		set_forces(w, unknown);
+	return good && (rb_modes_are_lawful(w) || enforce_law(w, open, false, unknown));
+}
+
+/*
+ * Chooses open forces: the smallest within the law, which have the bodies' symmetry; if none are
+ * found, those whose contact forces are nearest to those when the cluster was resolved: at that
+ * moment they are the same.
  */
 static bool choose_forces(struct rb_modes *w)
 {
@@ -326,7 +356,10 @@ static bool choose_forces(struct rb_modes *w)
 	const rb_arena_mark here = rb_arena_here(w->l->arena);
 	double *const least = rb_arena_take(w->l->arena, 2 * n, sizeof *least);
 	double *const change = least ? least + n : NULL;
+	struct rb_open_forces open = {
+		.arena = w->l->arena, .dense = &w->dense, .bodies = c->member_count};
 	int row = w->joints.count;
+	bool good = true;
 
 	if (!least)
 		return false;
@@ -335,22 +368,12 @@ static bool choose_forces(struct rb_modes *w)
 	for (int i = 0; i < c->held_count; i++)
 		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
 			least[row] = guess_of(w, i, k) + change[row];
-	struct rb_open_forces open = {
-		.arena = w->l->arena, .dense = &w->dense, .bodies = c->member_count};
-	bool good = !w->dense.open || rb_open_forces_close(&open, least, change);
-	if (good)
+	if (!w->dense.open) {
 		set_forces(w, least);
-	if (good && w->dense.open && !rb_modes_are_lawful(w)) {
+	} else {
 		open.contact = open_contacts(w, &open.contacts);
-		good = open.contact && enforce_law(w, &open, least);
-	}
-	if (good && w->dense.open && !rb_modes_are_lawful(w)) {
-		row = w->joints.count;
-		for (int i = 0; i < c->held_count; i++)
-			for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
-				change[row] += guess_of(w, i, k);
-		set_forces(w, change);
-		good = rb_modes_are_lawful(w) || enforce_law(w, &open, change);
+		good = open.contact && choose_least(w, &open, least) &&
+		       (rb_modes_are_lawful(w) || choose_nearest(w, &open, change));
 	}
 	rb_arena_back(w->l->arena, here);
 	return good;
@@ -683,31 +706,6 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **fo
 	else
 		rb_arena_back(l->arena, here);
 	return true;
-}
-
-double rb_modes_noise(void *user, const double *coefficient)
-{
-	const struct rb_modes *w = user;
-	double worst = 0;
-
-	for (int k = 0; k < w->c->member_count; k++) {
-		const double step = 2 * DBL_EPSILON * rb_vec3_max_abs(w->base[k]);
-		double path = step, change = 0;
-
-		for (int m = 0; m < 3; m++) {
-			const int x = k * w->row + RB_PIECE_POSITION + m, v = x + RB_PIECE_VELOCITY;
-			double along = fabs(coefficient[x]), more = 0;
-
-			for (int p = 1; p < RB_GAUSS_NODES; p++) {
-				along += fabs(coefficient[p * w->c->piece.n + x]);
-				more += fabs(coefficient[p * w->c->piece.n + v]);
-			}
-			path = fmax(path, along);
-			change = fmax(change, more / w->scale[v]);
-		}
-		worst = fmax(worst, change > 0 ? change * (step / path) : 0);
-	}
-	return fmin(worst, rounding_error_max);
 }
 
 int *rb_modes_take_places(struct rb_located *l, const struct rb_cluster *c)

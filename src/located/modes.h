@@ -135,11 +135,4 @@ bool rb_modes_turns_aside(const struct rb_modes *w, int contact);
  */
 bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **found);
 
-/*
- * Relative error of rates due to rounding of positions: a field is evaluated at rounded coordinates
- * and responds in steps. It is the change along a member's path for a rounding of its position; far
- * from the origin that exceeds the tolerance. For rb_gauss_problem.noise.
- */
-double rb_modes_noise(void *user, const double *coefficient);
-
 #endif

@@ -22,12 +22,15 @@ static const double over_relaxation = 1.5;
  */
 static const double negligible = 1e-10;
 
-/* Removes the component of v along `direction`. */
-static void remove_component(double *v, const double *direction, size_t n)
+/* Share of a kernel vector below which a part of it is rounding. */
+static const double rounded_share = 0x1p-26;
+
+/* Removes the component of v along `direction`, by the unknowns from `first` on. */
+static void remove_component(double *v, const double *direction, size_t first, size_t n)
 {
 	double along = 0, square = 0;
 
-	for (size_t i = 0; i < n; i++) {
+	for (size_t i = first; i < n; i++) {
 		along += v[i] * direction[i];
 		square += direction[i] * direction[i];
 	}
@@ -57,7 +60,44 @@ static double *kernel_of(const struct rb_open_forces *open, size_t *count)
 	return direction;
 }
 
-bool rb_open_forces_close(struct rb_open_forces *open, double *least, double *change)
+static double square_of(const double *v, size_t first, size_t n)
+{
+	double sum = 0;
+
+	for (size_t i = first; i < n; i++)
+		sum += v[i] * v[i];
+	return sum;
+}
+
+/* Removes kernel vectors by the unknowns from `first` on; returns how many have none, put first. */
+static size_t remove_kernel(double *direction, size_t count, size_t first, size_t n,
+                            double *unknown)
+{
+	size_t left = 0;
+
+	/* modified Gram-Schmidt; those removed so far are the last */
+	for (size_t k = 0; k < count; k++) {
+		double *const own = direction + n * k;
+
+		for (size_t j = left; j < k; j++)
+			remove_component(own, direction + n * j, first, n);
+		if (square_of(own, first, n) >
+		    rounded_share * rounded_share * square_of(own, 0, n)) {
+			remove_component(unknown, own, first, n);
+			continue;
+		}
+		for (size_t i = 0; i < n; i++) {
+			const double other = direction[n * left + i];
+
+			direction[n * left + i] = own[i];
+			own[i] = other;
+		}
+		left++;
+	}
+	return left;
+}
+
+bool rb_open_forces_close(struct rb_open_forces *open, size_t first, double *unknown)
 {
 	const size_t n = (size_t)open->dense->n;
 	const rb_arena_mark here = rb_arena_here(open->arena);
@@ -66,15 +106,10 @@ bool rb_open_forces_close(struct rb_open_forces *open, double *least, double *ch
 
 	if (!direction)
 		return false;
-	/* modified Gram-Schmidt */
-	for (size_t k = 0; k < count; k++) {
-		double *const own = direction + n * k;
-
-		for (size_t j = 0; j < k; j++)
-			remove_component(own, direction + n * j, n);
-		remove_component(least, own, n);
-		remove_component(change, own, n);
-	}
+	RB_ASSERT_COSTLY(first <= n);
+	const size_t left = remove_kernel(direction, count, first, n, unknown);
+	if (left > 0)
+		remove_kernel(direction, left, 0, n, unknown);
 	open->dense->products += (long)(n * count * (n + count));
 	rb_arena_back(open->arena, here);
 	return true;
@@ -127,11 +162,11 @@ static bool has_no_effect(const struct rb_open_forces *open, const double *direc
 }
 
 /*
- * Orthonormalizes the kernel vectors without effect, at the beginning of `direction`; returns their
- * number.
+ * Orthonormalizes the kernel vectors, or only those without effect, at the beginning of
+ * `direction`; returns their number.
  */
-static size_t keep_without_effect(const struct rb_open_forces *open, double *direction,
-                                  size_t count, rb_vec3 *sum)
+static size_t orthonormalize(const struct rb_open_forces *open, bool moves, double *direction,
+                             size_t count, rb_vec3 *sum)
 {
 	const size_t n = (size_t)open->dense->n;
 	size_t kept = 0;
@@ -140,11 +175,11 @@ static size_t keep_without_effect(const struct rb_open_forces *open, double *dir
 		double *const own = direction + n * kept;
 		double square = 0;
 
-		if (!has_no_effect(open, direction + n * k, sum))
+		if (!moves && !has_no_effect(open, direction + n * k, sum))
 			continue;
 		memmove(own, direction + n * k, n * sizeof *own);
 		for (size_t j = 0; j < kept; j++)
-			remove_component(own, direction + n * j, n);
+			remove_component(own, direction + n * j, 0, n);
 		for (size_t i = 0; i < n; i++)
 			square += own[i] * own[i];
 		for (size_t i = 0; i < n && square > 0; i++)
@@ -226,7 +261,7 @@ static void enter(struct rb_dense *gram, const double *excess, const double *alo
 	}
 }
 
-bool rb_open_forces_keep_law(struct rb_open_forces *open, double *unknown)
+bool rb_open_forces_keep_law(struct rb_open_forces *open, bool moves, double *unknown)
 {
 	const size_t n = (size_t)open->dense->n, contacts = (size_t)open->contacts;
 	const rb_arena_mark here = rb_arena_here(open->arena);
@@ -243,7 +278,7 @@ bool rb_open_forces_keep_law(struct rb_open_forces *open, double *unknown)
 	    !rb_coupled_reserve_dense(open->arena, &gram, open->contacts))
 		return false;
 	double *const step = now + n;
-	count = keep_without_effect(open, direction, count, sum);
+	count = orthonormalize(open, moves, direction, count, sum);
 	memcpy(now, unknown, n * sizeof *now);
 	for (int round = 0; round < ROUNDS_MAX && outside_count > 0 && count > 0; round++) {
 		outside_count = outside_cones(open, now, direction, count, excess, along);

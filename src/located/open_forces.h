@@ -32,16 +32,16 @@ struct rb_open_forces {
 };
 
 /*
- * Among the forces with the same effect on the bodies, `least` [n] becomes the one of least squares
- * and `change` [n] the smallest change. Neither depends on the order of contacts. False: out of
- * memory.
+ * Makes unknowns [n] those of least squares among all that satisfy the modes, which does not depend
+ * on the order of contacts. Those before `first` count only where the others leave a choice. False:
+ * out of memory.
  */
-bool rb_open_forces_close(struct rb_open_forces *open, double *least, double *change);
+bool rb_open_forces_close(struct rb_open_forces *open, size_t first, double *unknown);
 
 /*
- * Brings unknowns [n] into all cones by forces without effect on the bodies, if possible; otherwise
- * leaves them. False: out of memory.
+ * Brings unknowns [n] into all cones by forces without effect on the bodies, or, if `moves`, by any
+ * that the modes leave open; leaves them if that is not possible. False: out of memory.
  */
-bool rb_open_forces_keep_law(struct rb_open_forces *open, double *unknown);
+bool rb_open_forces_keep_law(struct rb_open_forces *open, bool moves, double *unknown);
 
 #endif

@@ -15,6 +15,9 @@
 #include "located/event_set.h"
 #include "located/work.h"
 
+/* Largest relative error attributed to rounding of positions. */
+static const double rounding_error_max = 1e-6;
+
 /*
  * Share of the external accelerations below which accelerations are residuals of the solver: of a
  * cluster at rest, and of a sliding one.
@@ -404,6 +407,31 @@ static enum rb_status all_rates(void *user, double t, const double *value, doubl
 rb_gauss_rates *rb_rates_of(const struct rb_modes *w)
 {
 	return is_attraction(w) ? attract : all_rates;
+}
+
+double rb_rates_noise(void *user, const double *coefficient)
+{
+	const struct rb_modes *w = user;
+	double worst = 0;
+
+	for (int k = 0; k < w->c->member_count; k++) {
+		const double step = 2 * DBL_EPSILON * rb_vec3_max_abs(w->base[k]);
+		double path = step, change = 0;
+
+		for (int m = 0; m < 3; m++) {
+			const int x = k * w->row + RB_PIECE_POSITION + m, v = x + RB_PIECE_VELOCITY;
+			double along = fabs(coefficient[x]), more = 0;
+
+			for (int p = 1; p < RB_GAUSS_NODES; p++) {
+				along += fabs(coefficient[p * w->c->piece.n + x]);
+				more += fabs(coefficient[p * w->c->piece.n + v]);
+			}
+			path = fmax(path, along);
+			change = fmax(change, more / w->scale[v]);
+		}
+		worst = fmax(worst, change > 0 ? change * (step / path) : 0);
+	}
+	return fmin(worst, rounding_error_max);
 }
 
 void rb_rates_enter_node(void *user, int node)

@@ -43,6 +43,13 @@ rb_gauss_rates *rb_rates_of(const struct rb_modes *w);
 /* rb_gauss_quick_rates of a struct rb_modes: rates of orientations. */
 void rb_rates_turning(void *user, const double *value, double *rate);
 
+/*
+ * Relative error of rates due to rounding of positions: a field is evaluated at rounded coordinates
+ * and responds in steps. It is the change along a member's path for a rounding of its position; far
+ * from the origin that exceeds the tolerance. For rb_gauss_problem.noise.
+ */
+double rb_rates_noise(void *user, const double *coefficient);
+
 /* Stores the ledger entries of a node of the integrator: `visited` of a struct rb_gauss_problem. */
 void rb_rates_enter_node(void *user, int node);
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "base/error.h"
+#include "located/rates.h"
 
 /*
  * A singular position is within the step if a row's share at one node is below this part of the
@@ -71,7 +72,7 @@ static double noise(void *user, const double *coefficient)
 {
 	const struct rb_modes *w = user;
 	const double by_field = w->l->model->features & RB_FEATURE_FIELD
-	                                ? rb_modes_noise(user, coefficient)
+	                                ? rb_rates_noise(user, coefficient)
 	                                : 0;
 
 	return fmax(by_field, is_near(w) ? w->singular.rounding_allowed : 0);
