@@ -269,7 +269,7 @@ static void driven_event(struct rb_located *l, int i, double t)
 		return;
 	l->generation[i]++;
 	rb_predict(l, i, t, -1);
-	/* bodies attracted by it or in contact with it follow its new piece */
+	/* bodies attracted by it, in contact with it or on its springs follow its new piece */
 	for (int k = 0; rb_located_gravitates(l) && l->model->attraction[i] > 0 && k < l->n; k++)
 		if (rb_gravitation_attracts(l->model, k) && l->cluster_of[k] >= 0)
 			rb_event_set_add(l, k);
@@ -283,6 +283,7 @@ static void driven_event(struct rb_located *l, int i, double t)
 	for (int k = 0; k < l->n && rb_joint_rows_hold(l, i); k++)
 		if (l->cluster_of[k] >= 0 && rb_joint_rows_joined(l, i, k))
 			rb_event_set_add(l, k);
+	rb_event_set_add_partners(l, i);
 	if (l->set_count > 0)
 		resolve_set(l, t);
 }

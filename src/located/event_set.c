@@ -505,8 +505,7 @@ static void inspect_pair(struct rb_located *l, struct pairs *pairs, int i, int j
 	rb_event_set_add(l, j);
 }
 
-/* Adds the bodies at the other ends of force elements. */
-static void add_partners(struct rb_located *l, int i)
+void rb_event_set_add_partners(struct rb_located *l, int i)
 {
 	const struct rb_model *model = l->model;
 
@@ -578,7 +577,7 @@ int rb_event_set_grow(struct rb_located *l, double t, double slack, rb_event_set
 			for (int m = 0; m < c->member_count; m++)
 				rb_event_set_add(l, c->member[m]);
 		}
-		add_partners(l, i);
+		rb_event_set_add_partners(l, i);
 		if (l->model->joints)
 			add_joined(l, i);
 		if (!(l->model->features & RB_FEATURE_CONTACT))

@@ -10,6 +10,8 @@
 
 /* Adds a body unless it is fixed or already in the set. */
 void rb_event_set_add(struct rb_located *l, int i);
+/* Adds the bodies at the other ends of the body's force elements. */
+void rb_event_set_add_partners(struct rb_located *l, int i);
 void rb_event_set_clear(struct rb_located *l);
 
 /*

@@ -297,9 +297,26 @@ static double driven_end(const struct rb_located *l, int body, double after_s)
 	               : HUGE_VAL;
 }
 
+/* The first of these ends among the driven bodies on springs of a body. */
+static double spring_partners_end(const struct rb_located *l, int body, double after_s)
+{
+	double end = HUGE_VAL;
+
+	for (int k = 0; k < l->model->element_list_count; k++) {
+		const struct rb_elements *elements = &l->model->elements[k];
+
+		for (int m = elements->end ? elements->first[body] : 0;
+		     elements->end && m < elements->first[body + 1]; m++)
+			for (int e = 0; e < 2; e++)
+				end = fmin(end, driven_end(l, elements->end[elements->of[m]][e],
+				                           after_s));
+	}
+	return end;
+}
+
 /*
- * The first end of the known motion of a driven body that a contact or joint involves, or that
- * attracts, or of what a motor follows.
+ * The first end of the known motion of a driven body that a contact, joint or spring involves, or
+ * that attracts, or of what a motor follows.
  */
 static double partners_end(const struct rb_modes *w)
 {
@@ -317,6 +334,8 @@ static double partners_end(const struct rb_modes *w)
 		end = fmin(end, driven_end(w->l, joint->b, after_s));
 		end = fmin(end, rb_follow_end(w->l, w->joints.joint[k], after_s));
 	}
+	for (int k = 0; w->l->model->driven && k < w->c->member_count; k++)
+		end = fmin(end, spring_partners_end(w->l, w->c->member[k], after_s));
 	for (int i = 0; w->l->model->driven && rb_located_gravitates(w->l) && i < w->l->n; i++)
 		if (rb_located_driven(w->l, i) && w->l->model->attraction[i] > 0 &&
 		    w->l->piece[i].until_s > after_s)
