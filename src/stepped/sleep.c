@@ -127,9 +127,27 @@ static void wake(struct rb_sleep *sleep, int i)
 	sleep->unchanged = false;
 }
 
+/* Whether a driven body to which a joint ties this one moves in the step. */
+static bool is_pulled(const struct rb_world *world, int i)
+{
+	const struct rb_joints *joints = world->model->joints;
+	bool pulled = false;
+
+	for (int e = joints ? joints->first[i] : 0; joints && e < joints->first[i + 1]; e++) {
+		const struct rb_joint *joint = &joints->joint[joints->of[e]];
+		const int other = joint->a == i ? joint->b : joint->a;
+
+		if (other >= 0 && other < world->model->body_count &&
+		    !rb_stepped_is_dynamic(world, other) && !world->joint[joints->of[e]].released)
+			pulled = pulled || !is_none(world->mark.velocity, other) ||
+			         !is_none(world->mark.spin, other);
+	}
+	return pulled;
+}
+
 /*
  * Whether the step that put the body to sleep would give the same result again: no velocity, the
- * same pose, the same external acceleration.
+ * same pose, the same external acceleration, no joint that pulls.
  */
 static bool remains_asleep(const struct rb_world *world, int i, double h)
 {
@@ -144,8 +162,8 @@ static bool remains_asleep(const struct rb_world *world, int i, double h)
 		moves |= differ(before->spin + row, none);
 	return moves == 0 && has_pose(state, i, s->sleep.pose + POSE * (size_t)i) &&
 	       (!rb_stepped_is_dynamic(world, i) ||
-	        rb_rest_holds(&s->solver, i, state->velocity + row,
-	                      state->spin ? state->spin + row : NULL, h));
+	        (!is_pulled(world, i) && rb_rest_holds(&s->solver, i, state->velocity + row,
+	                                               state->spin ? state->spin + row : NULL, h)));
 }
 
 struct pass {

@@ -3,9 +3,9 @@
  * Sleeping groups: steps skip them and keep their contacts and impulses in the world's lists.
  *
  * A group falls asleep when a whole step under the same forces has changed no bit of its state. It
- * wakes when its forces change, a callback moves it, or an awake body may touch it; its contact
- * points, found again, are then the same as before. So a run has the same bits as one without
- * sleeping. Owned by the method's state; simulator thread.
+ * wakes when its forces change, a callback moves it, a driven body that a joint ties to it moves,
+ * or an awake body may touch it; its contact points, found again, are then the same as before. So a
+ * run has the same bits as one without sleeping. Owned by the method's state; simulator thread.
  */
 #ifndef RB_STEPPED_SLEEP_H
 #define RB_STEPPED_SLEEP_H

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # What a driven body holds by a joint or a spring follows it from the moment it starts, also what has been at rest until then.
-# Located, a spring pulled towards where the last piece of the function would
+# By steps, a body at rest on a rod or rope slept on; located, a spring pulled towards where the last piece of the function would
 # have led, so that one at rest stayed there, and others were off by up to 3e-7 of their way.
 . tests/cli/functions
 
@@ -39,7 +39,7 @@ end)
 END
 for by in rod rope ball slider spring free 'spring -p w=500.0'; do
 	# shellcheck disable=SC2086
-	for how in located auto; do
+	for how in located auto 'stepped -p bound=0.02'; do
 		exits 0 starts.lua --no-record --method $how -p by=$by
 	done
 done
