@@ -115,6 +115,12 @@ static double beyond(double x, double half, double rate, double band)
 	return 0;
 }
 
+/* The vector with the component along an edge that the other one has. */
+static rb_vec3 along_edge(rb_vec3 v, rb_vec3 other, rb_vec3 edge)
+{
+	return rb_vec3_add_scaled(v, rb_vec3_dot(rb_vec3_sub(other, v), edge), edge);
+}
+
 static void contact_with_rectangle(const struct rb_located *l, struct rb_contact_point *m)
 {
 	const double radius = l->model->shape[m->a].radius;
@@ -143,13 +149,18 @@ static void contact_with_rectangle(const struct rb_located *l, struct rb_contact
 	m->normal_rate = rb_vec3_cross(m->pose_b.spin, m->normal);
 	if (!m->on_rim)
 		return;
-	/* on an edge the normal turns about it only; at a corner it follows any motion across */
+	/*
+	 * on an edge the normal turns about it, and with it as it turns; at a corner it follows any
+	 * motion across
+	 */
+	const double reach = m->gap + radius;
+	const rb_vec3 carried = rb_vec3_scale(reach, m->normal_rate);
 	rb_vec3 turn = rb_vec3_reject(w, m->normal);
 	if (out_x == 0)
-		turn = rb_vec3_add_scaled(turn, -rb_vec3_dot(turn, sheet.axis_x), sheet.axis_x);
+		turn = along_edge(turn, carried, sheet.axis_x);
 	if (out_y == 0)
-		turn = rb_vec3_add_scaled(turn, -rb_vec3_dot(turn, sheet.axis_y), sheet.axis_y);
-	m->normal_rate = rb_vec3_scale(1 / (m->gap + radius), turn);
+		turn = along_edge(turn, carried, sheet.axis_y);
+	m->normal_rate = rb_vec3_scale(1 / reach, turn);
 }
 
 static contact_function *const point_of_pair[RB_SHAPE_KIND_COUNT] = {
