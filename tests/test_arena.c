@@ -132,6 +132,7 @@ static void memory_that_is_out_leaves_the_arena_usable(void **state)
 	int *kept = rb_arena_take(&arena, 1, sizeof *kept);
 	assert_non_null(kept);
 	*kept = 7;
+	assert_false(arena.failed);
 	for (uint64_t k = 1; k <= 2; k++) {
 		rb_memory_fail_at(k);
 		assert_null(rb_arena_take(&arena, 1000000, 1));
@@ -141,9 +142,11 @@ static void memory_that_is_out_leaves_the_arena_usable(void **state)
 	assert_null(rb_arena_take(&arena, SIZE_MAX - 5, 1));
 	assert_int_equal(*kept, 7);
 	assert_non_null(rb_arena_take(&arena, 1000000, 1));
+	assert_true(arena.failed); /* until it is reset */
 	rb_memory_fail_at(1);
 	rb_arena_reset(&arena);
 	rb_memory_fail_at(0);
+	assert_false(arena.failed);
 	assert_non_null(rb_arena_take(&arena, 1000000, 1));
 	rb_arena_release(&arena);
 	rb_arena_release(&arena);

@@ -68,15 +68,15 @@ static void what_lasts_is_told_when_it_changes(void **state)
 	enum rb_event_kind kind;
 
 	(void)state;
-	assert_false(rb_joint_event_notes(&joint, RB_DRIVE_MOTOR, false, &kind));
-	assert_true(rb_joint_event_notes(&joint, RB_DRIVE_MOTOR, true, &kind));
+	assert_false(rb_joint_event_notes(joint.noted, RB_DRIVE_MOTOR, false, &kind));
+	assert_true(rb_joint_event_notes(joint.noted, RB_DRIVE_MOTOR, true, &kind));
 	assert_int_equal(kind, RB_EVENT_DRIVES);
-	assert_false(rb_joint_event_notes(&joint, RB_DRIVE_MOTOR, true, &kind));
-	assert_true(rb_joint_event_notes(&joint, RB_DRIVE_MOTOR, false, &kind));
+	assert_false(rb_joint_event_notes(joint.noted, RB_DRIVE_MOTOR, true, &kind));
+	assert_true(rb_joint_event_notes(joint.noted, RB_DRIVE_MOTOR, false, &kind));
 	assert_int_equal(kind, RB_EVENT_SLIPS);
-	assert_false(rb_joint_event_notes(&joint, RB_JOINT_TAUT, false, &kind));
-	assert_false(rb_joint_event_notes(&joint, RB_JOINT_TAUT, true, &kind));
-	assert_true(rb_joint_event_notes(&joint, RB_JOINT_TAUT, false, &kind));
+	assert_false(rb_joint_event_notes(joint.noted, RB_JOINT_TAUT, false, &kind));
+	assert_false(rb_joint_event_notes(joint.noted, RB_JOINT_TAUT, true, &kind));
+	assert_true(rb_joint_event_notes(joint.noted, RB_JOINT_TAUT, false, &kind));
 	assert_int_equal(kind, RB_EVENT_SLACK);
 	assert_int_equal(joint.noted[RB_DRIVE_FRICTION], -1);
 }

@@ -8,6 +8,7 @@
  */
 #include "base/arena.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -75,8 +76,10 @@ void *rb_arena_take(struct rb_arena *arena, size_t count, size_t size)
 {
 	size_t bytes;
 
-	if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX / 4)
+	if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX / 4) {
+		arena->failed = true;
 		return NULL;
+	}
 	bytes = bytes ? (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT : ALIGNMENT;
 
 	unsigned char *taken;
@@ -87,8 +90,10 @@ void *rb_arena_take(struct rb_arena *arena, size_t count, size_t size)
 		struct rb_arena_overflow *overflow = arena->overflow;
 		if (!overflow || bytes > overflow->size - overflow->used)
 			overflow = add_overflow(arena, bytes);
-		if (!overflow)
+		if (!overflow) {
+			arena->failed = true;
 			return NULL;
+		}
 		taken = overflow->block + overflow->used;
 		overflow->used += bytes;
 	}
@@ -142,6 +147,7 @@ void rb_arena_reset(struct rb_arena *arena)
 	while (arena->overflow)
 		drop_newest(arena);
 	arena->used = 0;
+	arena->failed = false;
 	if (arena->high_water <= arena->size)
 		return;
 

@@ -13,6 +13,7 @@ struct rb_arena {
 	unsigned char *block; /* owned */
 	size_t size, used, high_water;
 	struct rb_arena_overflow *overflow; /* owned: blocks taken since the last reset */
+	_Bool failed;                       /* memory has been out since the last reset */
 };
 
 typedef struct {

@@ -449,7 +449,7 @@ void rb_joint_stops_note(const struct rb_joint_rows *rows, double t)
 	for (int k = 0; k < rows->joint_count; k++) {
 		const int joint_index = rows->joint[k];
 		const signed char *mode = &l->drive_mode[RB_JOINT_PARTS_HELD * joint_index];
-		struct rb_joint_state *const state = &l->world->joint[joint_index];
+		int *const noted = l->world->joint[joint_index].noted;
 		enum rb_event_kind kind;
 
 		for (int drive = 0; drive < RB_JOINT_DRIVES; drive++) {
@@ -457,13 +457,13 @@ void rb_joint_stops_note(const struct rb_joint_rows *rows, double t)
 			                  rb_follow_is_returning(l, joint_index);
 
 			if (rb_joint_rows_drive_now(l, joint_index, drive).max > 0 &&
-			    rb_joint_event_notes(state, drive,
+			    rb_joint_event_notes(noted, drive,
 			                         mode[drive] == RB_DRIVE_HELD && !back, &kind))
 				add_event(rows, kind, joint_index, 0, 0, t);
 		}
 		if (rb_joint_rows_has_stop(&l->model->joints->joint[joint_index], RB_STOP_HIGH) &&
 		    l->model->joints->joint[joint_index].link.type->one_sided &&
-		    rb_joint_event_notes(state, RB_JOINT_TAUT, mode[RB_STOP_HIGH] == RB_DRIVE_HELD,
+		    rb_joint_event_notes(noted, RB_JOINT_TAUT, mode[RB_STOP_HIGH] == RB_DRIVE_HELD,
 		                         &kind))
 			add_event(rows, kind, joint_index, 0, 0, t);
 	}

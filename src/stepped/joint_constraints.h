@@ -108,9 +108,11 @@ struct rb_joint_work {
 
 /* Data of a joint during steps. */
 struct rb_step_joint {
-	struct rb_joint_memory last;      /* at the beginning of the present step */
+	struct rb_joint_memory last;      /* of the attempt, which begins with `kept` */
+	struct rb_joint_memory kept;      /* at the end of the last step that was kept */
 	struct rb_joint_memory before;    /* at the beginning of the step that was tried first */
 	int noted_before[RB_JOINT_NOTED]; /* of rb_joint_state, then */
+	int noted[RB_JOINT_NOTED];        /* of rb_joint_state once the attempt is kept */
 	int first_row; /* of the attempt; -1: its island is at rest, or not part of it */
 	/* m, rad: target of a following motor at the end of the step; NAN: it does not follow */
 	double wanted;

@@ -2,6 +2,7 @@
 #include "stepped/joint_records.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -47,10 +48,10 @@ static enum rb_status add_impact(const struct recording *r, const struct rb_join
 
 static enum rb_status add_change(const struct recording *r, int what, bool holds)
 {
-	struct rb_joint_state *state = &r->world->joint[r->moment.joint];
+	int *const noted = r->world->stepped->solver.joint[r->moment.joint].noted;
 	enum rb_event_kind kind;
 
-	return rb_joint_event_notes(state, what, holds, &kind) ? add_event(r, kind, 0, 0) : RB_OK;
+	return rb_joint_event_notes(noted, what, holds, &kind) ? add_event(r, kind, 0, 0) : RB_OK;
 }
 
 static enum rb_status add_drive(const struct recording *r, const struct rb_joint *joint,
@@ -67,9 +68,10 @@ static enum rb_status add_drive(const struct recording *r, const struct rb_joint
 static enum rb_status add_joint(const struct recording *r)
 {
 	const struct rb_joint *joint = &r->world->model->joints->joint[r->moment.joint];
-	const struct rb_step_joint *of = &r->world->stepped->solver.joint[r->moment.joint];
+	struct rb_step_joint *of = &r->world->stepped->solver.joint[r->moment.joint];
 	enum rb_status status = RB_OK;
 
+	memcpy(of->noted, r->world->joint[r->moment.joint].noted, sizeof of->noted);
 	/* at rest nothing changes */
 	if (of->first_row < 0)
 		return RB_OK;

@@ -79,8 +79,8 @@ void rb_joints_start(struct rb_world *world)
 	for (int k = 0; joints && k < joints->count; k++) {
 		struct rb_step_joint *of = &world->stepped->solver.joint[k];
 
-		of->last = (struct rb_joint_memory){
-			.way = coordinate_of(world, &joints->joint[k], of->last.way)};
+		of->last = of->kept = (struct rb_joint_memory){
+			.way = coordinate_of(world, &joints->joint[k], of->kept.way)};
 	}
 }
 
@@ -92,10 +92,10 @@ void rb_joints_begin(struct rb_world *world)
 		struct rb_step_joint *of = &world->stepped->solver.joint[k];
 
 		if (world->joint[k].released) {
-			of->last = (struct rb_joint_memory){.way = of->last.way};
+			of->kept = (struct rb_joint_memory){.way = of->kept.way};
 			of->first_row = -1;
 		}
-		of->before = of->last;
+		of->before = of->last = of->kept;
 		memcpy(of->noted_before, world->joint[k].noted, sizeof of->noted_before);
 		of->sum[0] = of->sum[1] = (rb_vec3){0, 0, 0};
 		of->elapsed_s = 0;
@@ -109,7 +109,7 @@ void rb_joints_go_back(struct rb_world *world, const struct rb_cohort *cohort)
 	for (int k; (k = next(world, cohort, &c)) >= 0;) {
 		struct rb_step_joint *of = &world->stepped->solver.joint[k];
 
-		of->last = of->before;
+		of->last = of->kept = of->before;
 		memcpy(world->joint[k].noted, of->noted_before, sizeof of->noted_before);
 		of->sum[0] = of->sum[1] = (rb_vec3){0, 0, 0};
 		of->elapsed_s = 0;
@@ -146,6 +146,7 @@ enum rb_status rb_joints_begin_attempt(struct rb_world *world, const struct rb_c
 	for (int k; (k = next(world, cohort, &c)) >= 0;) {
 		struct rb_step_joint *of = &world->stepped->solver.joint[k];
 
+		of->last = of->kept; /* an attempt that was rejected has changed it */
 		of->wanted = of->wanted_before = world->joint[k].motor_angle;
 		of->wanted_rate = 0;
 		if (rb_joint_state_follows(&world->joint[k]) && isnan(of->wanted)) {
@@ -439,7 +440,9 @@ void rb_joints_keep(struct rb_world *world, const struct rb_cohort *cohort, doub
 		if (of->first_row >= 0 || of->reduced)
 			remember(joint, of, h);
 		world->joint[k].was_set = false;
+		memcpy(world->joint[k].noted, of->noted, sizeof of->noted);
 		of->last.way = rb_joints_coordinate(world, k, h);
+		of->kept = of->last;
 		of->sum[0] = rb_vec3_add_scaled(of->sum[0], h, of->last.reaction);
 		of->sum[1] = rb_vec3_add_scaled(of->sum[1], h, of->last.twist);
 		of->elapsed_s += h;

@@ -416,6 +416,8 @@ static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *g
 		status = rb_attempt(world, part, start + done, h, err);
 		if (status == RB_OK)
 			status = rb_judge(world, part, h, &outcome, err);
+		if (status == RB_OK && rb_stepped_lacks_memory(world))
+			status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
 		if (status != RB_OK)
 			break;
 		if (s->bad_count > 0) {
@@ -475,6 +477,38 @@ static enum rb_status run_groups(struct rb_world *world, double start, double dt
 	return status;
 }
 
+/* Results of the step, made before anything of the step before is replaced. */
+struct made {
+	struct rb_contacts contacts; /* in the arena, not sorted */
+	size_t whole_count;          /* the first of these: of bodies that keep the whole step */
+	/* in the arena: impulses of such bodies; all impulses; for their order */
+	struct rb_named_impulse *whole, *all;
+	struct rb_sort_item *item, *scratch;
+};
+
+/* Contacts of bodies that keep the whole step, and of finished groups; space for their lists. */
+static enum rb_status make_contacts(struct rb_world *world, double dt, struct made *made,
+                                    struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	const struct rb_local_rollback *local = s->local;
+	struct rb_contacts *const contacts = &made->contacts;
+
+	RB_ASSERT(dt > 0);
+	enum rb_status status = rb_record_scratch(world, &s->all, local->kept.count, contacts, err);
+	if (status == RB_OK)
+		status = rb_record_contacts(world, &s->all, dt, local->swept.failed, contacts, err);
+	made->whole_count = contacts->count;
+	if (status == RB_OK && world->keeps_means)
+		status = rb_contacts_reserve(
+			&world->shown,
+			contacts->count + s->all.transmitted.count + local->shown.count, err);
+	if (status == RB_OK)
+		status = rb_contacts_join(contacts, &local->kept, err);
+	return status == RB_OK ? rb_contacts_reserve(&world->contacts, contacts->count, err)
+	                       : status;
+}
+
 /* Contacts for output, averaged over dt. */
 static enum rb_status show_contacts(struct rb_world *world, double dt,
                                     const struct rb_contacts *whole, struct rb_error *err)
@@ -489,32 +523,22 @@ static enum rb_status show_contacts(struct rb_world *world, double dt,
 	if (status == RB_OK)
 		status = rb_contacts_join(&world->shown, &s->local->shown, err);
 	rb_contacts_sort(&world->shown);
-	world->has_shown = status == RB_OK;
+	world->has_shown = true;
 	return status;
 }
 
-/* Contacts of bodies that keep the whole step, and of finished groups. */
-static enum rb_status join_contacts(struct rb_world *world, double dt, struct rb_error *err)
+/* They become those of the world, in space that is reserved. */
+static enum rb_status keep_contacts(struct rb_world *world, double dt, struct made *made,
+                                    struct rb_error *err)
 {
-	struct rb_stepped *s = world->stepped;
-	struct rb_local_rollback *local = s->local;
-	struct rb_contacts made;
+	const struct rb_contacts whole = {.row = made->contacts.row, .count = made->whole_count};
+	enum rb_status status = RB_OK;
 
-	RB_ASSERT(dt > 0);
-	enum rb_status status = rb_record_scratch(world, &s->all, local->kept.count, &made, err);
-	if (status == RB_OK)
-		status = rb_record_contacts(world, &s->all, dt, local->swept.failed, &made, err);
-	if (status == RB_OK && world->keeps_means)
-		status = show_contacts(world, dt, &made, err);
-	if (status == RB_OK)
-		status = rb_contacts_join(&made, &local->kept, err);
-	if (status == RB_OK)
-		status = rb_contacts_reserve(&world->contacts, made.count, err);
-	if (status != RB_OK)
-		return status;
-	rb_contacts_sort(&made);
+	if (world->keeps_means)
+		status = show_contacts(world, dt, &whole, err);
+	rb_contacts_sort(&made->contacts);
 	world->contacts.count = 0;
-	return rb_contacts_join(&world->contacts, &made, err);
+	return status == RB_OK ? rb_contacts_join(&world->contacts, &made->contacts, err) : status;
 }
 
 /* Ledger entries of the bodies that keep the whole step, then those of groups. */
@@ -529,43 +553,54 @@ static void enter_all(struct rb_world *world, double start, double dt)
 		rb_ledger_enter(&world->ledger, &local->sums[k].entries);
 }
 
-/* Warm-start impulses of both kinds, sorted by body. */
-static enum rb_status join_impulses(struct rb_world *world, double dt, struct rb_error *err)
+/* Chooses the points of bodies that keep the whole step, and takes space for all impulses. */
+static enum rb_status make_impulses(struct rb_world *world, struct made *made, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	struct rb_local_rollback *local = s->local;
 	struct rb_step_points *points = &s->all.points;
+	const unsigned char *const failed = s->local->swept.failed;
+	const enum rb_status status = rb_step_points_choose(points, world, -(double)INFINITY, err);
+	struct rb_arena *const arena = &world->arena[0];
 	size_t kept = 0;
 
-	for (size_t k = 0; k < points->count; k++)
-		if (!local->swept.failed[points->row[k].a])
-			points->row[kept++] = points->row[k];
-	points->count = kept;
-	enum rb_status status = rb_step_points_choose(points, world, -(double)INFINITY, err);
-	if (status == RB_OK)
-		status = rb_step_points_keep(points, world, dt, s->solver.asleep, s->sleep.sleeps,
-		                             err);
 	if (status != RB_OK)
 		return status;
+	for (size_t c = 0; c < points->chosen_count; c++)
+		if (!failed[points->row[points->chosen[c]].a])
+			points->chosen[kept++] = points->chosen[c];
+	points->chosen_count = kept;
+	const size_t max = kept + points->last_count + s->local->impulse_count;
+	made->whole = rb_step_points_space(points, world, true);
+	made->item = rb_arena_take(arena, max + 1, sizeof *made->item);
+	made->scratch = rb_arena_take(arena, max + 1, sizeof *made->scratch);
+	made->all = rb_arena_take(arena, max + 1, sizeof *made->all);
+	return made->whole && made->item && made->scratch && made->all &&
+	                       rb_step_points_reserve(points, max)
+	               ? RB_OK
+	               : RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", max);
+}
+
+/* Warm-start impulses of both kinds, sorted by body. */
+static void keep_impulses(struct rb_world *world, double dt, const struct made *made)
+{
+	struct rb_stepped *s = world->stepped;
+	const struct rb_local_rollback *local = s->local;
+	struct rb_step_points *points = &s->all.points;
+
+	rb_step_points_keep_in(points, world, dt, s->solver.asleep, s->sleep.sleeps, made->whole);
 	const size_t count = points->last_count + local->impulse_count;
-	struct rb_sort_item *item = rb_arena_take(&world->arena[0], count + 1, sizeof *item);
-	struct rb_sort_item *scratch = rb_arena_take(&world->arena[0], count + 1, sizeof *scratch);
-	struct rb_named_impulse *all = rb_arena_take(&world->arena[0], count + 1, sizeof *all);
-	if (!item || !scratch || !all || !rb_step_points_reserve(points, count))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
 	if (points->last_count > 0)
-		memcpy(all, points->last, points->last_count * sizeof *all);
+		memcpy(made->all, points->last, points->last_count * sizeof *made->all);
 	if (local->impulse_count > 0)
-		memcpy(all + points->last_count, local->impulse,
-		       local->impulse_count * sizeof *all);
+		memcpy(made->all + points->last_count, local->impulse,
+		       local->impulse_count * sizeof *made->all);
 	for (size_t k = 0; k < count; k++)
-		item[k] = (struct rb_sort_item){(uint64_t)all[k].a, k};
-	rb_sort_by_key(item, scratch, count);
+		made->item[k] = (struct rb_sort_item){(uint64_t)made->all[k].a, k};
+	rb_sort_by_key(made->item, made->scratch, count);
 	for (size_t k = 0; k < count; k++)
-		points->last[k] = all[item[k].value];
+		points->last[k] = made->all[made->item[k].value];
 	points->last_count = count;
 	rb_step_points_index(points, world->model);
-	return RB_OK;
 }
 
 static enum rb_status join_impacts(struct rb_world *world, double end, double dt,
@@ -643,16 +678,61 @@ static enum rb_status end_drive(struct rb_world *world, double start, double dt,
 	return status;
 }
 
+/* All of the step's results that can fail: nothing of the step before has been replaced. */
+static enum rb_status make_step(struct rb_world *world, double start, double dt,
+                                const struct rb_attempt_outcome *outcome, struct made *made,
+                                struct rb_error *err)
+{
+	enum rb_status status = count_steps(world, dt, outcome, err);
+
+	if (status == RB_OK)
+		status = join_impacts(world, start + dt, dt, err);
+	if (status == RB_OK)
+		status = make_contacts(world, dt, made, err);
+	return status == RB_OK ? make_impulses(world, made, err) : status;
+}
+
+/* Makes them those of the world. */
+static enum rb_status keep_all(struct rb_world *world, double start, double dt, struct made *made,
+                               struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	const unsigned char *const failed = s->local->swept.failed;
+	const enum rb_status status = keep_contacts(world, dt, made, err);
+
+	RB_ASSERT(status == RB_OK); /* in space that is reserved */
+	if (s->tally)
+		enter_all(world, start, dt);
+	rb_joints_keep(world, &s->all, dt, failed);
+	keep_impulses(world, dt, made);
+	rb_sleep_end(world, start + dt, failed);
+	return status;
+}
+
+/* The state is that of the beginning of the step; nothing of the attempts may be relied on. */
+static void take_back(struct rb_world *world, const struct rb_state *begin)
+{
+	struct rb_stepped *s = world->stepped;
+
+	rb_state_copy(&world->state, begin);
+	rb_sleep_gather(s);
+	rb_joints_go_back(world, &s->all);
+	rb_sleep_forget(s);
+	rb_solver_forget_rest(&s->solver, s->body, s->member_count);
+	s->candidates.valid = false;
+}
+
 enum rb_status rb_local_rollback_step(struct rb_world *world, double start, double dt,
                                       const struct rb_attempt_outcome *outcome,
                                       struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
+	struct made made = {.whole_count = 0};
 	enum rb_status status = s->local ? RB_OK : create(world, err);
 
 	RB_ASSERT(dt > 0 && s->bad_count > 0);
 	if (status != RB_OK) {
-		rb_state_copy(&world->state, &world->mark);
+		take_back(world, &world->mark);
 		return status;
 	}
 	struct rb_local_rollback *local = s->local;
@@ -673,25 +753,14 @@ enum rb_status rb_local_rollback_step(struct rb_world *world, double start, doub
 		status = run_groups(world, start, dt, err);
 	if (status == RB_OK)
 		status = end_drive(world, start, dt, err);
+	const struct rb_counts before = world->frame_counts;
 	reset_arenas(world);
 	rb_sleep_wake(world, local->swept.failed);
 	if (status == RB_OK)
-		status = count_steps(world, dt, outcome, err);
+		status = make_step(world, start, dt, outcome, &made, err);
 	if (status == RB_OK)
-		status = join_impacts(world, start + dt, dt, err);
-	if (status == RB_OK)
-		status = join_contacts(world, dt, err);
-	if (status == RB_OK && s->tally)
-		enter_all(world, start, dt);
-	if (status == RB_OK)
-		rb_joints_keep(world, &s->all, dt, local->swept.failed);
-	if (status == RB_OK)
-		status = join_impulses(world, dt, err);
-	if (status == RB_OK) {
-		rb_sleep_end(world, start + dt, local->swept.failed);
-		return RB_OK;
-	}
-	rb_state_copy(&world->state, &local->begin);
-	rb_sleep_forget(s);
+		return keep_all(world, start, dt, &made, err);
+	world->frame_counts = before;
+	take_back(world, &local->begin);
 	return status;
 }

@@ -286,30 +286,43 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads)
 
 /* ---- the step ---- */
 
-/* Contacts and warm-start impulses become those of the world. */
-static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_error *err)
+/*
+ * Space for the contacts and warm-start impulses of an accepted attempt; those of the step before
+ * stay. `*space` of the arena is for rb_step_points_keep_in.
+ */
+static enum rb_status reserve_contacts(struct rb_world *world, struct rb_named_impulse **space,
+                                       struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	enum rb_status status = rb_record_space(world, &s->all, err);
+
+	if (status != RB_OK)
+		return status;
+	*space = rb_step_points_space(&s->all.points, world, s->sleep.count > 0);
+	if (!*space)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts",
+		               s->all.points.chosen_count);
+	if (!world->keeps_means || s->all.transmitted.count == 0)
+		return RB_OK;
+	return rb_contacts_reserve(
+		&world->shown,
+		world->contacts.count + s->all.points.chosen_count + s->all.transmitted.count, err);
+}
+
+/* Contacts and warm-start impulses become those of the world, in that space. */
+static enum rb_status keep_contacts(struct rb_world *world, double h,
+                                    struct rb_named_impulse *space, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	const unsigned char *const sleeps = s->sleep.count > 0 ? s->sleep.sleeps : NULL;
-	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
+	enum rb_status status = RB_OK;
 
-	RB_ASSERT(h > 0);
-	enum rb_status status = rb_record_space(world, &s->all, err);
-	struct rb_named_impulse *const space = status == RB_OK
-	                                               ? rb_step_points_space(&s->all.points, world,
-	                                                                      sleeps != NULL)
-	                                               : NULL;
-	if (status == RB_OK && !space)
-		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts",
-		                 s->all.points.chosen_count);
-	if (status != RB_OK)
-		return status;
+	RB_ASSERT(h > 0 && space);
 	rb_record_in_place(world, &s->all, h); /* reads the impulses of the last step */
 	rb_step_points_keep_in(&s->all.points, world, h, s->solver.asleep, sleeps, space);
-	rb_arena_back(&world->arena[0], here);
 	if (world->model->driven)
 		rb_contacts_sort(&world->contacts);
-	if (status == RB_OK && world->keeps_means && s->all.transmitted.count > 0) {
+	if (world->keeps_means && s->all.transmitted.count > 0) {
 		world->shown.count = 0;
 		status = rb_contacts_join(&world->shown, &world->contacts, err);
 		if (status == RB_OK)
@@ -321,6 +334,17 @@ static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_
 	return status;
 }
 
+/* The state is that of the beginning of the attempt; nothing of the attempt may be relied on. */
+static void take_back(struct rb_world *world)
+{
+	struct rb_stepped *s = world->stepped;
+
+	rb_state_copy(&world->state, &world->mark);
+	rb_sleep_forget(s);
+	rb_solver_forget_rest(&s->solver, s->body, s->member_count);
+	s->candidates.valid = false;
+}
+
 /*
  * Makes an accepted attempt the state of the world. Everything that can fail precedes the first
  * change that cannot be undone.
@@ -330,6 +354,10 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_counts *counts = &world->frame_counts;
+	const struct rb_counts before = *counts;
+	/* if everything sleeps and no awake body has a contact, the lists stay as they are */
+	const bool listed = !(s->sleep.unchanged && s->all.points.count == 0);
+	struct rb_named_impulse *space = NULL;
 
 	RB_ASSERT(h > 0);
 	counts->substeps++;
@@ -342,16 +370,18 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 	enum rb_status status = rb_record_impacts(world, &s->all, end, &world->contacts, NULL, err);
 	if (status == RB_OK)
 		status = rb_joint_records_add(world, &s->all, end, h, NULL, err);
-	/* if everything sleeps and no awake body has a contact, the lists stay as they are */
-	if (status == RB_OK && !(s->sleep.unchanged && s->all.points.count == 0))
-		status = keep_contacts(world, h, err);
 	if (status == RB_OK && !rb_record_reserve(world, s->reported.count))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+	if (status == RB_OK && listed)
+		status = reserve_contacts(world, &space, err);
 	if (status != RB_OK) {
-		rb_state_copy(&world->state, &world->mark);
-		rb_sleep_forget(s);
+		*counts = before;
+		take_back(world);
 		return status;
 	}
+	if (listed)
+		status = keep_contacts(world, h, space, err);
+	RB_ASSERT(status == RB_OK); /* in space that is reserved */
 	if (s->tally) {
 		const struct rb_entries e = rb_step_ledger_enter(world, &s->all, &world->mark,
 		                                                 end - h, h, NULL);
@@ -386,11 +416,10 @@ static enum rb_status attempt_all(struct rb_world *world, double start, double h
 	enum rb_status status = rb_attempt(world, &s->all, start, h, err);
 	if (status == RB_OK)
 		status = rb_judge(world, &s->all, h, outcome, err);
-	if (status != RB_OK) {
-		rb_state_copy(&world->state, &world->mark);
-		rb_sleep_forget(s);
-		s->candidates.valid = false;
-	}
+	if (status == RB_OK && rb_stepped_lacks_memory(world))
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
+	if (status != RB_OK)
+		take_back(world);
 	return status;
 }
 
@@ -471,10 +500,7 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 				continue;
 			return status;
 		}
-		rb_state_copy(&world->state, &world->mark);
-		rb_sleep_forget(s);
-		rb_solver_forget_rest(&s->solver, s->all.body, s->all.member_count);
-		s->candidates.valid = false;
+		take_back(world);
 		world->frame_counts.rollbacks++;
 		world->frame_counts.discarded_body_steps += (uint64_t)s->member_count;
 		if (rb_halvings_end(halvings++, h, dt))
@@ -570,9 +596,13 @@ static void pack_steps(struct rb_world *world, struct rb_pack *pack)
 		rb_sleep_forget(world->stepped);
 	pack_pushes(world, pack);
 	pack_rests(world, pack);
-	for (int k = 0; world->model->joints && k < world->model->joints->count; k++)
-		rb_fields_pack(rb_joint_memory_fields(), &world->stepped->solver.joint[k].last, 1,
+	for (int k = 0; world->model->joints && k < world->model->joints->count; k++) {
+		struct rb_step_joint *of = &world->stepped->solver.joint[k];
+
+		rb_fields_pack(rb_joint_memory_fields(), &of->kept, 1,
 		               rb_limits_of(world->model).high, pack);
+		of->last = of->kept;
+	}
 }
 
 static void release(struct rb_world *world)

@@ -178,6 +178,19 @@ static inline bool rb_stepped_joins_arms(const struct rb_world *world, int b)
 	return world->stepped->solver.joins_arms && rb_stepped_is_dynamic(world, b);
 }
 
+/*
+ * Whether memory was out for a pass of this attempt. Some go on without: their results are of other
+ * solvers, and no step is to hang on how much memory there is.
+ */
+static inline bool rb_stepped_lacks_memory(const struct rb_world *world)
+{
+	bool lacks = false;
+
+	for (int k = 0; k < world->worker_count; k++)
+		lacks = lacks || world->arena[k].failed || world->kept[k].failed;
+	return lacks;
+}
+
 static inline void rb_stepped_blame(struct rb_stepped *s, int i)
 {
 	s->bad_count += !s->bad[i];

@@ -31,13 +31,12 @@ struct rb_event rb_joint_event(const struct rb_model *model, enum rb_event_kind 
 	return event;
 }
 
-bool rb_joint_event_notes(struct rb_joint_state *state, int what, bool holds,
-                          enum rb_event_kind *kind)
+bool rb_joint_event_notes(int noted[RB_JOINT_NOTED], int what, bool holds, enum rb_event_kind *kind)
 {
-	const int before = state->noted[what];
+	const int before = noted[what];
 
 	RB_ASSERT(what >= 0 && what < RB_JOINT_NOTED);
-	state->noted[what] = holds;
+	noted[what] = holds;
 	if (what == RB_JOINT_TAUT)
 		*kind = RB_EVENT_SLACK;
 	else

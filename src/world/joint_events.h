@@ -29,11 +29,11 @@ struct rb_event rb_joint_event(const struct rb_model *model, enum rb_event_kind 
                                double approach);
 
 /*
- * Notes whether a drive holds its joint at its speed (of enum rb_joint_drive_kind), or a rope is
- * taut (RB_JOINT_TAUT). True: that has changed since it was known, and is an event of *kind. That a
- * rope has come taut is none: its impact is.
+ * Notes in what is `noted` of a joint whether a drive holds it at its speed (of enum
+ * rb_joint_drive_kind), or a rope is taut (RB_JOINT_TAUT). True: that has changed since it was
+ * known, and is an event of *kind. That a rope has come taut is none: its impact is.
  */
-bool rb_joint_event_notes(struct rb_joint_state *state, int what, bool holds,
+bool rb_joint_event_notes(int noted[RB_JOINT_NOTED], int what, bool holds,
                           enum rb_event_kind *kind);
 
 /*
