@@ -3,6 +3,7 @@
  * src/stepped/candidates, src/stepped/contact_points: what was far apart is not looked at again
  * until it could be near.
  */
+#include "turns.h"
 #include "worlds.h"
 
 #include "base/memory.h"
@@ -527,6 +528,38 @@ static void what_was_in_memory_decides_nothing(void **state)
 	lab_close(&littered);
 }
 
+/*
+ * Where coordinates round more coarsely than a small ball's gaps are resolved: on paths of 1 to
+ * 1,000 m within one step to a plane 1 km from the origin.
+ */
+static void a_small_ball_far_away_stops_at_what_it_reaches(void **state)
+{
+	const double far = 1000, radius = 1e-3, h = 1.0 / 60;
+
+	(void)state;
+	for (uint64_t k = 0; k < 150; k++) {
+		struct lab lab;
+		const rb_vec3 n = rb_vec3_unit(some_vector(4 * k), (rb_vec3){0, 0, 1});
+		const rb_vec3 across = rb_vec3_reject(some_vector(4 * k + 1), n);
+		const double path = pow(10, (double)(k % 4)), share = between(0.3, 0.9, 7, k);
+		const rb_vec3 along = rb_vec3_add_scaled(n, 0.2, across);
+
+		lab_open(&lab, h, 60);
+		lab.scene.world.method = RB_METHOD_STEPPED;
+		lab.scene.world.time_step_s = h;
+		lab_surface(&lab, 0, 0);
+		const int ball = lab_sphere(&lab, radius, 1,
+		                            rb_vec3_scale(far - radius - share * path, n),
+		                            rb_vec3_scale(path / h, along));
+		lab_plane(&lab, rb_vec3_scale(far, n), rb_vec3_neg(n));
+		lab_seal(&lab, 1);
+		lab_run(&lab);
+		assert_near(rb_vec3_dot(rb_world_position(lab.world, ball), n), far - radius,
+		            lab.model->stepped_tolerance_m);
+		lab_close(&lab);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -536,6 +569,7 @@ int main(void)
 		cmocka_unit_test(steps_take_over_what_was_located),
 		cmocka_unit_test(a_stick_that_turns_hits_what_its_tip_reaches),
 		cmocka_unit_test(what_comes_back_is_met),
+		cmocka_unit_test(a_small_ball_far_away_stops_at_what_it_reaches),
 		cmocka_unit_test(what_turns_in_place_has_gone_its_size_times_its_angle),
 		cmocka_unit_test(what_may_be_closed_follows_the_faster_turn),
 		cmocka_unit_test(a_heap_of_boxes_that_turn_stays_within_the_tolerance),

@@ -191,6 +191,8 @@ static void fill_point(const struct inspection *inspection, struct rb_pair_motio
 
 /* A displacement beyond this share of the radius is followed to find the normal at the touch. */
 static const double far_share = 0.1;
+/* Iterations for it: where the path only grazes, each halves the distance; twice those of a gap. */
+enum { APPROACH_ROUNDS = 32 };
 
 /*
  * Gap of a sphere to another shape. One that moves far is measured where its path at present
@@ -204,26 +206,26 @@ static struct rb_gap approaching(const struct inspection *inspection, struct rb_
 	struct rb_gap g = rb_gap_of(world, state, pair.a, pair.b);
 	const rb_vec3 d = rb_step_closing_displacement(world, pair, inspection->h);
 	const double size = world->model->shape[pair.a].radius;
-	double t = 0;
+	double t = 0, closing;
 
 	if (!(rb_vec3_dot(d, d) > far_share * far_share * size * size) || g.gap <= 0)
 		return g;
 	/*
 	 * the distance is convex along a straight path: Newton's method approaches from one side
-	 * without overshoot
+	 * without overshoot, until rounding of the path leaves it where it is
 	 */
 	const rb_vec3 origin = rb_world_origin_at(world, state, pair.a);
-	for (int round = 0; round < 32; round++) {
-		const double closing = -rb_vec3_dot(g.normal, d);
-		const double more = closing > 0 ? g.gap / closing : 1;
+	for (int round = 0;; round++) {
+		closing = -rb_vec3_dot(g.normal, d);
+		const double next = t + (closing > 0 ? g.gap / closing : 1);
 
-		if (t + more >= 1 || g.gap <= 1e-12 * size) {
-			g.gap += t * closing;
+		if (round == APPROACH_ROUNDS || next >= 1 || next == t || g.gap <= 1e-12 * size)
 			break;
-		}
-		t += more;
+		t = next;
 		g = rb_gap_at(world, state, pair.a, rb_vec3_add_scaled(origin, -t, d), pair.b);
 	}
+	/* of a linear model from the start */
+	g.gap += t * closing;
 	return g;
 }
 
