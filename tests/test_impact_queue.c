@@ -11,7 +11,7 @@ enum { COUNT = 500 };
 static void times_come_out_in_order(void **state)
 {
 	struct rb_impact_queue queue = {0};
-	struct rb_due_impact last = {-1, 0};
+	struct rb_queued_impact last = {-1, 0};
 	size_t sum = 0;
 
 	(void)state;
@@ -19,11 +19,11 @@ static void times_come_out_in_order(void **state)
 		/* one of 50 times: many ties */
 		const double t = (double)(rb_random_bits(3, 0, k) % 50);
 
-		assert_int_equal(rb_impact_queue_add(&queue, (struct rb_due_impact){t, k}, NULL),
+		assert_int_equal(rb_impact_queue_add(&queue, (struct rb_queued_impact){t, k}, NULL),
 		                 RB_OK);
 	}
 	for (size_t k = 0; k < COUNT; k++) {
-		const struct rb_due_impact due = rb_impact_queue_next(&queue);
+		const struct rb_queued_impact due = rb_impact_queue_next(&queue);
 
 		assert_true(due.t_s > last.t_s || (due.t_s == last.t_s && due.point > last.point));
 		sum += due.point;
@@ -40,12 +40,14 @@ static void what_is_added_in_between_is_sorted_in(void **state)
 
 	(void)state;
 	for (size_t k = 0; k < 8; k++)
-		assert_int_equal(rb_impact_queue_add(
-					 &queue, (struct rb_due_impact){2.0 * (double)k, k}, NULL),
+		assert_int_equal(rb_impact_queue_add(&queue,
+		                                     (struct rb_queued_impact){2.0 * (double)k, k},
+		                                     NULL),
 		                 RB_OK);
 	assert_true(rb_impact_queue_next(&queue).t_s == 0);
 	assert_true(rb_impact_queue_next(&queue).t_s == 2);
-	assert_int_equal(rb_impact_queue_add(&queue, (struct rb_due_impact){3, 99}, NULL), RB_OK);
+	assert_int_equal(rb_impact_queue_add(&queue, (struct rb_queued_impact){3, 99}, NULL),
+	                 RB_OK);
 	assert_int_equal(rb_impact_queue_next(&queue).point, 99);
 	assert_true(rb_impact_queue_next(&queue).t_s == 4);
 	rb_memory_free(queue.row);
@@ -63,16 +65,17 @@ static void what_is_foreseen_anew_is_left_out(void **state)
 		for (size_t k = 0; k < COUNT; k++) {
 			due_s[k] = (double)(rb_random_bits(3, round, k) % 1000) +
 			           1000.0 * (double)round;
-			assert_int_equal(rb_impact_queue_add(
-						 &queue, (struct rb_due_impact){due_s[k], k}, NULL),
+			assert_int_equal(rb_impact_queue_add(&queue,
+			                                     (struct rb_queued_impact){due_s[k], k},
+			                                     NULL),
 			                 RB_OK);
 		}
 	for (size_t k = 0; k < COUNT; k += 5)
 		due_s[k] = (double)INFINITY;
 	rb_impact_queue_keep(&queue, due_s);
 	assert_int_equal(queue.count, COUNT - COUNT / 5);
-	for (struct rb_due_impact last = {-1, 0}; queue.count > 0; left++) {
-		const struct rb_due_impact due = rb_impact_queue_next(&queue);
+	for (struct rb_queued_impact last = {-1, 0}; queue.count > 0; left++) {
+		const struct rb_queued_impact due = rb_impact_queue_next(&queue);
 
 		assert_true(due.t_s > last.t_s || (due.t_s == last.t_s && due.point > last.point));
 		assert_true(due.t_s == due_s[due.point]);

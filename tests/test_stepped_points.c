@@ -320,7 +320,7 @@ static void what_was_found_of_a_pose_is_not_that_of_another(void **state)
 	lab_seal(&lab, 1);
 	struct rb_candidates *const candidates = &lab.world->stepped->candidates;
 	const struct rb_pair pair = {0, 1};
-	struct rb_clue clue = {.is_known = false};
+	struct rb_axis_cache cache = {.is_known = false};
 	for (int frame = 0; frame < 4; frame++) {
 		lab_step(&lab);
 		rb_candidates_place(candidates, lab.world, (const int[]){0, 1}, 2);
@@ -328,17 +328,17 @@ static void what_was_found_of_a_pose_is_not_that_of_another(void **state)
 		                                                  &candidates->placed[1]);
 		const rb_separation is = rb_separation_of(&parts.a, &parts.b);
 
-		assert_false(rb_clue_knows(&clue, rb_placings_of(candidates, pair)));
+		assert_false(rb_axis_cache_knows(&cache, rb_placings_of(candidates, pair)));
 		for (int twice = 0; twice < 2; twice++) {
 			const struct rb_placings placings = rb_placings_of(candidates, pair);
 			const rb_separation found = rb_clearance_separation(&parts, placings,
-			                                                    &clue);
+			                                                    &cache);
 
 			assert_near(found.gap, is.gap, 0);
 			assert_near(found.noise, is.noise, 0);
 			assert_vector(found.normal, is.normal, 0);
 			rb_candidates_place(candidates, lab.world, (const int[]){0, 1}, 2);
-			assert_true(rb_clue_knows(&clue, rb_placings_of(candidates, pair)));
+			assert_true(rb_axis_cache_knows(&cache, rb_placings_of(candidates, pair)));
 		}
 	}
 	/* a turn of which the square is no number any more is one, too */

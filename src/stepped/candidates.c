@@ -136,8 +136,8 @@ void rb_candidates_release(struct rb_candidates *candidates)
 	rb_memory_free(candidates->turn_margin);
 	rb_memory_free(candidates->own_depth);
 	rb_memory_free(candidates->own_clearance);
-	rb_memory_free(candidates->clue);
-	rb_memory_free(candidates->own_first_clue);
+	rb_memory_free(candidates->cache);
+	rb_memory_free(candidates->own_first_cache);
 	rb_memory_free(candidates->first_part);
 	rb_memory_free(candidates->placed);
 	rb_memory_free(candidates->turn);
@@ -319,21 +319,21 @@ static enum rb_status order_pairs(struct rb_candidates *candidates, const struct
 
 /* ---- caches and search ---- */
 
-static size_t clues_of(const struct rb_candidates *candidates, struct rb_pair pair)
+static size_t caches_of(const struct rb_candidates *candidates, struct rb_pair pair)
 {
 	return (size_t)rb_candidates_part_count(candidates, pair.a) *
 	       (size_t)rb_candidates_part_count(candidates, pair.b);
 }
 
-void rb_candidates_add_clues(struct rb_candidates *candidates, size_t k)
+void rb_candidates_add_caches(struct rb_candidates *candidates, size_t k)
 {
-	const size_t count = clues_of(candidates, candidates->pair[k]);
-	const uint32_t at = __atomic_fetch_add(&candidates->clue_count, (uint32_t)count,
+	const size_t count = caches_of(candidates, candidates->pair[k]);
+	const uint32_t at = __atomic_fetch_add(&candidates->cache_count, (uint32_t)count,
 	                                       __ATOMIC_RELAXED);
 
-	RB_ASSERT_COSTLY(at + count <= candidates->clue_capacity);
-	memset(candidates->clue + at, 0, count * sizeof *candidates->clue);
-	candidates->first_clue[k] = at;
+	RB_ASSERT_COSTLY(at + count <= candidates->cache_capacity);
+	memset(candidates->cache + at, 0, count * sizeof *candidates->cache);
+	candidates->first_cache[k] = at;
 }
 
 enum rb_status rb_candidates_forget(struct rb_candidates *candidates, const struct rb_model *model,
@@ -360,23 +360,23 @@ enum rb_status rb_candidates_forget(struct rb_candidates *candidates, const stru
 	for (size_t k = 0; k < candidates->pair_count; k++)
 		candidates->own_clearance[k] = -(double)INFINITY;
 	candidates->clearance = candidates->own_clearance;
-	if (!rb_memory_reserve(&candidates->own_first_clue, &candidates->first_clue_capacity,
-	                       candidates->pair_count + 1, sizeof *candidates->own_first_clue))
+	if (!rb_memory_reserve(&candidates->own_first_cache, &candidates->first_cache_capacity,
+	                       candidates->pair_count + 1, sizeof *candidates->own_first_cache))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu candidate pairs",
 		               candidates->pair_count);
 	for (size_t k = 0; k < candidates->pair_count; k++) {
 		const bool terrain = rb_candidates_is_terrain(model, candidates->pair[k].b);
 
-		candidates->own_first_clue[k] = terrain ? 0 : RB_NO_CLUES;
+		candidates->own_first_cache[k] = terrain ? 0 : RB_NO_CACHES;
 		if (!terrain)
-			count += clues_of(candidates, candidates->pair[k]);
+			count += caches_of(candidates, candidates->pair[k]);
 	}
-	if (count >= RB_NO_CLUES ||
-	    !rb_memory_reserve(&candidates->clue, &candidates->clue_capacity, count + 1,
-	                       sizeof *candidates->clue))
+	if (count >= RB_NO_CACHES ||
+	    !rb_memory_reserve(&candidates->cache, &candidates->cache_capacity, count + 1,
+	                       sizeof *candidates->cache))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu candidate parts", count);
-	candidates->clue_count = 0;
-	candidates->first_clue = candidates->own_first_clue;
+	candidates->cache_count = 0;
+	candidates->first_cache = candidates->own_first_cache;
 	return RB_OK;
 }
 

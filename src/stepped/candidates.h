@@ -14,13 +14,13 @@
 #include "step/broadphase.h"
 #include "world/world.h"
 
-#define RB_NO_CLUES UINT32_MAX
+#define RB_NO_CACHES UINT32_MAX
 
 /* Largest number of a pose; the next is 0. */
 #define RB_PLACING_MAX 0x7fffffffu
 
 /* Result of the last inspection of two parts, as a cache; decides cost only. */
-struct rb_clue {
+struct rb_axis_cache {
 	rb_vec3 axis;      /* direction that separated them, or in which they touch; zero: none */
 	double gap, faces; /* m: if `is_known`, result of rb_separation_of along the axis */
 	unsigned placing_a : 31; /* of that pose */
@@ -29,7 +29,7 @@ struct rb_clue {
 	unsigned is_close : 1; /* they were not separated */
 };
 
-_Static_assert(sizeof(struct rb_clue) == 48, "there may be thirteen for each body");
+_Static_assert(sizeof(struct rb_axis_cache) == 48, "there may be thirteen for each body");
 
 struct rb_candidates {
 	bool valid;
@@ -61,13 +61,14 @@ struct rb_candidates {
 	double resting_depth; /* m: largest overlap of pairs that are not live; NAN: unknown */
 	/*
 	 * Scenes with parts: data for the narrow phase. Whoever inspects a pair may write its
-	 * clues.
+	 * caches.
 	 */
-	struct rb_clue *clue; /* by pair of parts of the pairs that came close, in order of time */
-	uint32_t clue_count;  /* number of these; incremented by all workers */
-	uint32_t *first_clue; /* [pair_count], by pair; RB_NO_CLUES: none yet */
-	uint32_t *own_first_clue;
-	size_t clue_capacity, first_clue_capacity;
+	struct rb_axis_cache
+		*cache;        /* by pair of parts of the pairs that came close, in order of time */
+	uint32_t cache_count;  /* number of these; incremented by all workers */
+	uint32_t *first_cache; /* [pair_count], by pair; RB_NO_CACHES: none yet */
+	uint32_t *own_first_cache;
+	size_t cache_capacity, first_cache_capacity;
 	int *first_part;   /* [bodies and statics + 1] into `placed` */
 	rb_placed *placed; /* poses of parts: rb_candidates_place */
 	rb_vec3 *at;       /* [bodies and statics] m: their origins at these poses */
@@ -125,14 +126,14 @@ bool rb_candidates_holds(const struct rb_candidates *candidates, const struct rb
 RB_CHECKED enum rb_status rb_candidates_forget(struct rb_candidates *candidates,
                                                const struct rb_model *model, struct rb_error *err);
 
-/* Adds cleared clues for a pair. */
-void rb_candidates_add_clues(struct rb_candidates *candidates, size_t k);
+/* Adds cleared caches for a pair. */
+void rb_candidates_add_caches(struct rb_candidates *candidates, size_t k);
 
-static inline struct rb_clue *rb_candidates_clues(struct rb_candidates *candidates, size_t k)
+static inline struct rb_axis_cache *rb_candidates_caches(struct rb_candidates *candidates, size_t k)
 {
-	if (candidates->first_clue[k] == RB_NO_CLUES)
-		rb_candidates_add_clues(candidates, k);
-	return &candidates->clue[candidates->first_clue[k]];
+	if (candidates->first_cache[k] == RB_NO_CACHES)
+		rb_candidates_add_caches(candidates, k);
+	return &candidates->cache[candidates->first_cache[k]];
 }
 
 static inline int rb_candidates_part_count(const struct rb_candidates *candidates, int i)

@@ -50,11 +50,11 @@ struct rb_part_pair {
 	double radii; /* m, sum of both */
 };
 
-/* Prefetches the clues of a pair, which are rarely in the cache. */
+/* Prefetches cached axes of a pair, which are rarely in the processor's cache. */
 static inline void rb_clearance_prefetch(const struct rb_candidates *candidates, size_t k)
 {
-	if (candidates->first_clue[k] != RB_NO_CLUES)
-		__builtin_prefetch(&candidates->clue[candidates->first_clue[k]], 1);
+	if (candidates->first_cache[k] != RB_NO_CACHES)
+		__builtin_prefetch(&candidates->cache[candidates->first_cache[k]], 1);
 }
 
 /* Sum of the paths of both bodies, m. */
@@ -125,38 +125,40 @@ static inline struct rb_placings rb_placings_of(const struct rb_candidates *cand
 	return (struct rb_placings){candidates->placing[pair.a], candidates->placing[pair.b]};
 }
 
-static inline bool rb_clue_knows(const struct rb_clue *clue, struct rb_placings placings)
+static inline bool rb_axis_cache_knows(const struct rb_axis_cache *cache,
+                                       struct rb_placings placings)
 {
-	return clue->is_known && clue->placing_a == placings.a && clue->placing_b == placings.b;
+	return cache->is_known && cache->placing_a == placings.a && cache->placing_b == placings.b;
 }
 
-/* Separation of two parts at their present poses, cached in the clue. */
+/* Separation of two parts at their present poses, kept in the cache. */
 static inline rb_separation rb_clearance_separation(const struct rb_part_pair *parts,
                                                     struct rb_placings placings,
-                                                    struct rb_clue *clue)
+                                                    struct rb_axis_cache *cache)
 {
-	if (rb_clue_knows(clue, placings))
-		return (rb_separation){clue->axis, clue->gap,
-		                       rb_separation_noise(&parts->a, &parts->b), clue->faces};
+	if (rb_axis_cache_knows(cache, placings))
+		return (rb_separation){cache->axis, cache->gap,
+		                       rb_separation_noise(&parts->a, &parts->b), cache->faces};
 	const rb_separation found = rb_separation_of(&parts->a, &parts->b);
 
-	clue->axis = found.normal;
-	clue->gap = found.gap;
-	clue->faces = found.faces;
-	clue->placing_a = placings.a & RB_PLACING_MAX;
-	clue->placing_b = placings.b & RB_PLACING_MAX;
-	clue->is_known = true;
+	cache->axis = found.normal;
+	cache->gap = found.gap;
+	cache->faces = found.faces;
+	cache->placing_a = placings.a & RB_PLACING_MAX;
+	cache->placing_b = placings.b & RB_PLACING_MAX;
+	cache->is_known = true;
 	return found;
 }
 
 /* Lower bound of the distance of two parts, if it is found to exceed `max`, m; else -INFINITY. */
 static inline double rb_clearance_of_parts(const struct rb_part_pair *parts, double max,
-                                           struct rb_clue *clue)
+                                           struct rb_axis_cache *cache)
 {
-	const int rounds = clue->is_close ? RB_ROUNDS_CLOSE : RB_ROUNDS_SEPARATE;
+	const int rounds = cache->is_close ? RB_ROUNDS_CLOSE : RB_ROUNDS_SEPARATE;
 
-	clue->is_known = false; /* the axis may change */
-	return rb_separation_beyond(&parts->a, &parts->b, max + parts->radii, rounds, &clue->axis) -
+	cache->is_known = false; /* the axis may change */
+	return rb_separation_beyond(&parts->a, &parts->b, max + parts->radii, rounds,
+	                            &cache->axis) -
 	       parts->radii;
 }
 

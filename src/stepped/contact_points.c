@@ -518,7 +518,7 @@ static const double gap_error_share = 0.125;
  * unknown.
  */
 static double inspect_parts(struct inspection *inspection, struct rb_pair pair, double slack,
-                            struct rb_clue *clues)
+                            struct rb_axis_cache *caches)
 {
 	const struct rb_candidates *candidates = inspection->candidates;
 	const double tolerance = inspection->world->model->stepped_tolerance_m;
@@ -542,8 +542,9 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 			least_clearance = rb_clearance_min(least_clearance, 2 * slack);
 		while ((j = rb_near_parts_next(&near)) >= 0) {
 			const rb_placed *const pb = &candidates->placed[b + j];
-			struct rb_clue none = {0};
-			struct rb_clue *const clue = near.far ? &none : &clues[i * count_b + j];
+			struct rb_axis_cache none = {0};
+			struct rb_axis_cache *const cache = near.far ? &none
+			                                             : &caches[i * count_b + j];
 
 			const struct rb_part_pair parts = rb_part_pair_of(pa, pb);
 			double clearance = rb_clearance_of_spheres(pa, pb, slack);
@@ -551,20 +552,20 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 			/*
 			 * for boxes that were close, the closed form costs no more than the bound
 			 */
-			if (!(clearance > slack) && !rb_clue_knows(clue, placings) &&
-			    !(clue->is_close && rb_box_is(pa) && rb_box_is(pb)))
-				clearance = rb_clearance_of_parts(&parts, slack, clue);
+			if (!(clearance > slack) && !rb_axis_cache_knows(cache, placings) &&
+			    !(cache->is_close && rb_box_is(pa) && rb_box_is(pb)))
+				clearance = rb_clearance_of_parts(&parts, slack, cache);
 			if (clearance > slack) {
 				least_clearance = rb_clearance_min(least_clearance, clearance);
-				clue->is_close = false;
+				cache->is_close = false;
 				continue;
 			}
-			const rb_separation s = rb_clearance_separation(&parts, placings, clue);
+			const rb_separation s = rb_clearance_separation(&parts, placings, cache);
 			least_clearance = rb_clearance_min(least_clearance,
 			                                   s.gap - s.noise - parts.radii);
 			/* as without a cached axis: the cache decides cost only */
-			clue->is_close = s.gap - parts.radii <= slack;
-			if (!clue->is_close)
+			cache->is_close = s.gap - parts.radii <= slack;
+			if (!cache->is_close)
 				continue;
 			rb_manifold_from(&manifold, pa, pb, &s, band, fine);
 			if (rb_internal_edge_possible(&manifold, band, tolerance) &&
@@ -684,8 +685,9 @@ static void inspect_block(void *user, int block, int worker)
 			continue;
 		const double slack = rb_clearance_min(
 			max, rb_step_closing_of(inspection.world, candidates, pair, inspection.h));
-		candidates->clearance[k] = path + inspect_parts(&inspection, pair, slack,
-		                                                rb_candidates_clues(candidates, k));
+		candidates->clearance[k] = path +
+		                           inspect_parts(&inspection, pair, slack,
+		                                         rb_candidates_caches(candidates, k));
 		more = !is_interrupted(inspections, pair.a);
 	}
 	inspections->block[block] = inspection;

@@ -39,14 +39,14 @@ enum { PAIR_WORK = 1 << 10 };
 
 /*
  * Depth in m of the deepest pair of convex parts; if that is provably at most `least` > 0, usually
- * -least. Updates the clues and the clearance of the pair, which spares the test while both bodies
+ * -least. Updates the caches and the clearance of the pair, which spares the test while both bodies
  * move less than that.
  */
 static double depth_of_parts(const struct rb_model *model, struct rb_candidates *candidates,
                              size_t k, double path, double least)
 {
 	const struct rb_pair pair = candidates->pair[k];
-	struct rb_clue *const clues = rb_candidates_clues(candidates, k);
+	struct rb_axis_cache *const caches = rb_candidates_caches(candidates, k);
 	const int a = candidates->first_part[pair.a], b = candidates->first_part[pair.b];
 	const int count_a = rb_candidates_part_count(candidates, pair.a);
 	const int count_b = rb_candidates_part_count(candidates, pair.b);
@@ -67,21 +67,22 @@ static double depth_of_parts(const struct rb_model *model, struct rb_candidates 
 			least_clearance = rb_clearance_min(least_clearance, 0);
 		while ((j = rb_near_parts_next(&near)) >= 0) {
 			const rb_placed *const pb = &candidates->placed[b + j];
-			struct rb_clue none = {0};
-			struct rb_clue *const clue = near.far ? &none : &clues[i * count_b + j];
+			struct rb_axis_cache none = {0};
+			struct rb_axis_cache *const cache = near.far ? &none
+			                                             : &caches[i * count_b + j];
 
 			double clearance = rb_clearance_of_spheres(pa, pb, 0);
 			const struct rb_part_pair parts = rb_part_pair_of(pa, pb);
 
-			if (!(clearance > 0) && !rb_clue_knows(clue, placings))
+			if (!(clearance > 0) && !rb_axis_cache_knows(cache, placings))
 				clearance = rb_clearance_of_parts(
-					&parts, -rb_clearance_max(depth, least), clue);
+					&parts, -rb_clearance_max(depth, least), cache);
 			if (clearance > -rb_clearance_max(depth, least)) {
 				least_clearance = rb_clearance_min(least_clearance, clearance);
 				bounded = bounded || (clearance < 0 && least > depth);
 				continue;
 			}
-			const rb_separation s = rb_clearance_separation(&parts, placings, clue);
+			const rb_separation s = rb_clearance_separation(&parts, placings, cache);
 			depth = rb_clearance_max(depth, parts.radii - s.gap);
 			least_clearance = rb_clearance_min(least_clearance,
 			                                   s.gap - s.noise - parts.radii);

@@ -53,7 +53,7 @@ struct impacts {
 	struct rb_flight flight;
 	unsigned char *held;
 	size_t *first, *of;     /* points of each dynamic body */
-	double *due_s;          /* [points] time of its next impact; INFINITY: none */
+	double *next_s;         /* [points] time of its next impact; INFINITY: none */
 	unsigned char *touched; /* [points] took part in an impact */
 	/* [points] may take part in an impact: its gap is updated at the end */
 	unsigned char *seen;
@@ -89,7 +89,7 @@ void rb_impacts_release(struct rb_stepped *s)
 {
 	rb_memory_free(s->kicks.row);
 	rb_memory_free(s->kicks.place);
-	rb_memory_free(s->due.row);
+	rb_memory_free(s->impact_queue.row);
 }
 
 /* ---- the queue ---- */
@@ -98,18 +98,18 @@ void rb_impacts_release(struct rb_stepped *s)
 static enum rb_status predict(struct impacts *pass, size_t point, double now, struct rb_error *err)
 {
 	RB_ASSERT_COSTLY(point < pass->points->count && now >= 0 && now <= pass->flight.h_s);
-	struct rb_impact_queue *const queue = &pass->s->due;
+	struct rb_impact_queue *const queue = &pass->s->impact_queue;
 	const double t = rb_flight_touches(&pass->flight, &pass->points->row[point], now);
 
-	if (t == pass->due_s[point]) /* it is queued already, or never due */
+	if (t == pass->next_s[point]) /* it is queued already, or never due */
 		return RB_OK;
-	pass->due_s[point] = t;
+	pass->next_s[point] = t;
 	if (!(t <= pass->flight.h_s))
 		return RB_OK;
 	/* in a crowd most predictions are replaced before their time */
 	if (queue->count >= STALE_MAX + 2 * pass->points->count)
-		rb_impact_queue_keep(queue, pass->due_s);
-	return rb_impact_queue_add(queue, (struct rb_due_impact){t, point}, err);
+		rb_impact_queue_keep(queue, pass->next_s);
+	return rb_impact_queue_add(queue, (struct rb_queued_impact){t, point}, err);
 }
 
 /* ---- the search ---- */
@@ -138,7 +138,7 @@ static enum rb_status begin(struct impacts *pass, struct rb_error *err)
 	pass->held = rb_arena_take(arena, n, 1);
 	pass->first = rb_arena_take(arena, n + 1, sizeof *pass->first);
 	pass->of = rb_arena_take(arena, 2 * count, sizeof *pass->of);
-	pass->due_s = rb_arena_take(arena, count, sizeof *pass->due_s);
+	pass->next_s = rb_arena_take(arena, count, sizeof *pass->next_s);
 	pass->touched = rb_arena_take(arena, count, 1);
 	pass->initial_arm = rb_arena_take(arena, count, sizeof *pass->initial_arm);
 	pass->place = rb_arena_take(arena, n, sizeof *pass->place);
@@ -146,7 +146,7 @@ static enum rb_status begin(struct impacts *pass, struct rb_error *err)
 	pass->body = rb_arena_take(arena, (size_t)pass->bodies_max + 1, sizeof *pass->body);
 	pass->turning = rb_arena_take(arena, (size_t)pass->bodies_max + 1, sizeof *pass->turning);
 	pass->contact = rb_arena_take(arena, RB_IMPACT_CONTACTS + 1, sizeof *pass->contact);
-	if (!pass->held || !pass->first || !pass->of || !pass->due_s || !pass->touched ||
+	if (!pass->held || !pass->first || !pass->of || !pass->next_s || !pass->touched ||
 	    !pass->initial_arm || !pass->place || !pass->crowded || !pass->body || !pass->turning ||
 	    !pass->contact)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
@@ -160,7 +160,7 @@ static enum rb_status begin(struct impacts *pass, struct rb_error *err)
 	mark_joined(pass);
 	enum rb_status status = RB_OK;
 	for (size_t k = 0; k < count && status == RB_OK; k++) {
-		pass->due_s[k] = (double)INFINITY;
+		pass->next_s[k] = (double)INFINITY;
 		pass->initial_arm[k][0] = pass->points->row[k].arm_a;
 		pass->initial_arm[k][1] = pass->points->row[k].arm_b;
 		if (pass->seen[k])
@@ -652,13 +652,13 @@ static enum rb_status predict_again(struct impacts *pass, size_t point, struct r
 
 	pass->seen[point] = 1;
 	if (pass->touched[point] && rb_flight_is_done(&pass->flight, of, pass->t_s, pass->noise)) {
-		pass->due_s[point] = (double)INFINITY;
+		pass->next_s[point] = (double)INFINITY;
 		return RB_OK;
 	}
 	return predict(pass, point, pass->t_s, err);
 }
 
-static enum rb_status run_event(struct impacts *pass, struct rb_due_impact due,
+static enum rb_status run_event(struct impacts *pass, struct rb_queued_impact due,
                                 struct rb_error *err)
 {
 	enum rb_status status = RB_OK;
@@ -668,7 +668,7 @@ static enum rb_status run_event(struct impacts *pass, struct rb_due_impact due,
 	if (rb_interrupt_after(&pass->world->interrupt, EVENT_WORK))
 		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 	pass->t_s = due.t_s;
-	pass->due_s[due.point] = (double)INFINITY;
+	pass->next_s[due.point] = (double)INFINITY;
 	good = gather(pass, due.point) ? collide(pass, due.point, &done)
 	                               : defer_to_end(pass, due.point);
 	for (int k = 0; k < pass->contact_count && done; k++)
@@ -754,13 +754,13 @@ enum rb_status rb_impacts_resolve(struct rb_world *world, struct rb_cohort *coho
 		rb_arena_back(&world->arena[0], here);
 		return RB_OK;
 	}
-	s->due.count = 0;
+	s->impact_queue.count = 0;
 	enum rb_status status = begin(&pass, err);
 	size_t left = EVENTS_MAX + EVENTS_PER_POINT * pass.points->count;
-	while (status == RB_OK && s->due.count > 0 && left > 0) {
-		const struct rb_due_impact due = rb_impact_queue_next(&s->due);
+	while (status == RB_OK && s->impact_queue.count > 0 && left > 0) {
+		const struct rb_queued_impact due = rb_impact_queue_next(&s->impact_queue);
 
-		if (due.t_s != pass.due_s[due.point]) /* stale */
+		if (due.t_s != pass.next_s[due.point]) /* stale */
 			continue;
 		left--;
 		status = run_event(&pass, due, err);

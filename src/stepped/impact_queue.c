@@ -16,12 +16,12 @@
  * A total order, since ties go by point: which of two simultaneous impacts comes first does not
  * depend on the history of the heap.
  */
-static bool is_sooner(const struct rb_due_impact *x, const struct rb_due_impact *y)
+static bool is_sooner(const struct rb_queued_impact *x, const struct rb_queued_impact *y)
 {
 	return x->t_s < y->t_s || (x->t_s == y->t_s && x->point < y->point);
 }
 
-enum rb_status rb_impact_queue_add(struct rb_impact_queue *queue, struct rb_due_impact due,
+enum rb_status rb_impact_queue_add(struct rb_impact_queue *queue, struct rb_queued_impact due,
                                    struct rb_error *err)
 {
 	size_t at = queue->count;
@@ -37,9 +37,9 @@ enum rb_status rb_impact_queue_add(struct rb_impact_queue *queue, struct rb_due_
 }
 
 /* Moves a hole at `at` down to where the element belongs. */
-static void sink(struct rb_impact_queue *queue, size_t at, struct rb_due_impact due)
+static void sink(struct rb_impact_queue *queue, size_t at, struct rb_queued_impact due)
 {
-	struct rb_due_impact *const row = queue->row;
+	struct rb_queued_impact *const row = queue->row;
 
 	for (;;) {
 		size_t next = 2 * at + 1;
@@ -56,22 +56,22 @@ static void sink(struct rb_impact_queue *queue, size_t at, struct rb_due_impact 
 	row[at] = due;
 }
 
-struct rb_due_impact rb_impact_queue_next(struct rb_impact_queue *queue)
+struct rb_queued_impact rb_impact_queue_next(struct rb_impact_queue *queue)
 {
 	RB_ASSERT(queue->count > 0);
-	const struct rb_due_impact first = queue->row[0], last = queue->row[--queue->count];
+	const struct rb_queued_impact first = queue->row[0], last = queue->row[--queue->count];
 
 	sink(queue, 0, last);
 	return first;
 }
 
-void rb_impact_queue_keep(struct rb_impact_queue *queue, const double *due_s)
+void rb_impact_queue_keep(struct rb_impact_queue *queue, const double *next_s)
 {
-	struct rb_due_impact *const row = queue->row;
+	struct rb_queued_impact *const row = queue->row;
 	size_t count = 0;
 
 	for (size_t k = 0; k < queue->count; k++)
-		if (row[k].t_s == due_s[row[k].point])
+		if (row[k].t_s == next_s[row[k].point])
 			row[count++] = row[k];
 	queue->count = count;
 	for (size_t k = count / 2; k-- > 0;)

@@ -12,23 +12,23 @@
 
 #include <rbsim/error.h>
 
-struct rb_due_impact {
+struct rb_queued_impact {
 	double t_s; /* after the beginning of the step */
 	size_t point;
 };
 
 struct rb_impact_queue {
-	struct rb_due_impact *row; /* owned */
+	struct rb_queued_impact *row; /* owned */
 	size_t count, capacity;
 };
 
 RB_CHECKED enum rb_status rb_impact_queue_add(struct rb_impact_queue *queue,
-                                              struct rb_due_impact due, struct rb_error *err);
+                                              struct rb_queued_impact due, struct rb_error *err);
 
 /* Removes and returns the first entry; the queue must not be empty. */
-struct rb_due_impact rb_impact_queue_next(struct rb_impact_queue *queue);
+struct rb_queued_impact rb_impact_queue_next(struct rb_impact_queue *queue);
 
-/* Removes stale entries: those whose time is not that of the point in `due_s`, [points]. */
-void rb_impact_queue_keep(struct rb_impact_queue *queue, const double *due_s);
+/* Removes stale entries: those whose time is not that of the point in `next_s`, [points]. */
+void rb_impact_queue_keep(struct rb_impact_queue *queue, const double *next_s);
 
 #endif

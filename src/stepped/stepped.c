@@ -263,9 +263,9 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads)
 	const size_t scratch = rb_wide_row_bytes(central, tensors) + sizeof(struct rb_saved_row) +
 	                       factors;
 	/* pairs that come close have cached axes, no more than points */
-	const size_t clue = central ? 0 : sizeof(struct rb_clue);
+	const size_t axis_cache = central ? 0 : sizeof(struct rb_axis_cache);
 	const size_t point = sizeof(struct rb_step_point) + sizeof(struct rb_constraint) +
-	                     2 * sizeof(int) + contact + again + scratch + clue;
+	                     2 * sizeof(int) + contact + again + scratch + axis_cache;
 	const size_t pair = sizeof(struct rb_pair) + sizeof(double) + sizeof(uint32_t) +
 	                    (central ? 0 : sizeof(double) + sizeof(uint32_t));
 	const double pairs = central ? HEAP_PAIRS * (double)model->body_count : heap_pairs(model);

@@ -154,10 +154,10 @@ struct rb_stepped {
 	double *varied;
 	/* owned: [bodies] share of a velocity that drag leaves in a step; NULL: no drag */
 	double *undragged;
-	struct rb_kicks kicks;      /* of the attempt */
-	struct rb_nets *nets;       /* of the attempt, in the arena; NULL: none */
-	struct rb_impact_queue due; /* scratch of stepped/impact_pass */
-	unsigned char *bad;         /* owned: [bodies] 1: the attempt failed for it */
+	struct rb_kicks kicks;               /* of the attempt */
+	struct rb_nets *nets;                /* of the attempt, in the arena; NULL: none */
+	struct rb_impact_queue impact_queue; /* scratch of stepped/impact_pass */
+	unsigned char *bad;                  /* owned: [bodies] 1: the attempt failed for it */
 	int bad_count;
 	struct rb_events reported;        /* impacts of the current step, not sorted yet */
 	struct rb_tally *tally;           /* owned; NULL: the ledger is not kept */

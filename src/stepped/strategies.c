@@ -19,8 +19,8 @@ enum { WIDE_FIRST = 60, WIDE_MAX = 400, CENTRAL_MAX = 140, WIDE_HOLD = 100 };
 enum { LARGE_MAX = 800 };
 /* Turns of normal impulses and friction before an island is given up; sweeps of both in each. */
 enum { TURNS_MAX = 6, TURN_SWEEPS = 100 };
-/* Passes that make redundant normal impulses even, with sweeps after each. */
-enum { EVEN_MAX = 16, EVEN_MANY = 4 };
+/* Passes that make redundant normal impulses least in norm, with sweeps after each. */
+enum { REDUNDANT_PASSES_FEW = 16, REDUNDANT_PASSES = 4 };
 /*
  * Rows of an island that is solved closely: faces of about four bodies. Doing so with all islands
  * below 128 rows would double the sweeps of a heap of 1,000 cubes.
@@ -468,15 +468,15 @@ static void keep_energy(const struct rb_solver *solver, struct rb_island *island
  * friction that follows them would turn a symmetric arrangement. Targets of the points of one pair
  * are made consistent starting from their original values each time, so that they do not drift.
  */
-static bool even_redundant(const struct rb_solver *solver, struct rb_sweeper *sweeper,
-                           struct rb_island *island, struct rb_arena *arena)
+static bool solve_redundant(const struct rb_solver *solver, struct rb_sweeper *sweeper,
+                            struct rb_island *island, struct rb_arena *arena)
 {
 	const struct rb_row_system *const rows = sweeper->dense;
 	const double close = close_share * solver->tolerance;
 	const double aim = fmax(island->residual, close);
 	/* in larger islands contacts without an impulse stay out of it, for their number */
 	const double slack = is_few(island) ? solver->tolerance : -(double)INFINITY;
-	const int passes = is_few(island) ? EVEN_MAX : EVEN_MANY;
+	const int passes = is_few(island) ? REDUNDANT_PASSES_FEW : REDUNDANT_PASSES;
 	double *const target = rb_arena_take(arena, (size_t)rows->row_count, sizeof *target);
 	bool good = target != NULL;
 
@@ -764,7 +764,7 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 	if (good && !is_close) {
 		solve_closely(&trial);
 		if (!sweeper.wide)
-			good = even_redundant(solver, &sweeper, island, arena);
+			good = solve_redundant(solver, &sweeper, island, arena);
 	}
 	rb_arena_back(arena, here); /* the next sweeper is as large */
 	if (solver->before)

@@ -14,7 +14,7 @@
  *                                          |
  *   energy beyond its bounds?      -> start over without separating overlaps
  *   hardly moves?                  -> solved closely, by sweeps or factors
- *   small?                         -> redundant normal impulses made even
+ *   small?                         -> redundant normal impulses of least norm
  *   gains energy?                  -> less separation, then less of all impulses
  *   nothing moves?                 -> at rest
  *

@@ -214,8 +214,8 @@ void rb_swept_bounds_restrict(struct rb_swept_bounds *swept, size_t first, size_
 	candidates->depth = candidates->own_depth + first;
 	if (candidates->own_clearance)
 		candidates->clearance = candidates->own_clearance + first;
-	if (candidates->own_first_clue)
-		candidates->first_clue = candidates->own_first_clue + first;
+	if (candidates->own_first_cache)
+		candidates->first_cache = candidates->own_first_cache + first;
 }
 
 /*
