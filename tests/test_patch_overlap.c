@@ -76,6 +76,36 @@ static void a_square_and_one_turned_share_an_octagon(void **state)
 	assert_near(area_of(count), 8 * (sqrt(2) - 1), 1e-12);
 }
 
+/*
+ * A stick along the normal, of which all is within the depth, is a point in projection: it shares
+ * itself with what it is over, and nothing where it is beside.
+ */
+static void an_upright_stick_shares_itself(void **state)
+{
+	shape s = shapes_box(1, 1, 1), stick = shapes_capsule(0.2, 0.1);
+	const rb_placed a = {&s.core, {0, 0, -1}, shapes_upright};
+
+	(void)state;
+	for (int k = 0; k < 40; k++) {
+		const double x = 1.9 * sin(k), y = 1.9 * cos(3 * k), tilt = k % 2 ? 0 : 1e-14;
+		const rb_placed b = {&stick.core, {x, y, 1}, shapes_turned((rb_vec3){tilt, 0, 0})};
+		const int wanted = fabs(x) < 1 && fabs(y) < 1 ? 2 : 0;
+
+		rb_patch_of(&low, &a, (rb_vec3){0, 0, 1}, 1, 0);
+		rb_patch_of(&high, &b, (rb_vec3){0, 0, -1}, 1, 0);
+		assert_int_equal(high.kind, RB_PATCH_SEGMENT);
+		assert_int_equal(rb_overlay(&low, &high, &up, point), wanted);
+		const rb_overlay_def below = {{0, 0, -1}, up.along, up.aside};
+		assert_int_equal(rb_overlay(&high, &low, &below, point), wanted);
+		for (int i = 0; i < wanted; i++) {
+			assert_near(point[i].on_a.x, x, 1e-12);
+			assert_near(point[i].on_a.y, y, 1e-12);
+		}
+	}
+	rb_polytope_destroy(s.polytope);
+	rb_polytope_destroy(stick.polytope);
+}
+
 static void what_lies_aside_shares_nothing(void **state)
 {
 	(void)state;
@@ -120,6 +150,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(two_squares_share_a_rectangle),
 		cmocka_unit_test(a_square_and_one_turned_share_an_octagon),
+		cmocka_unit_test(an_upright_stick_shares_itself),
 		cmocka_unit_test(what_lies_aside_shares_nothing),
 		cmocka_unit_test(a_margin_is_the_way_to_the_border),
 	};

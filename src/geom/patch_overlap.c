@@ -159,6 +159,9 @@ static bool inside(const outline *o, double x, double y, double aside)
 		if (o->count > 2 ? o->sense * cross < -aside * length
 		                 : fabs(cross) > aside * length || along < -aside * length)
 			return false;
+		/* a segment along the normal has no direction to tell by */
+		if (o->count == 2 && length == 0 && px * px + py * py > aside * aside)
+			return false;
 	}
 	return true;
 }
