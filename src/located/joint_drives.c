@@ -8,7 +8,11 @@
 
 /* Rounding of a rate and of an angle, in ulp of the terms that they are differences of. */
 enum { DRIVE_ULP = 64, ANGLE_ULP = 16 };
-/* A drive that reaches its speed within this many ulp of the size is at it. */
+/*
+ * A drive that reaches its speed within this many ulp of the size is at it. Of 59 chains whose
+ * motors drive them into stops (tests/random/stops.lua) 8 had no end without; with 16, 64 or 256
+ * ulp all but two or three come to theirs in 4 s of processor time.
+ */
 enum { SOON_ULP = 256 };
 /* Rounding of time in ulp: shorter pieces have no length. */
 enum { AT_ONCE_ULP = 2 };
