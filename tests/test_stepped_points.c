@@ -476,6 +476,59 @@ static void points_of_a_heap_are_carried_whatever_the_numbers_of_pairs(void **st
 	lab_close(&lab);
 }
 
+/* What was known of pairs before a search is known of those found again. */
+static void a_search_for_pairs_keeps_what_is_known_of_them(void **state)
+{
+	struct lab lab;
+	size_t far = 0, close = 0;
+
+	(void)state;
+	fill_pit(&lab, 1, 5e-3);
+	for (int frame = 0; frame < PIT_FRAMES; frame++)
+		lab_step(&lab);
+	struct rb_stepped *const s = lab.world->stepped;
+	struct rb_candidates *const candidates = &s->candidates;
+	const size_t count = candidates->pair_count;
+	struct known {
+		struct rb_pair pair;
+		double clearance;
+		struct rb_axis_cache cache;
+	} *const was = rb_memory_take(count, sizeof *was);
+	assert_non_null(was);
+	for (size_t k = 0; k < count; k++) {
+		was[k] = (struct known){.pair = candidates->pair[k],
+		                        .clearance = candidates->clearance[k]};
+		if (candidates->first_cache[k] != RB_NO_CACHES)
+			was[k].cache = candidates->cache[candidates->first_cache[k]];
+	}
+	candidates->valid = false;
+	for (int i = 0; i < lab.world->model->body_count; i++)
+		candidates->reach[i] *= 1.5; /* pairs get other numbers */
+	assert_int_equal(
+		rb_candidates_find(candidates, lab.world, s->body, s->member_count, &lab.error),
+		RB_OK);
+	for (size_t k = 0, at = 0; k < candidates->pair_count; k++) {
+		const struct rb_pair pair = candidates->pair[k];
+
+		for (at = 0; at < count; at++)
+			if (was[at].pair.a == pair.a && was[at].pair.b == pair.b)
+				break;
+		if (at == count)
+			continue;
+		assert_near(candidates->clearance[k], was[at].clearance, 0);
+		far += isfinite(was[at].clearance);
+		if (!was[at].cache.is_close)
+			continue;
+		assert_true(candidates->first_cache[k] != RB_NO_CACHES);
+		assert_memory_equal(&candidates->cache[candidates->first_cache[k]], &was[at].cache,
+		                    sizeof was[at].cache);
+		close++;
+	}
+	assert_true(far > 0 && close > 0);
+	rb_memory_free(was);
+	lab_close(&lab);
+}
+
 /*
  * Overlaps in a heap are closed with points of the step: whether pairs were found anew, and by how
  * many threads, is not in the bits.
@@ -575,6 +628,7 @@ int main(void)
 		cmocka_unit_test(a_heap_of_boxes_that_turn_stays_within_the_tolerance),
 		cmocka_unit_test(what_was_found_of_a_pose_is_not_that_of_another),
 		cmocka_unit_test(points_of_a_heap_are_carried_whatever_the_numbers_of_pairs),
+		cmocka_unit_test(a_search_for_pairs_keeps_what_is_known_of_them),
 		cmocka_unit_test(a_heap_is_closed_in_the_same_bits_whenever_pairs_are_found),
 	};
 

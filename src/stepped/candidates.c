@@ -380,6 +380,97 @@ enum rb_status rb_candidates_forget(struct rb_candidates *candidates, const stru
 	return RB_OK;
 }
 
+/*
+ * What was known of pairs before a search: distances, and caches of those that may touch in a step.
+ * All in the arena.
+ */
+struct earlier {
+	struct rb_pair *pair;
+	size_t count;
+	double *clearance;
+	uint32_t *first_cache;
+	struct rb_axis_cache *cache; /* in the order of pairs */
+};
+
+/* Whether the caches of a pair are worth keeping. */
+static bool has_caches(const struct rb_candidates *candidates, const struct rb_model *model,
+                       size_t k)
+{
+	const struct rb_pair pair = candidates->pair[k];
+	const double path = candidates->path[pair.a] + candidates->path[pair.b];
+	const double ahead = candidates->ahead[pair.a] + candidates->ahead[pair.b] +
+	                     model->stepped_tolerance_m;
+
+	return candidates->first_cache[k] != RB_NO_CACHES &&
+	       !rb_candidates_is_terrain(model, pair.b) &&
+	       !(candidates->clearance[k] - path > ahead);
+}
+
+/* False: no memory. */
+static bool take_earlier(struct earlier *earlier, const struct rb_candidates *candidates,
+                         const struct rb_model *model, struct rb_arena *arena)
+{
+	const size_t count = candidates->placed ? candidates->pair_count : 0;
+	uint32_t caches = 0;
+
+	*earlier = (struct earlier){.count = count};
+	if (count == 0)
+		return true;
+	earlier->pair = rb_arena_take(arena, count, sizeof *earlier->pair);
+	earlier->clearance = rb_arena_take(arena, count, sizeof *earlier->clearance);
+	earlier->first_cache = rb_arena_take(arena, count, sizeof *earlier->first_cache);
+	earlier->cache = rb_arena_take(arena, candidates->cache_count, sizeof *earlier->cache);
+	if (!earlier->pair || !earlier->clearance || !earlier->first_cache || !earlier->cache)
+		return false;
+	memcpy(earlier->pair, candidates->pair, count * sizeof *earlier->pair);
+	memcpy(earlier->clearance, candidates->clearance, count * sizeof *earlier->clearance);
+	for (size_t k = 0; k < count; k++) {
+		earlier->first_cache[k] = RB_NO_CACHES;
+		if (!has_caches(candidates, model, k))
+			continue;
+		const size_t number = caches_of(candidates, candidates->pair[k]);
+		memcpy(earlier->cache + caches, candidates->cache + candidates->first_cache[k],
+		       number * sizeof *earlier->cache);
+		earlier->first_cache[k] = caches;
+		caches += (uint32_t)number;
+	}
+	return true;
+}
+
+static bool precedes(struct rb_pair p, struct rb_pair q)
+{
+	return p.a != q.a ? p.a < q.a : p.b < q.b;
+}
+
+/*
+ * Gives the caches of pairs found again back. Pairs are in order but for driven planes; of one that
+ * is not found less is known, which costs time only.
+ */
+static void give_earlier(const struct earlier *earlier, struct rb_candidates *candidates)
+{
+	size_t at = 0;
+
+	for (size_t k = 0; k < candidates->pair_count; k++) {
+		const struct rb_pair pair = candidates->pair[k];
+
+		while (at < earlier->count && precedes(earlier->pair[at], pair))
+			at++;
+		if (at == earlier->count)
+			break;
+		if (precedes(pair, earlier->pair[at]))
+			continue;
+		candidates->own_clearance[k] = earlier->clearance[at];
+		if (earlier->first_cache[at] == RB_NO_CACHES)
+			continue;
+		const size_t number = caches_of(candidates, pair);
+		memcpy(candidates->cache + candidates->cache_count,
+		       earlier->cache + earlier->first_cache[at],
+		       number * sizeof *candidates->cache);
+		candidates->own_first_cache[k] = candidates->cache_count;
+		candidates->cache_count += (uint32_t)number;
+	}
+}
+
 /* Allocates the boxes of a search; `search` frees them. */
 static enum rb_status begin_search(struct rb_candidates *candidates, struct rb_world *world,
                                    struct rb_error *err)
@@ -392,9 +483,13 @@ static enum rb_status begin_search(struct rb_candidates *candidates, struct rb_w
 	               : RB_FAIL(err, RB_ERR_MEMORY, "no memory for the boxes of %zu bodies", n);
 }
 
-/* Runs the broad phase and clears all caches by pair; resets the arena to the mark. */
+/*
+ * Runs the broad phase and clears all caches by pair, but for what is kept; resets the arena to the
+ * mark.
+ */
 static enum rb_status search(struct rb_candidates *candidates, struct rb_world *world, bool all,
-                             rb_arena_mark here, struct rb_error *err)
+                             const struct earlier *earlier, rb_arena_mark here,
+                             struct rb_error *err)
 {
 	enum rb_status status = rb_broadphase_find(world->broadphase, candidates->box,
 	                                           &candidates->pair, &candidates->pair_count, err);
@@ -402,8 +497,14 @@ static enum rb_status search(struct rb_candidates *candidates, struct rb_world *
 	if (status == RB_OK && world->model->driven)
 		status = order_pairs(candidates, world, all, err);
 	candidates->box = NULL;
+	if (status == RB_OK)
+		status = rb_candidates_forget(candidates, world->model, err);
+	if (status == RB_OK)
+		give_earlier(earlier, candidates);
+	else
+		candidates->pair_count = 0; /* nothing is known of these */
 	rb_arena_back(&world->arena[0], here);
-	return status == RB_OK ? rb_candidates_forget(candidates, world->model, err) : status;
+	return status;
 }
 
 enum rb_status rb_candidates_pairs(struct rb_candidates *candidates, struct rb_world *world,
@@ -412,6 +513,7 @@ enum rb_status rb_candidates_pairs(struct rb_candidates *candidates, struct rb_w
 	const struct rb_model *model = world->model;
 	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
 	const enum rb_status status = begin_search(candidates, world, err);
+	const struct earlier none = {.count = 0};
 
 	if (status != RB_OK)
 		return status;
@@ -426,7 +528,7 @@ enum rb_status rb_candidates_pairs(struct rb_candidates *candidates, struct rb_w
 		candidates->box[i] = (rb_aabb){{low.x - half, low.y - half, low.z - half},
 		                               {high.x + half, high.y + half, high.z + half}};
 	}
-	return search(candidates, world, true, here, err);
+	return search(candidates, world, true, &none, here, err);
 }
 
 /* Builds new boxes around the present positions and searches for pairs. */
@@ -472,7 +574,14 @@ static enum rb_status build(struct rb_candidates *candidates, struct rb_world *w
 		candidates->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half},
 		                               {c.x + half, c.y + half, c.z + half}};
 	}
-	status = search(candidates, world, false, here, err);
+	struct earlier earlier;
+	if (!take_earlier(&earlier, candidates, model, &world->arena[0])) {
+		candidates->box = NULL;
+		rb_arena_back(&world->arena[0], here);
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu candidate pairs",
+		               candidates->pair_count);
+	}
+	status = search(candidates, world, false, &earlier, here, err);
 	candidates->valid = status == RB_OK;
 	return status;
 }
