@@ -424,6 +424,60 @@ static void packs_in_32_bits_know_any_friction(void **slot)
 	unmake(more);
 }
 
+/* A heap of spinning bodies, one of which is light, on a wide floor that turns at this rate. */
+static struct heap *make_wide(double rate)
+{
+	const double light = 64;
+	struct heap *heap = make(0.1);
+
+	spoil(heap);
+	heap->body[BODIES - 1].inverse_mass *= light; /* the last is above the others */
+	for (int k = 0; k < 9; k++)
+		heap->tensor[BODIES - 1].m[k / 3][k % 3] *= light;
+	for (int i = 0; i < BODIES; i++) {
+		heap->body[i].angular = (rb_vec3){0.3, -0.2, 0.4};
+		heap->free[i] = heap->body[i];
+	}
+	heap->body[BODIES].angular = (rb_vec3){0, 0, rate};
+	for (int k = 0; k < heap->dense.row_count; k++) {
+		struct rb_constraint *row = &heap->row[k];
+
+		row->impulse.n = 0.1 / row->inverse_mass_n;
+		if (row->b == BODIES)
+			row->arm_b = rb_vec3_add(row->arm_b, (rb_vec3){100, 50, 0});
+		if (row->b != BODIES - 1)
+			continue;
+		row->impulse.n = 0;
+		row->inverse_mass_n = yield_of(heap, row->a, row->arm_a, row->normal) +
+		                      yield_of(heap, row->b, row->arm_b, row->normal);
+		row->inverse_mass_t *= light;
+	}
+	return heap;
+}
+
+/* Speeds count, not the length of an arm that does not turn, nor what is pushed by another body. */
+static void wide_floors_and_light_bodies_do_not_ask_for_64_bits(void **slot)
+{
+	const double tolerance = 1e-4;
+	struct heap *heap = make_wide(0), *close = make_wide(0), *turns = make_wide(1);
+
+	(void)slot;
+	struct rb_sweeper sweeper = take(heap, NULL), of_close = take(close, NULL);
+	struct rb_sweeper of_turns = take(turns, NULL);
+	assert_true(rb_sweeper_run(&sweeper, tolerance, 1000).residual <= tolerance);
+	assert_true(rb_sweeper_run(&of_close, 1e-6, 5000).residual <= 1e-6);
+	(void)rb_sweeper_run(&of_turns, tolerance, 10);
+	assert_true(sweeper.packs.single && !of_close.packs.single && !of_turns.packs.single);
+	for (int i = 0; i < BODIES; i++)
+		/* errors of all layers add up */
+		assert_true(
+			rb_vec3_length(rb_vec3_sub(heap->body[i].linear, close->body[i].linear)) <=
+			10 * LAYERS * tolerance);
+	unmake(heap);
+	unmake(close);
+	unmake(turns);
+}
+
 /* Packs stay as the sweeps before have left them, whatever numbers a fresh call would choose. */
 static void what_presses_on_goes_on_in_the_same_packs(void **slot)
 {
@@ -695,6 +749,7 @@ int main(void)
 		cmocka_unit_test(packs_in_32_bits_leave_whole_impulses_of_any_masses),
 		cmocka_unit_test(what_gives_no_way_stands_in_packs_of_32_bits),
 		cmocka_unit_test(packs_in_32_bits_know_any_friction),
+		cmocka_unit_test(wide_floors_and_light_bodies_do_not_ask_for_64_bits),
 		cmocka_unit_test(what_presses_on_goes_on_in_the_same_packs),
 		cmocka_unit_test(packs_carry_a_heap_at_rest_as_single_rows_do),
 		cmocka_unit_test(any_number_of_workers_leaves_the_same_bits),

@@ -298,37 +298,52 @@ static double unit_of(double x)
 	return x > 0 && isfinite(x) ? ldexp(1, -ilogb(x)) : 1;
 }
 
-/*
- * Whether 32 bits resolve the tolerance at the largest speeds and impulses. Units are powers of two
- * near the largest values, chosen with the first packs.
- */
-static bool may_be_single(const struct rb_wide *wide, struct rb_packs *packs, double tolerance)
+/* Speed of a body's point by its spin, squared, m^2/s^2. */
+static double spin_square(const struct rb_wide *wide, int body, rb_vec3 arm)
 {
-	double arm = 0, inverse_mass = 0, linear = 0, angular = 0, impulse = 0;
+	const rb_vec3 spin = wide->dense->bodies.body[body].angular;
 
-	for (int k = 0; k < wide->member_count; k++) {
-		const struct rb_solver_body *const body =
-			&wide->dense->bodies.body[wide->member[k]];
+	return rb_vec3_dot(spin, spin) * rb_vec3_dot(arm, arm);
+}
 
-		linear = larger_of(linear, body->linear);
-		angular = larger_of(angular, body->angular);
-	}
+/* Powers of two near the largest values of the rows. */
+static void choose_units(const struct rb_wide *wide, struct rb_packs *packs, double tolerance)
+{
+	double arm = 0, inverse_mass = 0;
+
 	for (int k = 0; k < wide->dense->row_count; k++) {
 		const struct rb_constraint *const row = &wide->dense->row[k];
 
 		arm = larger_of(larger_of(arm, row->arm_a), row->arm_b);
 		inverse_mass = larger(inverse_mass, row->inverse_mass_n);
-		impulse = larger(impulse, row->impulse.n);
 	}
-	if (!packs->filled) {
-		packs->per_mass = 1 / unit_of(inverse_mass);
-		packs->per_length = unit_of(arm);
-		packs->per_speed = unit_of(tolerance);
+	packs->per_mass = 1 / unit_of(inverse_mass);
+	packs->per_length = unit_of(arm);
+	packs->per_speed = unit_of(tolerance);
+}
+
+/*
+ * Whether 32 bits resolve the tolerance at the largest speeds, and changes of speed by an impulse.
+ * Each row for itself: the arm of a wall may be as long as it is wide, and the lightest body need
+ * not bear the largest impulse. Units are chosen with the first packs.
+ */
+static bool may_be_single(const struct rb_wide *wide, struct rb_packs *packs, double tolerance)
+{
+	double speed = 0, square = 0;
+
+	if (!packs->filled)
+		choose_units(wide, packs, tolerance);
+	for (int k = 0; k < wide->member_count; k++)
+		speed = larger_of(speed, wide->dense->bodies.body[wide->member[k]].linear);
+	for (int k = 0; k < wide->dense->row_count; k++) {
+		const struct rb_constraint *const row = &wide->dense->row[k];
+
+		speed = larger_of(larger(speed, row->impulse.n * row->inverse_mass_n),
+		                  rb_vec3_scale(row->inverse_mass_t, row->impulse.t));
+		square = larger(square, larger(spin_square(wide, row->a, row->arm_a),
+		                               spin_square(wide, row->b, row->arm_b)));
 	}
-	/* arms are up to twice their unit, inverse masses too */
-	const double size = larger(
-		linear, larger(2 * angular / packs->per_length, 2 * impulse * packs->per_mass));
-	return single_roundings * (double)FLT_EPSILON * size <= tolerance;
+	return single_roundings * (double)FLT_EPSILON * larger(speed, sqrt(square)) <= tolerance;
 }
 
 static void convert_body(const struct rb_wide *wide, const struct rb_packs *packs, int i)
