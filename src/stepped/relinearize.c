@@ -452,7 +452,7 @@ static enum rb_status find_points(struct rb_world *world, struct rb_candidates *
 
 /* ---- top level ---- */
 
-/* Measures overlaps of the cohort if its candidates hold; marks islands with a deep one. */
+/* Measures overlaps of the cohort's candidates; marks islands with a deep one. */
 static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort, int inspections,
                                 const struct marks *marks, bool *deep, struct rb_error *err)
 {
@@ -460,10 +460,12 @@ static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort
 	struct rb_depths found;
 
 	*deep = false;
-	if (!world->broadphase ||
-	    (cohort->candidates == &s->candidates &&
-	     !rb_candidates_holds(&s->candidates, world, cohort->body, cohort->body_count)))
+	if (!world->broadphase)
 		return RB_OK;
+	/* else further pairs may overlap, for which the caller searches */
+	const bool holds = cohort->candidates != &s->candidates ||
+	                   rb_candidates_holds(&s->candidates, world, cohort->body,
+	                                       cohort->body_count);
 	rb_candidates_place(cohort->candidates, world, cohort->body, cohort->body_count);
 	const enum rb_status status = rb_depths_find(world, cohort->candidates, NULL, NULL, &found,
 	                                             err);
@@ -472,7 +474,7 @@ static enum rb_status find_deep(struct rb_world *world, struct rb_cohort *cohort
 		return status;
 	*deep = mark_groups(world, &found, inspections, marks);
 	cohort->depths = found;
-	cohort->has_depths = !*deep;
+	cohort->has_depths = !*deep && holds;
 	return RB_OK;
 }
 
