@@ -401,7 +401,7 @@ static void an_ffmpeg_that_is_slow_is_waited_for(void **state)
 		/* a file grows */
 		"cat >/dev/null; for i in 1 2 3 4 5 6 7; do sleep 0.4; echo x >>$out; done",
 		/* works and says nothing */
-		"cat >/dev/null; i=0; while [ $i -lt 1500000 ]; do i=$((i+1)); done; echo x >$out"};
+		"cat >/dev/null; i=0; while [ $i -lt 3000000 ]; do i=$((i+1)); done; echo x >$out"};
 	char folder[256], path[300], script[400];
 	struct rb_error err;
 
@@ -411,8 +411,8 @@ static void an_ffmpeg_that_is_slow_is_waited_for(void **state)
 		snprintf(script, sizeof script, "for last; do :; done; out=\"${last#file:}\"; %s",
 		         scripts[k]);
 		be_ffmpeg(folder, script);
-		/* four of its pauses: a busy machine stretches them */
-		assert_ok(film_with(path, 20, 1.5, NULL, &err));
+		/* seven of its pauses: a busy machine stretches them */
+		assert_ok(film_with(path, 20, 3, NULL, &err));
 		assert_int_equal(support_count_files(folder), 2);
 		assert_int_equal(unlink(path), 0);
 	}
