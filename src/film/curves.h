@@ -14,8 +14,8 @@
 struct rb_curves;
 
 /*
- * Of a camera that has plots; `span_text` tells the time of its film. Model and camera are borrowed.
- * RB_ERR_MEMORY, RB_ERR_MISSING.
+ * Of a camera that has plots; `span_text` tells the time of its film. Model and camera are
+ * borrowed. RB_ERR_MEMORY, RB_ERR_MISSING.
  */
 RB_CHECKED enum rb_status rb_curves_create(struct rb_curves **curves, const struct rb_model *model,
                                            const struct rb_camera_def *camera,
