@@ -275,6 +275,23 @@ static void a_progress_line_fits_its_terminal(void **state)
 	assert_non_null(strstr(line, " 99 %"));
 }
 
+static void short_durations_are_not_told_as_none(void **state)
+{
+	static const struct {
+		double seconds;
+		const char *text;
+	} cases[] = {{0, "0.0 s"},    {1e-9, "1 ms"},  {0.0123, "13 ms"}, {0.0499, "50 ms"},
+	             {0.05, "0.1 s"}, {9.94, "9.9 s"}, {59, "59 s"},      {3599, "59:59 min"}};
+
+	(void)state;
+	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+		char text[32];
+
+		rb_progress_duration(text, sizeof text, cases[k].seconds);
+		assert_string_equal(text, cases[k].text);
+	}
+}
+
 /* A run that takes a second for each tenth, and from the middle on ten. */
 static void what_is_left_follows_the_latest_pace(void **state)
 {
@@ -297,6 +314,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_scene_alone_is_run),
 		cmocka_unit_test(what_is_left_follows_the_latest_pace),
+		cmocka_unit_test(short_durations_are_not_told_as_none),
 		cmocka_unit_test(options_may_stand_anywhere_and_in_every_form),
 		cmocka_unit_test(two_dashes_end_options_and_verbs),
 		cmocka_unit_test(help_and_version_excuse_missing_operands),

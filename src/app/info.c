@@ -125,11 +125,14 @@ static enum rb_status observe_all(const struct rb_hdf5_module *module, struct rb
 	if (observe(&observer, "max_penetration", 1))
 		for (uint64_t k = 0; k < observer.frame_count; k++)
 			course->max_penetration = fmax(course->max_penetration, observer.values[k]);
-	if (observe(&observer, "smallest_step", 1))
+	if (observe(&observer, "smallest_step", 1)) {
+		double smallest = HUGE_VAL;
+
 		for (uint64_t k = 0; k < observer.frame_count; k++)
 			if (observer.values[k] > 0) /* frame 0 had no step */
-				course->smallest_step = fmin(course->smallest_step,
-				                             observer.values[k]);
+				smallest = fmin(smallest, observer.values[k]);
+		course->smallest_step = isfinite(smallest) ? smallest : 0; /* as a run says */
+	}
 	course->collisions = sum_of(&observer, "collisions");
 	course->rollbacks = sum_of(&observer, "rollbacks");
 	course->substeps = sum_of(&observer, "substeps");
@@ -380,7 +383,7 @@ static void print_text(const char *path, const struct rb_reading *reading,
 	if (isfinite(course->collisions))
 		rb_print(stdout, "  work        %.0f impacts, %.0f rollbacks, %.0f substeps",
 		         course->collisions, course->rollbacks, course->substeps);
-	if (isfinite(course->smallest_step))
+	if (course->smallest_step > 0)
 		rb_print(stdout, ", smallest step %.3g s", course->smallest_step);
 	if (course->stepped > 0)
 		rb_print(stdout, "; %.6g s of it stepped", course->stepped);

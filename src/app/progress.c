@@ -62,7 +62,9 @@ bool rb_terminal_is_capable(int descriptor)
 
 void rb_progress_duration(char *text, size_t size, double seconds)
 {
-	if (seconds < 9.95)
+	if (seconds > 0 && seconds < 0.05)
+		snprintf(text, size, "%.0f ms", ceil(1e3 * seconds));
+	else if (seconds < 9.95)
 		snprintf(text, size, "%.1f s", seconds);
 	else if (seconds < 99.5)
 		snprintf(text, size, "%.0f s", seconds);

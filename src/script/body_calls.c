@@ -93,16 +93,15 @@ static void add_forces(struct rb_call *call, bool is_fixed)
 		return;
 	}
 	const int list = lua_gettop(L);
-	if (lua_type(L, list) != LUA_TTABLE ||
-	    (lua_rawlen(L, list) == 0 && (lua_pushnil(L), lua_next(L, list)))) {
+	const long long count = rb_list_length(L, list);
+	if (count < 0) {
 		rb_call_mistake(
 			call, "'forces' must be a list of tables {{vector = {...}}, ...} (got %s)",
 			rb_describe(L, list, found));
 	} else {
-		const lua_Integer count = (lua_Integer)lua_rawlen(L, list);
 		if (is_fixed && count > 0 && !rb_call_given(call, "motion"))
 			rb_call_mistake(call, "'forces' of a static body: it never moves");
-		for (lua_Integer i = 1; i <= count; i++) {
+		for (long long i = 1; i <= count; i++) {
 			lua_rawgeti(L, list, i);
 			struct rb_call part = rb_call_part(call, &rb_rows_force, -1, (int)i);
 			add_force(&part);
@@ -157,8 +156,8 @@ static void read_particles(struct rb_call *call, struct rb_body_given *given)
 	for (size_t i = 0; i < sizeof others / sizeof *others; i++)
 		if (rb_call_tried(call, others[i]))
 			rb_call_mistake(call, "'particles' and '%s' exclude each other", others[i]);
-	const size_t count = lua_type(L, -1) == LUA_TTABLE ? lua_rawlen(L, -1) : 0;
-	if (count == 0) {
+	const long long listed = rb_list_length(L, -1);
+	if (listed <= 0) {
 		rb_call_mistake(call,
 		                "'particles' must be a list of tables {{mass = ..., position = "
 		                "{...}}, ...} (got %s)",
@@ -166,6 +165,7 @@ static void read_particles(struct rb_call *call, struct rb_body_given *given)
 		lua_settop(L, top);
 		return;
 	}
+	const size_t count = (size_t)listed;
 	struct rb_particle *const particles = lua_newuserdatauv(L, count * sizeof *particles, 0);
 	if (read_list(call, particles, count) && rb_body_is_free(def)) {
 		const struct rb_particles all = rb_particles_measure(particles, count);
@@ -234,20 +234,14 @@ static void read_groups(struct rb_call *call, struct rb_body_def *def)
 			def->collides_with = (uint64_t)1 << group;
 		return;
 	}
-	if (type != LUA_TTABLE) {
+	const long long count = rb_list_length(L, -1);
+	if (count < 0) {
 		rb_call_mistake(call, "'collides_with' must be a list of names of groups (got %s)",
 		                rb_describe(L, -1, found));
 		lua_pop(L, 1);
 		return;
 	}
-	const lua_Integer count = (lua_Integer)lua_rawlen(L, -1);
-	lua_Integer keys = 0;
-	for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
-		keys++;
-	if (keys != count)
-		rb_call_mistake(call, "'collides_with' must be a list of names of groups (got a "
-		                      "table with keys)");
-	for (lua_Integer i = 1; i <= count; i++) {
+	for (long long i = 1; i <= count; i++) {
 		lua_rawgeti(L, -1, i);
 		const int group = group_of(call, "collides_with");
 		if (group >= 0)

@@ -138,7 +138,7 @@ static bool read_own_unit(lua_State *L, struct rb_unit_def *unit)
 {
 	enum { NAME_MOST = 16 };
 
-	if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != 2)
+	if (rb_list_length(L, -1) != 2)
 		return false;
 	lua_rawgeti(L, -1, 1);
 	lua_rawgeti(L, -2, 2);
@@ -373,17 +373,16 @@ static bool read_rows(struct rb_call *call, struct rb_film_def *film)
 		const struct rb_call row = rb_call_entry(call, "rows", r + 1);
 
 		lua_rawgeti(L, -1, r + 1);
-		const size_t columns = lua_type(L, -1) == LUA_TTABLE ? lua_rawlen(L, -1) : 0;
-		right = columns > 0 && film->cell_count + (int)columns <= RB_FILM_CELLS_MAX &&
-		        columns <= RB_FILM_CELLS_MAX;
+		const long long columns = rb_list_length(L, -1);
+		right = columns > 0 && columns <= RB_FILM_CELLS_MAX - (long long)film->cell_count;
 		if (!right)
 			rb_call_mistake(&row,
 			                "must be a list of names of cameras, %d in all rows at "
 			                "most (got %s)",
 			                RB_FILM_CELLS_MAX, rb_describe(L, -1, found));
 		film->columns[film->row_count++] = (int)columns;
-		for (size_t c = 0; c < columns && right; c++) {
-			lua_rawgeti(L, -1, (lua_Integer)c + 1);
+		for (long long c = 0; c < columns && right; c++) {
+			lua_rawgeti(L, -1, c + 1);
 			struct rb_call one = rb_call_entry(&row, "", (int)c + 1);
 			const int camera = camera_named(&one);
 			right = camera >= 0;

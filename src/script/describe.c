@@ -32,21 +32,28 @@ static bool describe_entry(lua_State *L, int index, char out[24])
 	}
 }
 
+long long rb_list_length(lua_State *L, int index)
+{
+	long long keys = 0;
+
+	if (lua_type(L, index) != LUA_TTABLE)
+		return -1;
+	index = lua_absindex(L, index);
+	for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1))
+		keys++;
+	return keys == (long long)lua_rawlen(L, index) ? keys : -1;
+}
+
 /* Writes a list of up to four such as {1, 2}; false: it is none, or too long. */
 static bool describe_list(lua_State *L, int index, char out[80])
 {
 	size_t used = 1;
-	const lua_Unsigned count = lua_rawlen(L, index);
+	const long long count = rb_list_length(L, index);
 
-	if (count > 4)
-		return false;
-	lua_Unsigned keys = 0;
-	for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1))
-		keys++;
-	if (keys != count)
+	if (count < 0 || count > 4)
 		return false;
 	snprintf(out, 80, "{");
-	for (lua_Unsigned i = 1; i <= count; i++) {
+	for (long long i = 1; i <= count; i++) {
 		char entry[24];
 
 		lua_rawgeti(L, index, (lua_Integer)i);
@@ -58,6 +65,28 @@ static bool describe_list(lua_State *L, int index, char out[80])
 	}
 	snprintf(out + used, 80 - used, "}");
 	return true;
+}
+
+/*
+ * Writes "a list with the key 'x'" for a list that has such a key too (the first in order of the
+ * alphabet); false: it has none, or no entries of a list.
+ */
+static bool describe_mixed(lua_State *L, int index, char out[80])
+{
+	const char *first = NULL;
+
+	if (lua_rawlen(L, index) == 0)
+		return false;
+	for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1))
+		if (lua_type(L, -2) == LUA_TSTRING) {
+			const char *key = lua_tostring(L, -2);
+
+			if (!first || strcmp(key, first) < 0)
+				first = key;
+		}
+	if (first)
+		snprintf(out, 80, "a list with the key '%.40s'", first);
+	return first != NULL;
 }
 
 const char *rb_describe(lua_State *L, int index, char out[80])
@@ -74,7 +103,7 @@ const char *rb_describe(lua_State *L, int index, char out[80])
 		snprintf(out, 80, "%s", lua_toboolean(L, index) ? "true" : "false");
 		break;
 	case LUA_TTABLE:
-		if (!describe_list(L, index, out))
+		if (!describe_list(L, index, out) && !describe_mixed(L, index, out))
 			snprintf(out, 80, "a table");
 		break;
 	case LUA_TUSERDATA:

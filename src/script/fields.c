@@ -181,21 +181,17 @@ int rb_call_push_list(struct rb_call *call, const char *key, const char *of, int
 {
 	lua_State *L = call->L;
 	char found[80];
-	lua_Integer keys = 0;
 
 	if (rb_call_push(call, key) == LUA_TNIL) {
 		lua_pop(L, 1);
 		return -1;
 	}
-	if (lua_type(L, -1) == LUA_TTABLE) {
-		for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
-			keys++;
-		if (keys == (lua_Integer)lua_rawlen(L, -1) && keys <= most)
-			return (int)keys;
-	}
-	if (keys > most && keys == (lua_Integer)lua_rawlen(L, -1))
+	const long long count = rb_list_length(L, -1);
+	if (count >= 0 && count <= most)
+		return (int)count;
+	if (count > most)
 		rb_call_mistake(call, "'%s' must be a list of at most %d %s (got %lld)", key, most,
-		                of, (long long)keys);
+		                of, count);
 	else
 		rb_call_mistake(call, "'%s' must be a list of at most %d %s (got %s)", key, most,
 		                of, rb_describe(L, -1, found));

@@ -113,7 +113,7 @@ static void read_limits(struct rb_call *call, struct rb_joint_def *def)
 		lua_settop(L, top);
 		return;
 	}
-	right = lua_type(L, -1) == LUA_TTABLE && lua_rawlen(L, -1) == 2;
+	right = rb_list_length(L, -1) == 2;
 	for (int k = 0; right && k < 2; k++) {
 		right = lua_rawgeti(L, top + 1, k + 1) == LUA_TNUMBER;
 		limit[k] = right ? lua_tonumber(L, -1) : 0;

@@ -153,8 +153,7 @@ static bool push_choices(struct rb_call *call)
 {
 	lua_State *L = call->L;
 	const int list = lua_gettop(L);
-	const lua_Integer count = lua_type(L, list) == LUA_TTABLE ? (lua_Integer)lua_rawlen(L, list)
-	                                                          : 0;
+	const long long count = rb_list_length(L, list);
 	bool right = count > 0;
 	char text[TEXT_MAX];
 	luaL_Buffer all;

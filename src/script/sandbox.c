@@ -457,6 +457,17 @@ static void error_to_text(lua_State *L)
 	lua_replace(L, 1);
 }
 
+/* Whether a function of the scene's is being called: what only C was in has no place to tell. */
+static bool is_in_scene(lua_State *L)
+{
+	lua_Debug at;
+
+	for (int level = 1; lua_getstack(L, level, &at); level++)
+		if (lua_getinfo(L, "S", &at) && *at.what != 'C')
+			return true;
+	return false;
+}
+
 /*
  * Message handler: leaves the message, keeps the traceback in the registry. Without memory for it
  * there is none.
@@ -465,7 +476,7 @@ static int keep_traceback(lua_State *L)
 {
 	if (lua_type(L, 1) != LUA_TSTRING)
 		error_to_text(L);
-	if (rb_sandbox_of(L)->spent != RB_SPENT_MEMORY) {
+	if (rb_sandbox_of(L)->spent != RB_SPENT_MEMORY && is_in_scene(L)) {
 		luaL_traceback(L, L, lua_tostring(L, 1), 1);
 		lua_setfield(L, LUA_REGISTRYINDEX, "rbsim.traceback");
 	}

@@ -59,12 +59,13 @@ static bool read_points(struct rb_call *call, int list, rb_vec3 **points, size_t
 	char found[80];
 
 	lua_pushnil(L); /* in place of the memory, where there is none */
-	if (lua_type(L, list) != LUA_TTABLE) {
+	const long long listed = rb_list_length(L, list);
+	if (listed < 0) {
 		rb_call_mistake(call, "'points' must be a list of points {{x, y, z}, ...} (got %s)",
 		                rb_describe(L, list, found));
 		return false;
 	}
-	*count = (size_t)lua_rawlen(L, list);
+	*count = (size_t)listed;
 	if (*count > RB_HULL_POINTS_MAX) {
 		rb_call_mistake(call, "'points': %zu points are too many (wanted at most %d)",
 		                *count, RB_HULL_POINTS_MAX);
@@ -314,7 +315,8 @@ static struct rb_solid_part *read_parts(struct rb_call *call, double density, si
 	char found[80];
 	bool right = true;
 
-	*count = lua_type(L, list) == LUA_TTABLE ? (size_t)lua_rawlen(L, list) : 0;
+	const long long listed = rb_list_length(L, list);
+	*count = listed > 0 ? (size_t)listed : 0;
 	if (*count == 0 || *count > RB_UNION_PARTS_MAX) {
 		rb_call_mistake(call,
 		                "'shapes' must be a list of 1 to %d tables {{shape = 'box', size = "

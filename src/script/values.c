@@ -383,22 +383,17 @@ static bool read_flags(struct rb_call *call, const struct rb_row *row, int index
 			*value = 1u << k;
 		return k >= 0;
 	}
-	if (lua_type(L, index) != LUA_TTABLE)
+	const long long count = rb_list_length(L, index);
+	if (count < 0 || count > 32)
 		return rb_call_wrong(call, row, index, "a text or a list of texts");
-	const lua_Unsigned count = lua_rawlen(L, index);
-	for (lua_Unsigned i = adds ? 2 : 1; i <= count && i <= 32; i++) {
-		lua_rawgeti(L, index, (lua_Integer)i);
+	for (long long i = adds ? 2 : 1; i <= count; i++) {
+		lua_rawgeti(L, index, i);
 		const int k = rb_call_choice(call, row, lua_absindex(L, -1));
 		lua_pop(L, 1);
 		if (k < 0)
 			return false;
 		flags |= 1u << k;
 	}
-	lua_Unsigned keys = 0;
-	for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1))
-		keys++;
-	if (keys != count || count > 32)
-		return rb_call_wrong(call, row, index, "a text or a list of texts");
 	*value = flags;
 	return true;
 }
@@ -515,7 +510,7 @@ static bool read_inertia(struct rb_call *call, const struct rb_row *row, int ind
 			m.m[i][i] = d[i];
 		}
 	} else {
-		if (lua_type(L, index) != LUA_TTABLE || lua_rawlen(L, index) != 3)
+		if (rb_list_length(L, index) != 3)
 			return rb_call_wrong(call, row, index, wanted);
 		for (int i = 0; i < 3; i++) {
 			lua_rawgeti(L, index, i + 1);

@@ -51,10 +51,7 @@ bool rb_vector_numbers(lua_State *L, int index, int count, double *values, int *
 	if (!plain || found != count)
 		return false;
 	/* keys beside the numbers are a mistake: {1, 2, 3, z = 4} */
-	int keys = 0;
-	for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1))
-		keys++;
-	return keys == count;
+	return rb_list_length(L, index) == count;
 }
 
 /* Reads {axis = {x, y, z}, angle = radians} and nothing else into the axis and the angle. */

@@ -25,6 +25,7 @@ run, told = json.load(open("again.json")), json.load(open("out"))
 for end in "first", "last":
     assert run[end]["kinetic_energy"] + run[end]["potential_energy"] == told["energy_" + end], end
 assert told["energy_first"] != told["energy_last"]
+assert told["smallest_step"] == run["smallest_step"]
 END
 exits 0 info s.h5 --json
 [ "$(value frames)" = 31 ] || fail "frames: $(value frames)"

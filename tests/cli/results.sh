@@ -110,7 +110,7 @@ exits 0 info broken.h5
 says out 'status      failed'
 says out 'broken.h5: 5 frames'
 exits 65 broken.lua --force --debug
-says err 'traceback'
+says err "broken.lua:3: probe 'p': the function must return a number .got nothing"
 cat >late.lua <<'END'
 world { duration = 1, frame_rate = 10 }
 local b = sphere { name = "b", radius = 0.1, mass = 1, velocity = {1, 0, 0} }

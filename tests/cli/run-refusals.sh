@@ -69,6 +69,11 @@ exits 65 breaks.lua --no-record
 says err '^breaks.lua:6: out of luck$'
 says err '^stack traceback:$'
 [ "$(grep -c 'out of luck' err)" -eq 1 ] || fail "the message stands there more than once"
+# what a function of the scene's returned is refused outside of it: there is no place to trace back to
+small_scene 'sphere { radius = 0.1, motion = function(t) return {0, 0, t > 0.2 and "x" or 1} end }' >returns.lua
+exits 65 returns.lua --no-record
+says err "^returns.lua:6: 'motion' must return .*got \\{0, 0, 'x'\\}"
+! grep -q 'stack traceback' err || fail 'a traceback of what no function of the scene called'
 
 # one expectation that is broken does not cost the others
 cat >broken.lua <<'END'
