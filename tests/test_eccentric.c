@@ -43,7 +43,7 @@ static rb_mat3 yield_of(const struct keller_impact *impact)
 static struct rb_eccentric contact_of(const struct keller_impact *impact)
 {
 	return (struct rb_eccentric){yield_of(impact), impact->normal, impact->friction,
-	                             impact->restitution};
+	                             impact->restitution, 0};
 }
 
 /* Mirrored in a coordinate plane; which body is a and which b. */
@@ -154,7 +154,8 @@ static void a_jam_ends_slip_without_an_approach(void **slot)
 				{{{xx, 0, side * cross}, {0, 1, 0}, {side * cross, 0, nn}}},
 				{0, 0, 1},
 				2,
-				e};
+				e,
+				0};
 			const rb_vec3 impulse = rb_eccentric_impulse(&contact,
 			                                             (rb_vec3){side, 0, 0});
 			const double slow = cross - 2 * xx, fall = nn - 2 * cross;

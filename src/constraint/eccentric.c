@@ -49,7 +49,8 @@ struct law {
 	struct pair n;     /* slip by normal impulse */
 	double xx, xy, yy; /* slip by friction at its limit */
 	double friction;
-	double unit; /* unit of t, in which rates are about 1 */
+	double error; /* of the rates, relative; 0: rounding of a positive K */
+	double unit;  /* unit of t, in which rates are about 1 */
 };
 
 struct impact {
@@ -172,18 +173,23 @@ static void begin_slip(struct impact *c)
 	const double trace = law->xx + law->yy;
 	const double determinant = law->xx * law->yy - law->xy * law->xy;
 	/* if the block is singular to rounding, its smaller eigenvalue is unknown */
-	double g = determinant > DBL_EPSILON * DBL_EPSILON * trace * trace ? 0
-	                                                                   : DBL_EPSILON * trace;
+	const double least = law->error > 0 ? law->error : DBL_EPSILON * DBL_EPSILON;
+	double g = determinant > least * trace * trace ? 0 : fmax(DBL_EPSILON, law->error) * trace;
 	struct pair v = solve_shifted(law, g, law->n);
 
 	if (hypot(v.x, v.y) <= 1) {
 		const struct pair friction_impulse = {-law->friction * v.x, -law->friction * v.y};
 
-		/* positive, because K is */
-		advance_straight(
-			c, HUGE_VAL,
-			fmax(law->nn + dot(law->n, friction_impulse), DBL_EPSILON * law->nn),
-			friction_impulse);
+		const double rate = law->nn + dot(law->n, friction_impulse);
+
+		/*
+		 * a linkage may be held by friction alone: no impulse separates the contact; `g`
+		 * leaves a rate of that order
+		 */
+		if (law->error == 0 || rate > 16 * law->error * law->nn)
+			/* positive, because K is */
+			advance_straight(c, HUGE_VAL, fmax(rate, DBL_EPSILON * law->nn),
+			                 friction_impulse);
 		c->over = true;
 		return;
 	}
@@ -454,7 +460,8 @@ static struct law law_of(const struct rb_eccentric *contact, rb_vec3 t, rb_vec3 
 	                  .xx = friction * rb_vec3_dot(t, kt),
 	                  .xy = friction * rb_vec3_dot(s, kt),
 	                  .yy = friction * rb_vec3_dot(s, ks),
-	                  .friction = friction};
+	                  .friction = friction,
+	                  .error = contact->error};
 
 	law.unit = 1 / (fabs(law.n.x) + fabs(law.n.y) + law.xx + law.yy + law.nn);
 	return law;

@@ -20,9 +20,14 @@
 #include "math/mat3.h"
 
 struct rb_eccentric {
-	rb_mat3 inverse_effective_mass; /* 1/kg: K, symmetric and positive */
+	rb_mat3 inverse_effective_mass; /* 1/kg: K, symmetric and positive, or see `error` */
 	rb_vec3 normal;                 /* unit, from a to b */
 	double friction, restitution;
+	/*
+	 * relative error of K: of a linkage, which may be singular within it (a contact that sticks
+	 * and cannot separate then keeps what restitution would give back); 0: K is positive
+	 */
+	double error;
 };
 
 /*

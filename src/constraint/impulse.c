@@ -185,7 +185,8 @@ rb_vec3 rb_link_impact(const struct rb_link *link, rb_vec3 velocity, double targ
 
 	if (!link->central && link->friction > 0) {
 		const struct rb_eccentric contact = {link->inverse_effective_mass, link->normal,
-		                                     link->friction, target_velocity / approach};
+		                                     link->friction, target_velocity / approach,
+		                                     link->inverse_effective_mass_error};
 
 		return rb_eccentric_impulse(&contact, velocity);
 	}

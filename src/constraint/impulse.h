@@ -26,6 +26,8 @@ struct rb_link {
 	double inverse_inertia_a,
 		inverse_inertia_b;      /* 1/(kg m^2); 0: does not turn, NAN: a tensor */
 	rb_mat3 inverse_effective_mass; /* 1/kg: K, filled unless central */
+	/* relative error of K, beyond which it may be singular; 0: K is positive */
+	double inverse_effective_mass_error;
 };
 
 struct rb_link rb_link_of(const struct rb_world *world, const struct rb_state *state,

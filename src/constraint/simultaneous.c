@@ -10,6 +10,7 @@
 #include "constraint/coulomb.h"
 #include "constraint/effective_mass.h"
 #include "constraint/impulse.h"
+#include "constraint/jointed_impact.h"
 
 enum {
 	ROUNDS = 512, /* plus 16 per contact; then the rest is done without restitution */
@@ -125,7 +126,8 @@ static void resolve_alone(struct rb_simultaneous *problem, struct rb_solver_cont
 struct rounds {
 	struct rb_simultaneous *problem;
 	bool *active; /* [contact_count]: active in this round */
-	int *degree;  /* [body_count]: active contacts of a body */
+	/* [body_count]: by leader: active contacts, and 2 for each limit or row with bounds */
+	int *degree;
 	/*
 	 * [contact_count + joint_count]: contact or joint row of each cone row; contacts first,
 	 * contact_rows of them
@@ -134,6 +136,7 @@ struct rounds {
 	int contact_rows;
 	bool *stops;    /* [joint_count]: a limit or rope that is active */
 	int *leader;    /* [body_count]: lowest index of the bodies that joints connect with it */
+	bool *joined;   /* [body_count]: by leader: joints act on its bodies */
 	bool *involved; /* [body_count]: by leader: its bodies are involved in this round */
 	double first;   /* m/s: largest approach in the first round */
 	double scale;   /* m/s: largest speed of the bodies involved */
@@ -443,46 +446,146 @@ static void find_involved(struct rounds *all)
 	}
 }
 
+/* Counts active contacts and what else acts on the bodies of each leader. */
+static void count_degrees(struct rounds *all)
+{
+	const struct rb_simultaneous *const problem = all->problem;
+
+	memset(all->degree, 0, (size_t)problem->body_count * sizeof *all->degree);
+	memset(all->joined, 0, (size_t)problem->body_count * sizeof *all->joined);
+	for (int k = 0; k < problem->contact_count; k++) {
+		const struct rb_solver_contact *c = &problem->contact[k];
+		const int a = all->leader[c->a], b = all->leader[c->b];
+
+		if (!all->active[k])
+			continue;
+		all->degree[a] += rb_solver_is_dynamic(&problem->body[c->a]);
+		all->degree[b] += rb_solver_is_dynamic(&problem->body[c->b]) && a != b;
+	}
+	for (int k = 0; k < problem->joint_count; k++) {
+		const struct rb_cone_row *const row = &problem->joint_row[k];
+		const int body[2] = {row->base.a, row->base.b};
+		const bool stop = is_stop(row);
+
+		if (stop && !all->stops[k])
+			continue;
+		for (int side = 0; side < 2; side++) {
+			const int leader = all->leader[body[side]];
+
+			all->joined[leader] = true;
+			if (!rb_jointed_impact_is_bilateral(row))
+				all->degree[leader] += 2;
+		}
+	}
+}
+
+/* Whether a row acts on a body of one of these linkages. */
+static bool acts_on(const struct rounds *all, const struct rb_cone_row *row, int a, int b)
+{
+	const struct rb_solver_body *const body = all->problem->body;
+	const int of[2] = {row->base.a, row->base.b};
+
+	for (int side = 0; side < 2; side++) {
+		const int leader = all->leader[of[side]];
+
+		if (rb_solver_is_dynamic(&body[of[side]]) && (leader == a || leader == b))
+			return true;
+	}
+	return false;
+}
+
 /*
- * Resolves contacts that share no body with another one at once, the others together. False: out of
- * memory.
+ * Resolves the only contact of the linkages at its two sides. False: that is no case of
+ * constraint/jointed_impact, or memory is out; nothing has changed.
+ */
+static bool resolve_on_linkage(struct rounds *all, struct rb_solver_contact *c)
+{
+	struct rb_simultaneous *const problem = all->problem;
+	const int a = all->leader[c->a], b = all->leader[c->b];
+	const rb_arena_mark here = rb_arena_here(problem->arena);
+	struct rb_cone cone = {.bodies = rb_simultaneous_bodies(problem),
+	                       .body_count = problem->body_count,
+	                       .arena = problem->arena,
+	                       .max = problem->products_max,
+	                       .interrupt = problem->interrupt};
+	int *const source = rb_arena_take(problem->arena, (size_t)problem->joint_count,
+	                                  sizeof *source);
+	const rb_vec3 velocity = relative_velocity(problem, c);
+	const struct rb_link link = {.a = c->a,
+	                             .b = c->b,
+	                             .normal = c->normal,
+	                             .arm_a = c->arm_a,
+	                             .arm_b = c->arm_b,
+	                             .friction = c->friction,
+	                             .restitution = c->restitution};
+	rb_vec3 impulse;
+
+	cone.row = rb_arena_take(problem->arena, (size_t)problem->joint_count, sizeof *cone.row);
+	for (int k = 0; k < problem->joint_count && source && cone.row; k++) {
+		const struct rb_cone_row *const row = &problem->joint_row[k];
+
+		if (is_stop(row) || !acts_on(all, row, a, b))
+			continue;
+		source[cone.row_count] = k;
+		cone.row[cone.row_count] = *row;
+		rb_constraint_clear(&cone.row[cone.row_count++].base);
+	}
+	const bool solved = source && cone.row && rb_cone_open(&cone) &&
+	                    rb_jointed_impact(&cone, &link, velocity, noise_of(problem, c),
+	                                      &impulse);
+	all->cone.iterations += cone.iterations;
+	for (int r = 0; r < cone.row_count && solved; r++) {
+		rb_along_across *const sum = &problem->joint_row[source[r]].base.impulse;
+		const rb_along_across p = cone.row[r].base.impulse;
+
+		*sum = (rb_along_across){sum->n + p.n, rb_vec3_add(sum->t, p.t)};
+	}
+	if (solved) {
+		c->impulse = rb_vec3_add(c->impulse, impulse);
+		if (c->approach == 0)
+			c->approach = -rb_vec3_dot(velocity, c->normal);
+		/* their joints take no part in what else is resolved in this round */
+		all->involved[a] = all->involved[a] && !rb_solver_is_dynamic(&problem->body[c->a]);
+		all->involved[b] = all->involved[b] && !rb_solver_is_dynamic(&problem->body[c->b]);
+	}
+	rb_arena_back(problem->arena, here);
+	return solved;
+}
+
+/* Resolves a contact at once if no other acts on the bodies that move with it. */
+static bool resolve_single(struct rounds *all, struct rb_solver_contact *c)
+{
+	struct rb_simultaneous *const problem = all->problem;
+	const int a = all->leader[c->a], b = all->leader[c->b];
+
+	if (all->degree[a] > 1 || all->degree[b] > 1)
+		return false;
+	if (!(-rb_vec3_dot(relative_velocity(problem, c), c->normal) > noise_of(problem, c)))
+		return !all->joined[a] && !all->joined[b];
+	if (all->joined[a] || all->joined[b])
+		return resolve_on_linkage(all, c);
+	resolve_alone(problem, c);
+	return true;
+}
+
+/*
+ * Resolves contacts that share no body or linkage with another one at once, the others together.
+ * False: out of memory.
  */
 static bool run_round(struct rounds *all, bool with_restitution)
 {
 	struct rb_simultaneous *const problem = all->problem;
 	struct rb_cone *const cone = &all->cone;
-
 	bool any_stop = false;
 
-	memset(all->degree, 0, (size_t)problem->body_count * sizeof *all->degree);
 	cone->row_count = 0;
 	find_involved(all);
-	for (int k = 0; k < problem->contact_count; k++) {
-		const struct rb_solver_contact *c = &problem->contact[k];
-
-		if (!all->active[k])
-			continue;
-		all->degree[c->a] += rb_solver_is_dynamic(&problem->body[c->a]);
-		all->degree[c->b] += rb_solver_is_dynamic(&problem->body[c->b]);
-	}
-	for (int k = 0; k < problem->joint_count; k++) {
-		if (is_stop(&problem->joint_row[k]) && !all->stops[k])
-			continue;
-		all->degree[problem->joint_row[k].base.a] += 2;
-		all->degree[problem->joint_row[k].base.b] += 2;
-	}
+	count_degrees(all);
 	for (int k = 0; k < problem->contact_count; k++) {
 		struct rb_solver_contact *const c = &problem->contact[k];
-		const bool alone = all->degree[c->a] <= 1 && all->degree[c->b] <= 1;
 
-		if (!all->active[k])
+		if (!all->active[k] || (with_restitution && resolve_single(all, c)))
 			continue;
-		if (with_restitution && alone) {
-			if (-rb_vec3_dot(relative_velocity(problem, c), c->normal) >
-			    noise_of(problem, c))
-				resolve_alone(problem, c);
-			continue;
-		}
 		all->source[cone->row_count] = k;
 		cone->row[cone->row_count++] = row_of(c);
 	}
@@ -544,12 +647,14 @@ static bool take_rounds(struct rounds *all)
 	                            sizeof *all->degree);
 	all->leader = rb_arena_take(problem->arena, (size_t)problem->body_count,
 	                            sizeof *all->leader);
+	all->joined = rb_arena_take(problem->arena, (size_t)problem->body_count,
+	                            sizeof *all->joined);
 	all->involved = rb_arena_take(problem->arena, (size_t)problem->body_count,
 	                              sizeof *all->involved);
 	all->cone.row = rb_arena_take(problem->arena, contacts + (size_t)problem->joint_count,
 	                              sizeof *all->cone.row);
 	if (!all->active || !all->source || !all->stops || !all->degree || !all->leader ||
-	    !all->involved || !all->cone.row)
+	    !all->joined || !all->involved || !all->cone.row)
 		return false;
 	find_leaders(all);
 	return true;

@@ -13,7 +13,8 @@
  *
  *     one contact ---- central or frictionless? --yes--> closed form
  *         |                   |no
- *         |               impulse space by energy (constraint/eccentric; Stronge 1990)
+ *         |               impulse space by energy (constraint/eccentric; Stronge 1990), with the
+ *         |               effective mass of what joints hold (constraint/jointed_impact)
  *     several -----> the cone problem on bodies' velocities (constraint/cone),
  *                    by Newton steps on the faces of cones (constraint/coulomb),
  *                    rounds of compression and restitution until nothing approaches
@@ -121,14 +122,14 @@ static inline bool rb_simultaneous_is_over(const struct rb_simultaneous *problem
  * Joints are rows of every round, without restitution: u = 0 after compression, after restitution
  * (in which they have the largest e of the round; then their remaining u is removed by the smallest
  * change in the metric of kinetic energy) and after friction. The statements on energy then hold in
- * the space of velocities that the joints allow; a contact on a jointed body is never solved alone.
- * Limits and ropes are contacts without friction that may be couples.
+ * the space of velocities that the joints allow. Limits and ropes are contacts without friction
+ * that may be couples.
  *
  * Hence a touching cradle behaves like one with vanishing gaps, for every e, and e = 0 everywhere
  * takes one round. Endless series of rounds (0 < e < 1: inelastic collapse) are followed to 1e-13
- * of the first approach and end with e = 0. A contact that shares no dynamic body with another of
- * its round is solved alone. Where friction jams a body between others so that no solution with the
- * whole friction is found, friction is reduced: see constraint/coulomb.
+ * of the first approach and end with e = 0. A contact that shares no dynamic body, and no linkage,
+ * with another of its round is solved alone. Where friction jams a body between others so that no
+ * solution with the whole friction is found, friction is reduced: see constraint/coulomb.
  *
  * Guarantees: the kinetic energy of dynamic bodies does not increase (in the frame of the others;
  * driven bodies may add to it), friction impulses are within their cones, no contact approaches by

@@ -191,6 +191,8 @@ struct rb_solver {
 	bool mixed;         /* some pairs have restitution, others have none */
 	bool joints_bounce; /* limits of joints have restitution, or there are ropes */
 	bool joints_store;  /* joints have springs, which store energy */
+	/* there are joints, and pairs with friction: constraint/jointed_impact */
+	bool joined_friction;
 	/*
 	 * the last step before the located method continues: touching contacts end without approach
 	 * velocity

@@ -373,9 +373,9 @@ static void apply_difference(const struct group *g, const struct rb_simultaneous
 	}
 }
 
-/* Whether joints have acted on a body in the step; `ropes`: whether it has any joints. */
+/* Whether joints have acted on a body in the step; `joined`: whether it has any joints. */
 static bool is_held(const struct rb_solver *solver, const struct rb_world *world, int i,
-                    bool *ropes)
+                    bool *joined)
 {
 	const struct rb_joints *joints = world->model->joints;
 	bool held = false;
@@ -389,23 +389,25 @@ static bool is_held(const struct rb_solver *solver, const struct rb_world *world
 			continue;
 		held = !joints->joint[number].link.type->one_sided ||
 		       solver->joint[number].impulse[0] != 0;
-		*ropes = true;
+		*joined = true;
 	}
 	return held;
 }
 
 bool rb_joined_rebound_is_due(const struct rb_solver *solver, const struct rb_world *world,
                               const struct rb_step_points *points,
-                              const struct rb_step_point *point)
+                              const struct rb_step_point *point, bool single)
 {
-	bool ropes = false;
+	bool joined = false;
 
-	if (!world->model->joints || point->central || !(point->material->friction > 0) ||
+	if (!world->model->joints || !(point->material->friction > 0) ||
 	    !(point->normal_impulse > 0) || !(point->approach > solver->tolerance) ||
 	    (point->from > 0 && points->last[point->from - 1].force > 0))
 		return false;
-	return !is_held(solver, world, point->a, &ropes) &&
-	       !is_held(solver, world, point->b, &ropes) && ropes;
+	const bool held_a = is_held(solver, world, point->a, &joined);
+	const bool held_b = is_held(solver, world, point->b, &joined);
+
+	return held_a || held_b ? single : joined && !point->central;
 }
 
 bool rb_joined_rebound(struct rb_solver *solver, const struct rb_world *world,

@@ -18,18 +18,22 @@
  * take no part. Limits and ropes are among them, with their own restitution. Any worker, islands
  * separately.
  *
- * Without restitution, L is P, except for an eccentric impact with friction of bodies that no joint
- * holds: ropes that hang slack.
+ * Without restitution, L is P, except for the impact with friction of a single contact: of bodies
+ * that joints hold (constraint/jointed_impact), or, where it is eccentric, that only slack ropes
+ * join.
  */
 #ifndef RB_STEPPED_JOINED_REBOUND_H
 #define RB_STEPPED_JOINED_REBOUND_H
 
 #include "stepped/islands.h"
 
-/* Whether the impact at a point, after the step's solution, is one of the latter. */
+/*
+ * Whether the impact at a point, after the step's solution, is one of the latter; `single`: no
+ * other contact of its island touches.
+ */
 bool rb_joined_rebound_is_due(const struct rb_solver *solver, const struct rb_world *world,
                               const struct rb_step_points *points,
-                              const struct rb_step_point *point);
+                              const struct rb_step_point *point, bool single);
 
 /*
  * Sets the island's rows to the impulses of L minus those of P, and applies these to its bodies.

@@ -96,11 +96,16 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 	    (solver->tensor || !tensors)) {
 		for (int i = 0; i < model->body_count; i++)
 			solver->reach[i] = rb_model_reach(model, i);
-		for (int k = 0; k < model->material_count * model->material_count; k++)
-			if (model->pair_materials[k].restitution > 0)
+		for (int k = 0; k < model->material_count * model->material_count; k++) {
+			const struct rb_pair_material *const pair = &model->pair_materials[k];
+
+			solver->joined_friction = solver->joined_friction ||
+			                          (model->joints && pair->friction > 0);
+			if (pair->restitution > 0)
 				solver->bounces = true;
 			else
 				solver->mixed = true;
+		}
 		solver->mixed = solver->mixed && solver->bounces;
 		const enum rb_status status = create_springs(solver, model, err);
 		return status == RB_OK ? create_joints(solver, model, err) : status;
@@ -459,9 +464,31 @@ static void update_row(struct rb_solver *solver, const struct rb_world *world,
 	rb_effective_mass_fill(&solver->dense.bodies, row);
 }
 
+/* Whether impacts at an island's contacts need a rebound, or another law than the step's rows. */
+static bool island_rebounds(const struct rb_solver *solver, const struct rb_world *world,
+                            const struct rb_step_points *points, const struct rb_island *island)
+{
+	const int *const number = &solver->point[island->first_row];
+	int touching = 0;
+	bool due = false;
+
+	if (rb_islands_has_no_rows(island))
+		return false;
+	/* as the law sees it: what touched before takes part, even if the impact lifts it */
+	for (int k = 0; k < island->contact_count; k++)
+		touching += points->row[number[k]].normal_impulse > 0 ||
+		            points->row[number[k]].gap <= world->model->stepped_tolerance_m;
+	for (int k = 0; k < island->contact_count && !due; k++)
+		due = rebounds(solver, &points->row[number[k]]) ||
+		      rb_joined_rebound_is_due(solver, world, points, &points->row[number[k]],
+		                               touching == 1);
+	return due;
+}
+
 bool rb_solver_rebounds(const struct rb_solver *solver)
 {
-	return solver->bounces || solver->joints_bounce || solver->hands_over;
+	return solver->bounces || solver->joints_bounce || solver->joined_friction ||
+	       solver->hands_over;
 }
 
 enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *world,
@@ -474,15 +501,7 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 	for (size_t g = 0; g < solver->island_count; g++) {
 		struct rb_island *island = &solver->island[g];
 
-		island->rebounds = false;
-		for (int k = 0; k < island->contact_count && !rb_islands_has_no_rows(island); k++) {
-			const int number = solver->point[island->first_row + k];
-
-			island->rebounds = island->rebounds ||
-			                   rebounds(solver, &points->row[number]) ||
-			                   rb_joined_rebound_is_due(solver, world, points,
-			                                            &points->row[number]);
-		}
+		island->rebounds = island_rebounds(solver, world, points, island);
 		any = any || island->rebounds;
 	}
 	any = joints_rebound(solver, world) || any;
