@@ -728,6 +728,11 @@ static void locating_begins_again_after_a_frame_was_taken_back(void **state)
 	assert_int_equal(rb_world_step_frame(world, &lab.error), RB_OK);
 	assert_int_equal(world->frame_counts.rollbacks, 1);
 	assert_true(world->dense_left > 0);
+	/* steps do not carry the memory of the clusters that there were */
+	assert_int_equal(world->located->cluster_count, 2);
+	for (int k = 0; k < 2; k++)
+		assert_null(world->located->cluster[k].member);
+	assert_null(world->located->warm_start);
 	world->dense_left = 0;
 	assert_int_equal(rb_world_step_frame(world, &lab.error), RB_OK);
 	lab_close(&lab);

@@ -58,14 +58,28 @@ void rb_cluster_drop(struct rb_located *l, int cluster)
 	l->cluster_free = cluster + 1;
 }
 
-void rb_cluster_release_all(struct rb_located *l)
+void rb_cluster_release_rows(struct rb_located *l)
 {
 	for (int k = 0; k < l->cluster_count; k++) {
-		rb_memory_free(l->cluster[k].member);
-		rb_memory_free(l->cluster[k].held);
-		rb_memory_free(l->cluster[k].block);
-		rb_memory_free(l->cluster[k].account_block);
+		struct rb_cluster *const c = &l->cluster[k];
+
+		RB_ASSERT(!c->used);
+		rb_memory_free(c->member);
+		rb_memory_free(c->held);
+		rb_memory_free(c->block);
+		rb_memory_free(c->account_block);
+		c->member = NULL;
+		c->held = NULL;
+		c->block = c->account_block = NULL;
+		c->member_capacity = c->held_capacity = c->block_capacity = 0;
 	}
+}
+
+void rb_cluster_release_all(struct rb_located *l)
+{
+	for (int k = 0; k < l->cluster_count; k++)
+		l->cluster[k].used = false;
+	rb_cluster_release_rows(l);
 	rb_memory_free(l->cluster);
 	l->cluster = NULL;
 	l->cluster_count = 0;

@@ -22,6 +22,7 @@
 #include "located/crowd.h"
 #include "located/driven.h"
 #include "located/engine_create.h"
+#include "located/piece_warm_start.h"
 #include "located/predict.h"
 #include "located/integrate.h"
 #include "located/allowance.h"
@@ -602,8 +603,8 @@ double rb_engine_located_time(const struct rb_located *l)
 }
 
 /*
- * Discards arcs and clusters, some of which may be incomplete and would otherwise be saved in a
- * checkpoint.
+ * Discards arcs and clusters, of which some may be incomplete, and the memory of clusters:
+ * otherwise checkpoints would have them, and steps that take over would carry it.
  */
 static void forget_arcs(struct rb_located *l)
 {
@@ -613,6 +614,8 @@ static void forget_arcs(struct rb_located *l)
 	for (int i = 0; l->piece && i < l->n; i++)
 		if (!rb_located_driven(l, i))
 			l->piece[i].piece.n = 0;
+	rb_cluster_release_rows(l);
+	rb_piece_warm_start_release(l);
 	for (int i = 0; i < l->n; i++)
 		l->bounces[i] = (struct rb_bounces){.partner = -1, .met_with = -1};
 	l->merge_count = 0;
@@ -637,10 +640,7 @@ static bool must_give_up(const struct rb_located *l)
 	return l->status != RB_OK || rb_located_is_dense(l);
 }
 
-/*
- * Stops locating at the time reached, if events are too dense or have failed; returns whether it
- * has.
- */
+/* Stops locating at the time reached if events are too dense or have failed: then true. */
 static bool gives_up(struct rb_located *l)
 {
 	if (!must_give_up(l))

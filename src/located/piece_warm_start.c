@@ -17,6 +17,12 @@ bool rb_piece_warm_start_reserve(struct rb_located *l)
 	return l->piece && l->warm_start;
 }
 
+void rb_piece_warm_start_release(struct rb_located *l)
+{
+	rb_memory_free(l->warm_start);
+	l->warm_start = NULL;
+}
+
 void rb_piece_warm_start_keep(const struct rb_located *l, int i, double t)
 {
 	const int rows = rb_located_row(l);

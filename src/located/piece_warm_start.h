@@ -24,6 +24,9 @@ struct rb_piece_warm_start {
 /* Reserves l->piece and l->warm_start; false: no memory. */
 bool rb_piece_warm_start_reserve(struct rb_located *l);
 
+/* Frees l->warm_start, between events; l->piece stays, for the remainders of positions. */
+void rb_piece_warm_start_release(struct rb_located *l);
+
 /* Keeps the state of a body's piece, unless it is on none or was kept at this moment already. */
 void rb_piece_warm_start_keep(const struct rb_located *l, int i, double t);
 
