@@ -5,7 +5,7 @@
 
 #include "support.h"
 
-#include "constraint/simultaneous.h"
+#include "constraint/simultaneous_forces.h"
 
 /* One problem: bodies with places, contacts of spheres and of spheres with planes. Body 0 is what does not yield. */
 struct pile {

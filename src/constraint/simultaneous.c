@@ -24,25 +24,14 @@ enum {
 static const double tail_share = 1e-13;
 /* Violation, relative to the speeds, above which a result is not accepted as a solution. */
 static const double failed_share = 1e-9;
+/* Difference of normals, and of points as a share of the size, that rounding may cause. */
+static const double same_share = 1e-9;
 
 static rb_vec3 relative_velocity(const struct rb_simultaneous *problem,
                                  const struct rb_solver_contact *c)
 {
 	return rb_vec3_sub(rb_solver_point_velocity(&problem->body[c->b], c->arm_b),
 	                   rb_solver_point_velocity(&problem->body[c->a], c->arm_a));
-}
-
-static double speed_bound(const struct rb_solver_body *body, rb_vec3 arm)
-{
-	return rb_vec3_length(body->linear) + rb_vec3_length(body->angular) * rb_vec3_length(arm);
-}
-
-/* The largest of the speeds whose difference is the contact's velocity. */
-static double contact_scale(const struct rb_simultaneous *problem,
-                            const struct rb_solver_contact *c)
-{
-	return fmax(speed_bound(&problem->body[c->a], c->arm_a),
-	            speed_bound(&problem->body[c->b], c->arm_b));
 }
 
 /* --- a single contact --- */
@@ -126,6 +115,7 @@ static void resolve_alone(struct rb_simultaneous *problem, struct rb_solver_cont
 struct rounds {
 	struct rb_simultaneous *problem;
 	bool *active; /* [contact_count]: active in this round */
+	int *same;    /* [contact_count]: an earlier contact that this one is, or -1 */
 	/* [body_count]: by leader: active contacts, and 2 for each limit or row with bounds */
 	int *degree;
 	/*
@@ -143,12 +133,6 @@ struct rounds {
 	struct rb_cone cone;
 };
 
-static struct rb_cone_row row_of(const struct rb_solver_contact *c)
-{
-	return (struct rb_cone_row){
-		.base = rb_contact_row(c->a, c->b, c->normal, c->arm_a, c->arm_b, c->friction)};
-}
-
 /* Is it a limit or a rope, which only pushes? */
 static bool is_stop(const struct rb_cone_row *row)
 {
@@ -165,7 +149,8 @@ static double stop_scale(const struct rb_simultaneous *problem, const struct rb_
 	if (row->base.couple)
 		return fmax(bias, row->base.arm_a.x * fmax(rb_vec3_length(a->angular),
 		                                           rb_vec3_length(b->angular)));
-	return fmax(bias, fmax(speed_bound(a, row->base.arm_a), speed_bound(b, row->base.arm_b)));
+	return fmax(bias, fmax(rb_solver_speed_bound(a, row->base.arm_a),
+	                       rb_solver_speed_bound(b, row->base.arm_b)));
 }
 
 /* Does a joint's row act on bodies that are involved in this round? */
@@ -187,9 +172,11 @@ static double largest_speed(const struct rounds *all)
 		const struct rb_solver_contact *c = &problem->contact[k];
 
 		if (all->active[k] || all->involved[all->leader[c->a]])
-			largest = fmax(largest, speed_bound(&problem->body[c->a], c->arm_a));
+			largest = fmax(largest,
+			               rb_solver_speed_bound(&problem->body[c->a], c->arm_a));
 		if (all->active[k] || all->involved[all->leader[c->b]])
-			largest = fmax(largest, speed_bound(&problem->body[c->b], c->arm_b));
+			largest = fmax(largest,
+			               rb_solver_speed_bound(&problem->body[c->b], c->arm_b));
 	}
 	for (int k = 0; k < problem->joint_count; k++)
 		if (is_stop(&problem->joint_row[k]) && is_involved(all, &problem->joint_row[k]))
@@ -355,7 +342,7 @@ static bool resolve_together(struct rounds *all, bool with_restitution)
 static double noise_of(const struct rb_simultaneous *problem, const struct rb_solver_contact *c)
 {
 	return fmax(fmax(c->noise, problem->tolerance),
-	            4 * DBL_EPSILON * contact_scale(problem, c));
+	            4 * DBL_EPSILON * rb_simultaneous_scale(problem, c));
 }
 
 /* Finds the active limits and ropes; adds to the count those that approach. */
@@ -382,6 +369,12 @@ static void find_active_stops(struct rounds *all, double *largest, double *resti
 	}
 }
 
+/* Is it one with a contact that is active? */
+static bool acts_as_other(const struct rounds *all, int k)
+{
+	return all->same[k] >= 0 && all->active[all->same[k]];
+}
+
 /*
  * Finds the active contacts of a round: all that approach, and the touching ones without
  * restitution.
@@ -398,7 +391,8 @@ static int find_active(struct rounds *all, bool *only_tail)
 
 		all->active[k] = approach > noise_of(problem, c) &&
 		                 (rb_solver_is_dynamic(&problem->body[c->a]) ||
-		                  rb_solver_is_dynamic(&problem->body[c->b]));
+		                  rb_solver_is_dynamic(&problem->body[c->b])) &&
+		                 !acts_as_other(all, k);
 		if (!all->active[k])
 			continue;
 		count++;
@@ -414,7 +408,7 @@ static int find_active(struct rounds *all, bool *only_tail)
 	for (int k = 0; k < problem->contact_count; k++) {
 		const struct rb_solver_contact *c = &problem->contact[k];
 
-		if (!all->active[k] && c->restitution == 0 &&
+		if (!all->active[k] && c->restitution == 0 && !acts_as_other(all, k) &&
 		    (rb_solver_is_dynamic(&problem->body[c->a]) ||
 		     rb_solver_is_dynamic(&problem->body[c->b]))) {
 			all->active[k] = true;
@@ -587,7 +581,7 @@ static bool run_round(struct rounds *all, bool with_restitution)
 		if (!all->active[k] || (with_restitution && resolve_single(all, c)))
 			continue;
 		all->source[cone->row_count] = k;
-		cone->row[cone->row_count++] = row_of(c);
+		cone->row[cone->row_count++] = rb_simultaneous_row(c);
 	}
 	all->scale = largest_speed(all);
 	all->contact_rows = cone->row_count;
@@ -627,6 +621,74 @@ static void find_leaders(struct rounds *all)
 		all->leader[i] = rb_forest_root(all->leader, i);
 }
 
+/* How far a contact is from the centres of mass of what it moves, m. */
+static double reach_of(const struct rb_simultaneous *problem, const struct rb_solver_contact *c)
+{
+	const struct rb_solver_body *const a = &problem->body[c->a], *const b =
+									     &problem->body[c->b];
+
+	return fmax(rb_solver_is_dynamic(a) ? rb_vec3_length(c->arm_a) : 0,
+	            rb_solver_is_dynamic(b) ? rb_vec3_length(c->arm_b) : 0);
+}
+
+static bool is_same(const struct rb_simultaneous *problem, const struct rb_solver_contact *x,
+                    const struct rb_solver_contact *y)
+{
+	const double within = same_share * reach_of(problem, x);
+
+	return x->pair[0] == y->pair[0] && x->pair[1] == y->pair[1] &&
+	       rb_vec3_length(rb_vec3_sub(x->arm_a, y->arm_a)) <= within &&
+	       rb_vec3_length(rb_vec3_sub(x->arm_b, y->arm_b)) <= within &&
+	       rb_vec3_length(rb_vec3_sub(x->normal, y->normal)) <= same_share;
+}
+
+/* Finds contacts that are one; overwrites `degree` and `source`. */
+static void find_same(struct rounds *all)
+{
+	const struct rb_simultaneous *const problem = all->problem;
+	int *const last = all->degree, *const previous = all->source; /* contacts of a body */
+
+	for (int i = 0; i < problem->body_count; i++)
+		last[i] = -1;
+	for (int k = 0; k < problem->contact_count; k++) {
+		const struct rb_solver_contact *const c = &problem->contact[k];
+		const int body = rb_solver_is_dynamic(&problem->body[c->a]) ? c->a : c->b;
+
+		all->same[k] = -1;
+		for (int i = last[body]; i >= 0 && all->same[k] < 0; i = previous[i])
+			if (all->same[i] < 0 && is_same(problem, &problem->contact[i], c))
+				all->same[k] = i;
+		previous[k] = last[body];
+		last[body] = k;
+	}
+}
+
+/* All names of a contact have equal parts in its impulse, whichever was the first. */
+static void share_impulses(const struct rounds *all)
+{
+	struct rb_solver_contact *const contact = all->problem->contact;
+	const int contacts = all->problem->contact_count;
+	int *const count = all->source; /* of names */
+
+	for (int k = 0; k < contacts; k++) {
+		const int first = all->same[k];
+
+		count[k] = 1;
+		if (first < 0)
+			continue;
+		count[first]++;
+		contact[first].impulse = rb_vec3_add(contact[first].impulse, contact[k].impulse);
+		contact[first].approach = fmax(contact[first].approach, contact[k].approach);
+	}
+	for (int k = 0; k < contacts; k++)
+		contact[k].impulse = rb_vec3_scale(1.0 / count[k], contact[k].impulse);
+	for (int k = 0; k < contacts; k++)
+		if (all->same[k] >= 0) {
+			contact[k].impulse = contact[all->same[k]].impulse;
+			contact[k].approach = contact[all->same[k]].approach;
+		}
+}
+
 static bool take_rounds(struct rounds *all)
 {
 	struct rb_simultaneous *const problem = all->problem;
@@ -639,6 +701,7 @@ static bool take_rounds(struct rounds *all)
 	                             .max = problem->products_max,
 	                             .interrupt = problem->interrupt};
 	all->active = rb_arena_take(problem->arena, contacts, sizeof *all->active);
+	all->same = rb_arena_take(problem->arena, contacts, sizeof *all->same);
 	all->source = rb_arena_take(problem->arena, contacts + (size_t)problem->joint_count,
 	                            sizeof *all->source);
 	all->stops = rb_arena_take(problem->arena, (size_t)problem->joint_count + 1,
@@ -653,10 +716,11 @@ static bool take_rounds(struct rounds *all)
 	                              sizeof *all->involved);
 	all->cone.row = rb_arena_take(problem->arena, contacts + (size_t)problem->joint_count,
 	                              sizeof *all->cone.row);
-	if (!all->active || !all->source || !all->stops || !all->degree || !all->leader ||
-	    !all->joined || !all->involved || !all->cone.row)
+	if (!all->active || !all->same || !all->source || !all->stops || !all->degree ||
+	    !all->leader || !all->joined || !all->involved || !all->cone.row)
 		return false;
 	find_leaders(all);
+	find_same(all);
 	return true;
 }
 
@@ -691,109 +755,11 @@ bool rb_simultaneous_impact(struct rb_simultaneous *problem, int *rounds)
 			break;
 		}
 	}
+	if (converged || round > 0)
+		share_impulses(&all);
 	problem->products = all.cone.iterations;
 	if (rounds)
 		*rounds = round;
 	rb_arena_back(problem->arena, here);
 	return converged;
-}
-
-/* --- forces --- */
-
-/* Fills the rows; brings the guessed forces into their sets. */
-static void begin_forces(struct rb_simultaneous *problem, struct rb_cone *cone,
-                         rb_along_across *guess)
-{
-	for (int k = 0; k < problem->contact_count; k++) {
-		const struct rb_solver_contact *const c = &problem->contact[k];
-		struct rb_cone_row *const row = &cone->row[k];
-		const double known = fmax(0, rb_vec3_dot(c->impulse, c->normal));
-		/*
-		 * with large friction, n is limited by |force| / friction: large forces would round
-		 */
-		const double n = c->mode == RB_SOLVER_SLIDE && c->friction > 1
-		                         ? fmin(known, rb_vec3_length(c->impulse) / c->friction)
-		                         : known;
-		rb_vec3 t = rb_vec3_add_scaled(c->impulse, -n, c->normal);
-
-		*row = row_of(c);
-		row->bias = c->bias;
-		row->slip = c->slip;
-		row->slide = c->mode == RB_SOLVER_SLIDE;
-		t = rb_vec3_add_scaled(t, -rb_vec3_dot(t, c->normal), c->normal);
-		const double length = rb_vec3_length(t);
-		if (row->slide)
-			t = rb_vec3_scale(-c->friction * n, c->slip);
-		else if (length > c->friction * n)
-			t = rb_vec3_scale(c->friction * n / length, t);
-		guess[k] = (rb_along_across){n, t};
-	}
-	for (int k = 0; k < problem->joint_count; k++) {
-		const struct rb_constraint *const base = &problem->joint_row[k].base;
-		const double n = fmin(fmax(base->impulse.n, base->low), base->high);
-
-		cone->row[problem->contact_count + k] = problem->joint_row[k];
-		guess[problem->contact_count + k] = (rb_along_across){
-			base->set == RB_CONSTRAINT_INTERVAL ? n : base->impulse.n, base->impulse.t};
-	}
-}
-
-/* The largest of the accelerations whose difference is that of a joint's row, m/s^2. */
-static double joint_scale(const struct rb_simultaneous *problem, const struct rb_cone_row *row)
-{
-	const struct rb_solver_body *a = &problem->body[row->base.a],
-				    *b = &problem->body[row->base.b];
-	const rb_vec3 none = {0, 0, 0};
-
-	if (row->base.couple)
-		return fmax(rb_vec3_length(row->bias),
-		            row->base.arm_a.x *
-		                    fmax(rb_vec3_length(a->angular), rb_vec3_length(b->angular)));
-	return fmax(fmax(rb_vec3_length(row->bias), speed_bound(a, none)), speed_bound(b, none));
-}
-
-double rb_simultaneous_forces(struct rb_simultaneous *problem)
-{
-	const rb_arena_mark here = rb_arena_here(problem->arena);
-	const size_t contacts = (size_t)problem->contact_count;
-	const size_t rows = contacts + (size_t)problem->joint_count;
-	struct rb_cone cone = {.bodies = rb_simultaneous_bodies(problem),
-	                       .body_count = problem->body_count,
-	                       .row_count = (int)rows,
-	                       .arena = problem->arena,
-	                       .probes = problem->probes,
-	                       .max = problem->products_max,
-	                       .interrupt = problem->interrupt};
-	rb_along_across *const guess = rb_arena_take(problem->arena, rows, sizeof *guess);
-	double scale = 0;
-
-	cone.row = rb_arena_take(problem->arena, rows, sizeof *cone.row);
-	if (guess && cone.row)
-		begin_forces(problem, &cone, guess);
-	if (!guess || !cone.row || !rb_cone_open(&cone)) {
-		rb_arena_back(problem->arena, here);
-		return (double)INFINITY;
-	}
-	for (size_t k = 0; k < contacts; k++)
-		scale = fmax(scale, fmax(contact_scale(problem, &problem->contact[k]),
-		                         rb_vec3_length(problem->contact[k].bias)));
-	for (int k = 0; k < problem->joint_count; k++) {
-		rb_constraint_clear(&cone.row[contacts + (size_t)k].base);
-		scale = fmax(scale, joint_scale(problem, &problem->joint_row[k]));
-	}
-	rb_cone_apply(&cone, guess);
-	const double residual = rb_cone_resolve(&cone, scale);
-	problem->products = cone.iterations;
-	for (size_t k = 0; k < contacts; k++) {
-		struct rb_solver_contact *const c = &problem->contact[k];
-		const struct rb_cone_row *const row = &cone.row[k];
-
-		c->impulse = rb_constraint_impulse(&row->base);
-		c->slipping = row->base.impulse.n > 0 && row->friction_impulse != RB_CONE_STICK &&
-		              rb_vec3_length(row->u.t) > 1e-12 * scale;
-	}
-	for (int k = 0; k < problem->joint_count; k++)
-		problem->joint_row[k].base.impulse = cone.row[contacts + (size_t)k].base.impulse;
-	rb_arena_back(problem->arena, here);
-	return residual;
 }

@@ -37,6 +37,7 @@
 #include <rbsim/error.h>
 
 #include "constraint/cone.h"
+#include "constraint/contact_row.h"
 
 enum rb_solver_mode { RB_SOLVER_STICK, RB_SOLVER_SLIDE };
 
@@ -50,6 +51,8 @@ struct rb_solver_contact {
 	rb_vec3 arm_a, arm_b; /* m, centres of mass to the contact point */
 	double friction, restitution;
 	double noise; /* m/s: rounding of the normal velocity; slower contacts do not approach */
+	/* impacts only: the bodies as the caller counts them: `a` and `b` may be copies of one */
+	int pair[2];
 
 	/* forces only */
 	enum rb_solver_mode
@@ -101,6 +104,27 @@ static inline bool rb_simultaneous_is_over(const struct rb_simultaneous *problem
 	       rb_interrupt_is_set(problem->interrupt);
 }
 
+/* Bound of the speed of a point of a body at this arm, in the unit of its velocities. */
+static inline double rb_solver_speed_bound(const struct rb_solver_body *body, rb_vec3 arm)
+{
+	return rb_vec3_length(body->linear) + rb_vec3_length(body->angular) * rb_vec3_length(arm);
+}
+
+/* The largest of the speeds whose difference is the contact's velocity. */
+static inline double rb_simultaneous_scale(const struct rb_simultaneous *problem,
+                                           const struct rb_solver_contact *c)
+{
+	return fmax(rb_solver_speed_bound(&problem->body[c->a], c->arm_a),
+	            rb_solver_speed_bound(&problem->body[c->b], c->arm_b));
+}
+
+/* The row of a contact. */
+static inline struct rb_cone_row rb_simultaneous_row(const struct rb_solver_contact *c)
+{
+	return (struct rb_cone_row){
+		.base = rb_contact_row(c->a, c->b, c->normal, c->arm_a, c->arm_b, c->friction)};
+}
+
 /*
  * Resolves impacts. Generalized reflections (Smith, Kaufman, Vouga, Tamstorf, Grinspun,
  * "Reflections on simultaneous impact", ACM TOG 31(4):106 (2012)) blended with the perfectly
@@ -128,8 +152,10 @@ static inline bool rb_simultaneous_is_over(const struct rb_simultaneous *problem
  * Hence a touching cradle behaves like one with vanishing gaps, for every e, and e = 0 everywhere
  * takes one round. Endless series of rounds (0 < e < 1: inelastic collapse) are followed to 1e-13
  * of the first approach and end with e = 0. A contact that shares no dynamic body, and no linkage,
- * with another of its round is solved alone. Where friction jams a body between others so that no
- * solution with the whole friction is found, friction is reduced: see constraint/coulomb.
+ * with another of its round is solved alone; contacts of a pair in one point and along one normal
+ * are one (facets of a terrain each name a touch of their edge), and have equal parts in its
+ * impulse. Where friction jams a body between others so that no solution with the whole friction is
+ * found, friction is reduced: see constraint/coulomb.
  *
  * Guarantees: the kinetic energy of dynamic bodies does not increase (in the frame of the others;
  * driven bodies may add to it), friction impulses are within their cones, no contact approaches by
@@ -139,17 +165,5 @@ static inline bool rb_simultaneous_is_over(const struct rb_simultaneous *problem
  * approaches did and the rest was done with e = 0, or if out of memory; `rounds` may be NULL.
  */
 bool rb_simultaneous_impact(struct rb_simultaneous *problem, int *rounds);
-
-/*
- * Finds the forces of lasting contacts and joints, starting from their impulses as guesses:
- * relative normal acceleration >= 0, force >= 0, complementary; a sticking contact has no relative
- * tangential acceleration unless its friction is at the cone (then opposite to the acceleration); a
- * sliding one has friction * force opposite to its slip. Adds the accelerations by the forces to
- * the bodies. Accelerations are accurate to about 1e-13 of the largest one in the problem, even if
- * the forces are not unique (touching lattices). Returns the largest remaining violation, m/s^2;
- * INFINITY if out of memory. If no solution with the whole friction is found (jammed bodies, mostly
- * with friction near 1 and above), slipping contacts get less.
- */
-double rb_simultaneous_forces(struct rb_simultaneous *problem);
 
 #endif

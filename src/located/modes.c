@@ -9,6 +9,7 @@
 #include "located/modes.h"
 
 #include "base/error.h"
+#include "constraint/simultaneous_forces.h"
 
 #include <float.h>
 #include <string.h>

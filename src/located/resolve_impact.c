@@ -145,6 +145,8 @@ static bool build(struct impact *s)
 
 		s->problem.contact[k] = rb_mechanics_contact(l, m);
 		s->problem.contact[k].noise = rb_contact_point_noise(l, m);
+		s->problem.contact[k].pair[0] = m->a;
+		s->problem.contact[k].pair[1] = m->b;
 		s->problem.contact[k].a = body_of(s, m->a, &m->pose_a);
 		s->problem.contact[k].b = body_of(s, m->b, &m->pose_b);
 		s->slack = fmax(s->slack, s->problem.contact[k].noise);

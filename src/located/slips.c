@@ -7,6 +7,7 @@
 #include "located/slips.h"
 
 #include "base/error.h"
+#include "constraint/simultaneous_forces.h"
 
 #include <float.h>
 #include <string.h>

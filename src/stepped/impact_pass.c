@@ -316,6 +316,7 @@ static void fill_contact(const struct impacts *pass, struct rb_simultaneous *pro
 	*c = (struct rb_solver_contact){
 		.a = problem_index(pass, problem, point->a),
 		.b = problem_index(pass, problem, point->b),
+		.pair = {point->a, point->b},
 		.normal = point->normal,
 		.arm_a = arm[0],
 		.arm_b = arm[1],

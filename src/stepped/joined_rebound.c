@@ -287,6 +287,7 @@ static bool apply_law(const struct group *g, struct rb_simultaneous *law)
 		law->contact[k] = (struct rb_solver_contact){
 			.a = row->a,
 			.b = row->b,
+			.pair = {point->a, point->b},
 			.normal = row->normal,
 			.arm_a = row->arm_a,
 			.arm_b = row->arm_b,
