@@ -14,7 +14,9 @@
 
 enum {
 	ROUNDS = 512, /* plus 16 per contact; then the rest is done without restitution */
-	ROUNDS_PER_CONTACT = 16
+	ROUNDS_PER_CONTACT = 16,
+	/* rounds in turn that fail and leave as fast an approach: no impulses end it */
+	ROUNDS_BLOCKED = 16
 };
 
 /*
@@ -129,6 +131,8 @@ struct rounds {
 	bool *joined;   /* [body_count]: by leader: joints act on its bodies */
 	bool *involved; /* [body_count]: by leader: its bodies are involved in this round */
 	double first;   /* m/s: largest approach in the first round */
+	double largest; /* m/s: largest approach in this round */
+	bool failed;    /* not even impulses without friction have ended this round's approaches */
 	double scale;   /* m/s: largest speed of the bodies involved */
 	struct rb_cone cone;
 };
@@ -205,7 +209,7 @@ static void compress(struct rounds *all, const struct rb_solver_body *before)
 	reset(all, before);
 	for (int k = 0; k < cone->row_count; k++)
 		cone->row[k].base.friction = 0;
-	rb_cone_resolve(cone, all->scale);
+	all->failed = !(rb_cone_resolve(cone, all->scale) <= failed_share * all->scale);
 }
 
 /* Restitution of a row; 0 for joints that may pull. */
@@ -400,6 +404,7 @@ static int find_active(struct rounds *all, bool *only_tail)
 		restitution_max = fmax(restitution_max, c->restitution);
 	}
 	find_active_stops(all, &largest, &restitution_max, &count);
+	all->largest = largest;
 	if (all->first == 0)
 		all->first = largest;
 	*only_tail = restitution_max < 1 && largest <= tail_share * all->first;
@@ -740,9 +745,21 @@ bool rb_simultaneous_impact(struct rb_simultaneous *problem, int *rounds)
 		problem->joint_row[k].approach = 0;
 	}
 	const int max = ROUNDS + ROUNDS_PER_CONTACT * problem->contact_count;
+	double slowest = HUGE_VAL; /* m/s: the least of the largest approaches so far */
+	int failed = 0;
+
+	problem->blocked = false;
 	while (converged && find_active(&all, &only_tail) > 0) {
 		const bool last = only_tail || round == max;
 
+		failed = all.failed && all.largest >= slowest ? failed + 1 : 0;
+		slowest = fmin(slowest, all.largest);
+		all.failed = false;
+		if (failed == ROUNDS_BLOCKED) {
+			problem->blocked = true;
+			converged = false;
+			break;
+		}
 		if (last) {
 			memset(all.active, 1, (size_t)problem->contact_count * sizeof *all.active);
 			memset(all.stops, 1, (size_t)problem->joint_count * sizeof *all.stops);

@@ -86,8 +86,9 @@ struct rb_simultaneous {
 	struct rb_arena *arena; /* scratch, restored before returning */
 	/* out: matrix-vector products, each a pass over all contacts */
 	long products;
-	double tolerance;  /* impacts: speed below which approaches are ignored, m/s; 0: rounding */
-	bool probes;       /* forces: only a solution near the guess, by the whole law, is of use */
+	double tolerance; /* impacts: speed below which approaches are ignored, m/s; 0: rounding */
+	bool blocked; /* out: impacts: no impulses end the approaches; velocities are of no use */
+	bool probes;  /* forces: only a solution near the guess, by the whole law, is of use */
 	long products_max; /* limit of `products`, beyond which the result is of no use; 0: none */
 	/* borrowed, NULL: none; once it is set, the result is of no use */
 	struct rb_interrupt *interrupt;

@@ -599,6 +599,37 @@ static void end_interleaved(struct impact *s)
 	}
 }
 
+/* Names the bodies of the fastest approach, of what driven bodies or joints leave no way out. */
+static void fail_blocked(struct impact *s)
+{
+	struct rb_located *const l = s->l;
+	double fastest = 0;
+	int worst = 0;
+	char label[2][64], source[96];
+
+	for (int k = 0; k < s->contact_point_count; k++) {
+		const struct rb_contact_point *const m = &s->contact_point[k];
+		const double approach = -rb_vec3_dot(m->velocity, m->normal);
+
+		if (approach > fastest) {
+			fastest = approach;
+			worst = k;
+		}
+	}
+	const struct rb_scene *const scene = l->model->scene;
+	const int id =
+		l->model->id_of[s->contact_point_count > 0 ? s->contact_point[worst].a : l->set[0]];
+	const int other = s->contact_point_count > 0 ? l->model->id_of[s->contact_point[worst].b]
+	                                             : id;
+
+	l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
+	                    "%sno impulses end the approach of '%s' and '%s' at t = %.9g s, at "
+	                    "%.3g m/s: what is driven or held leaves no way out",
+	                    rb_scene_body_source(scene, id, source),
+	                    rb_scene_body_label(scene, id, label[0]),
+	                    rb_scene_body_label(scene, other, label[1]), s->t, fastest);
+}
+
 /* Solves the impact, ends series, anchors the members. */
 static void collide(struct impact *s)
 {
@@ -617,6 +648,10 @@ static void collide(struct impact *s)
 		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
 		                    "%d contacts together are too many to locate",
 		                    s->contact_point_count);
+		return;
+	}
+	if (s->problem.blocked) {
+		fail_blocked(s);
 		return;
 	}
 	if (!converged)

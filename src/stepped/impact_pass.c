@@ -633,7 +633,7 @@ static bool collide(struct impacts *pass, size_t due, bool *done)
 			problem.contact[k].impulse = rb_vec3_scale(ldexp(1, pass->unit),
 			                                           problem.contact[k].impulse);
 		pass->unit = 0;
-		*done = !rb_simultaneous_is_over(&problem);
+		*done = !rb_simultaneous_is_over(&problem) && !problem.blocked;
 		if (!*done)
 			pass->crowd = CROWD_LARGE;
 		good = *done ? report(pass, &problem, converged) : defer_to_end(pass, due);
