@@ -617,10 +617,22 @@ static void fail_blocked(struct impact *s)
 		}
 	}
 	const struct rb_scene *const scene = l->model->scene;
-	const int id =
-		l->model->id_of[s->contact_point_count > 0 ? s->contact_point[worst].a : l->set[0]];
-	const int other = s->contact_point_count > 0 ? l->model->id_of[s->contact_point[worst].b]
-	                                             : id;
+
+	if (!(fastest > 0)) { /* a limit or a rope has approached */
+		const int joint = s->joints.count > 0 ? s->joints.row[0].joint : -1;
+		const int def = joint >= 0 ? l->model->joints->joint[joint].def : -1;
+		char joint_label[96];
+
+		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
+		                    "%sno impulses end the approach of %s and what is joined to it "
+		                    "at t = %.9g s: what is driven or held leaves no way out",
+		                    def >= 0 ? rb_joint_source(scene, def, source) : "",
+		                    def >= 0 ? rb_joint_label(scene, def, joint_label) : "bodies",
+		                    s->t);
+		return;
+	}
+	const int id = l->model->id_of[s->contact_point[worst].a];
+	const int other = l->model->id_of[s->contact_point[worst].b];
 
 	l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
 	                    "%sno impulses end the approach of '%s' and '%s' at t = %.9g s, at "
