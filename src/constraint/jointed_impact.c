@@ -111,7 +111,7 @@ struct kept {
 
 static bool find_inverse_mass(struct rb_cone *cone, const struct rb_link *link, rb_mat3 *k)
 {
-	const rb_arena_mark here = rb_arena_here(cone->arena);
+	/* stays in the arena, as what eliminates the joints does, which is taken after it */
 	struct kept *const kept = rb_arena_take(cone->arena, (size_t)cone->row_count, sizeof *kept);
 
 	if (!kept)
@@ -129,7 +129,6 @@ static bool find_inverse_mass(struct rb_cone *cone, const struct rb_link *link, 
 		cone->row[r].bias = kept[r].bias;
 	}
 	clear_impulses(cone);
-	rb_arena_back(cone->arena, here);
 	return found;
 }
 
@@ -160,7 +159,6 @@ bool rb_jointed_impact(struct rb_cone *cone, const struct rb_link *link, rb_vec3
                        double noise, rb_vec3 *impulse)
 {
 	const size_t size = (size_t)cone->body_count * sizeof *cone->bodies.body;
-	const rb_arena_mark here = rb_arena_here(cone->arena);
 	struct rb_solver_body *const before = rb_arena_take(cone->arena, (size_t)cone->body_count,
 	                                                    sizeof *before);
 	struct rb_link own = *link;
@@ -186,6 +184,5 @@ bool rb_jointed_impact(struct rb_cone *cone, const struct rb_link *link, rb_vec3
 		memcpy(cone->bodies.body, before, size);
 		clear_impulses(cone);
 	}
-	rb_arena_back(cone->arena, here);
 	return solved;
 }

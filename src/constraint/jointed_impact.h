@@ -24,7 +24,8 @@ bool rb_jointed_impact_is_bilateral(const struct rb_cone_row *row);
  * sides, and no others, without impulses. `link`: bodies, normal, arms, friction and restitution of
  * the contact. `velocity`: that of the contact before, m/s, approaching. Out: the impulse on b,
  * N s; velocities of the bodies and impulses of the rows. False: the joints cannot be satisfied, or
- * the contact would approach by more than `noise`, m/s, afterwards; nothing has changed.
+ * the contact would approach by more than `noise`, m/s, afterwards; nothing has changed. Scratch is
+ * the cone's, and lives as long.
  */
 bool rb_jointed_impact(struct rb_cone *cone, const struct rb_link *link, rb_vec3 velocity,
                        double noise, rb_vec3 *impulse);
