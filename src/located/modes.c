@@ -749,7 +749,8 @@ static bool reserve_joints(struct rb_modes *w, size_t unknowns)
 	const size_t rows = (size_t)w->joints.count;
 
 	if (rows > 0) {
-		unknowns = unknowns + rows > RB_MODES_DENSE ? 0 : unknowns + rows;
+		/* of these rows some may not act, and more unknowns are not solved for directly */
+		unknowns = unknowns + rows > RB_MODES_DENSE ? RB_MODES_DENSE : unknowns + rows;
 		w->coupled = (struct rb_coupled){.l = w->l,
 		                                 .body = w->c->member,
 		                                 .pose = w->pose,
