@@ -17,6 +17,8 @@
 #include "base/error.h"
 #include "geom/boxes.h"
 
+/* Faces above which a point that leaves few of them to try costs less than it saves. */
+enum { FACES_MANY = 16 };
 enum { BLOCK = 32 }; /* arcs of b transformed at a time: 3 KiB of stack, reused for all of a */
 
 /*
@@ -35,6 +37,29 @@ typedef struct {
 	rb_vec3 along, inner[2], point;
 } arc;
 
+/*
+ * Gap along the normal of the face that faces `middle`, the middle of the other body. No face
+ * proves more than its distance to any point of that: `near`, its nearest along this normal, leaves
+ * few faces to try. Points in p's frame.
+ */
+static double facing_gap(const rb_axis *axis, const rb_placed *p, double sense, rb_vec3 middle,
+                         rb_vec3 *near)
+{
+	const struct rb_polytope *const polytope = p->core->polytope;
+	const rb_placed *const other = sense > 0 ? axis->b : axis->a;
+	int facing = 0;
+
+	for (int f = 1; f < polytope->face_count; f++)
+		if (rb_core_over_face(p->core, f, middle) >
+		    rb_core_over_face(p->core, facing, middle))
+			facing = f;
+	const rb_vec3 inwards = rb_mat3_apply(&p->turn,
+	                                      rb_vec3_neg(polytope->faces[facing].normal));
+
+	*near = rb_placed_local(p, rb_placed_support(other, inwards));
+	return rb_core_over_face(p->core, facing, *near);
+}
+
 /* Tries the outward normals of p's faces; `sense` is -1 for b, whose normals point towards a. */
 static void faces_of(rb_axis *axis, const rb_placed *p, double sense, const rb_vec3 *guide)
 {
@@ -51,11 +76,18 @@ static void faces_of(rb_axis *axis, const rb_placed *p, double sense, const rb_v
 		return;
 	}
 	const struct rb_polytope *polytope = p->core->polytope;
-	const rb_vec3 other = rb_placed_local(p, rb_placed_middle(sense > 0 ? axis->b : axis->a));
+	const rb_vec3 middle = rb_placed_local(p, rb_placed_middle(sense > 0 ? axis->b : axis->a));
+	rb_vec3 near = middle;
+	double known = -(double)INFINITY;
+
+	if (!guide && polytope->face_count > FACES_MANY)
+		known = facing_gap(axis, p, sense, middle, &near);
 	for (int f = 0; f < polytope->face_count; f++) {
 		const rb_vec3 n = polytope->faces[f].normal;
+		const double least = fmax(axis->gap, known) - 8 * axis->noise;
 
-		if (rb_core_over_face(p->core, f, other) < axis->gap - 8 * axis->noise)
+		if (rb_core_over_face(p->core, f, near) < least ||
+		    rb_core_over_face(p->core, f, middle) < least)
 			continue;
 		if (!guide || rb_vec3_dot(n, local) >= nearly_along)
 			rb_axis_try(axis, rb_vec3_scale(sense, rb_mat3_apply(&p->turn, n)));
