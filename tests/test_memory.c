@@ -147,7 +147,9 @@ static void what_is_yielded_takes_no_memory_and_the_rest_stays(void **state)
 	(void)state;
 	assert_non_null(block);
 	assert_non_null(small);
+	rb_memory_discard(NULL, 0);
 	rb_memory_discard(small, 0);
+	rb_memory_discard(block, size + 1);
 	memset(block, 7, size);
 	rb_memory_discard(block, kept);
 	for (size_t k = 0; k < kept; k++)

@@ -3,6 +3,7 @@
 #include "worlds.h"
 
 #include "base/memory.h"
+#include "stepped/stepped_state.h"
 
 static const double g = 9.81, far_away = 1000;
 
@@ -323,6 +324,32 @@ static void parts_of_a_step_hear_that_the_run_is_to_end(void **state)
 	}
 }
 
+static void what_went_back_takes_memory_for_a_while_only(void **state)
+{
+	struct lab lab;
+	int id[BODIES], kept = 0;
+	uint64_t rollbacks = 0;
+
+	(void)state;
+	open_sixtieths(&lab);
+	lab.scene.world.duration_s = 4;
+	lay_violent(&lab, id);
+	lab_seal(&lab, 1);
+	while (rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world)) {
+		assert_int_equal(rb_world_step_frame(lab.world, &lab.error), RB_OK);
+		const struct rb_frame_numbers numbers = rb_world_totals(lab.world);
+		/* groups may go back again in one of the next steps */
+		if (numbers.rollbacks > rollbacks)
+			assert_non_null(lab.world->stepped->local);
+		rollbacks = numbers.rollbacks;
+		kept += lab.world->stepped->local != NULL;
+	}
+	assert_true(rollbacks > 0);
+	assert_null(lab.world->stepped->local);
+	assert_true(kept > 1);
+	lab_close(&lab);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -335,6 +362,7 @@ int main(void)
 		cmocka_unit_test(order_of_groups_and_threads_are_not_in_the_bits),
 		cmocka_unit_test(impacts_are_told_in_order_of_time_then_ids),
 		cmocka_unit_test(parts_of_a_step_hear_that_the_run_is_to_end),
+		cmocka_unit_test(what_went_back_takes_memory_for_a_while_only),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

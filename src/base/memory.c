@@ -227,10 +227,11 @@ void rb_memory_free(void *block)
 
 void rb_memory_discard(void *block, size_t first)
 {
+	if (!block)
+		return;
 	const struct head head = *head_of(block);
 
-	RB_ASSERT(first <= head.size);
-	if (head.size < mapped_bytes)
+	if (head.size < mapped_bytes || first >= head.size)
 		return;
 	/* whole pages, and not the last one, which has the fence */
 	const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE);

@@ -33,8 +33,8 @@ _Bool rb_memory_reserve(void *block_address, size_t *capacity, size_t needed, si
 void rb_memory_free(void *block);
 
 /*
- * Of `block`, what lies from byte `first` on is not needed as it is: the system may take its pages,
- * which come again when they are written to. What it holds is then not known.
+ * Of `block` (NULL is fine), what lies from byte `first` on is not needed as it is: the system may
+ * take its pages, which come again when they are written to. What it holds is then not known.
  */
 void rb_memory_discard(void *block, size_t first);
 

@@ -235,6 +235,11 @@ enum rb_status rb_broadphase_find(struct rb_broadphase *broadphase, const rb_aab
 	return status;
 }
 
+void rb_broadphase_discard(struct rb_broadphase *broadphase, size_t bytes)
+{
+	rb_memory_discard(broadphase->grid.pairs, bytes);
+}
+
 uint64_t rb_broadphase_tests(const struct rb_broadphase *broadphase)
 {
 	return broadphase->grid.tests + broadphase->plane_tests;

@@ -39,6 +39,9 @@ RB_CHECKED enum rb_status rb_broadphase_find(struct rb_broadphase *broadphase, c
                                              const struct rb_pair **pairs, size_t *pair_count,
                                              struct rb_error *err);
 
+/* The pairs last found are not needed any more; beyond so many bytes their memory may be taken. */
+void rb_broadphase_discard(struct rb_broadphase *broadphase, size_t bytes);
+
 /* Box-against-box (and box-against-plane) tests made so far. */
 uint64_t rb_broadphase_tests(const struct rb_broadphase *broadphase);
 

@@ -481,3 +481,19 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 		memset(cohort->rebound, 0, cohort->points.count * sizeof *cohort->rebound);
 	return rb_solver_rebound(&s->solver, world, &cohort->points, cohort->rebound, err);
 }
+
+void rb_attempt_discard(const struct rb_cohort *cohort, size_t bytes)
+{
+	const struct rb_step_points *const points = &cohort->points;
+	void *const list[] = {points->row,
+	                      points->chosen,
+	                      points->last,
+	                      cohort->rebound,
+	                      cohort->closing_impulse,
+	                      cohort->impact,
+	                      cohort->transmitted.row,
+	                      cohort->ledger_impact};
+
+	for (size_t k = 0; k < sizeof list / sizeof list[0]; k++)
+		rb_memory_discard(list[k], bytes);
+}

@@ -231,3 +231,37 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 		}
 	return RB_OK;
 }
+
+enum rb_status rb_judge_give_up(const struct rb_world *world, double start,
+                                const struct rb_attempt_outcome *outcome, struct rb_error *err)
+{
+	const struct rb_scene *scene = world->model->scene;
+	const int *id_of = world->model->id_of;
+	char a[64], b[64], label[96], source[96];
+
+	if (outcome->body >= 0)
+		return RB_FAIL(err, RB_ERR_PHYSICS,
+		               "%sthe state of '%s' is not finite after t = %.9g s",
+		               rb_scene_body_source(scene, id_of[outcome->body], source),
+		               rb_scene_body_label(scene, id_of[outcome->body], a), start);
+	if (outcome->pair[0] < 0 && outcome->joint >= 0)
+		return RB_FAIL(
+			err, RB_ERR_PHYSICS,
+			"%sno step holds %s together after t = %.9g s (it drifts by %.3g m, "
+			"the tolerance is %.3g m)",
+			rb_joint_source(scene, world->model->joints->joint[outcome->joint].def,
+		                        source),
+			rb_joint_label(scene, world->model->joints->joint[outcome->joint].def,
+		                       label),
+			start, outcome->drift, world->model->stepped_tolerance_m);
+	if (outcome->pair[0] < 0)
+		return RB_FAIL(err, RB_ERR_PHYSICS, "no step resolves the impacts after t = %.9g s",
+		               start);
+	return RB_FAIL(err, RB_ERR_PHYSICS,
+	               "%sno step resolves the overlap of '%s' and '%s' after t = %.9g s (%.3g m "
+	               "deep, the tolerance is %.3g m)",
+	               rb_scene_body_source(scene, id_of[outcome->pair[0]], source),
+	               rb_scene_body_label(scene, id_of[outcome->pair[0]], a),
+	               rb_scene_body_label(scene, id_of[outcome->pair[1]], b), start,
+	               outcome->overlap, world->model->stepped_tolerance_m);
+}

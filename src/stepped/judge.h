@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Verdict on an attempt: for which bodies it is accepted. */
+/* Verdict on an attempt: for which bodies it is accepted, and what is said if for none. */
 #ifndef RB_STEPPED_JUDGE_H
 #define RB_STEPPED_JUDGE_H
 
@@ -12,5 +12,9 @@
  */
 RB_CHECKED enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double h_s,
                                    struct rb_attempt_outcome *outcome, struct rb_error *err);
+
+/* Fails with the reason why no step was short enough. */
+enum rb_status rb_judge_give_up(const struct rb_world *world, double start_s,
+                                const struct rb_attempt_outcome *outcome, struct rb_error *err);
 
 #endif

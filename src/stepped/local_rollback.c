@@ -52,6 +52,7 @@ struct rb_local_rollback {
 	struct rb_group_sums *sums; /* owned: of finished groups */
 	size_t sums_count, sums_capacity;
 	bool has_no_step; /* the current group has not taken a step yet */
+	int unused_steps; /* since the last one that failed for some bodies */
 };
 
 /* An impact and a dynamic body of it. */
@@ -314,41 +315,6 @@ static enum rb_status finish_group(struct rb_world *world, struct rb_swept_group
 	return RB_OK;
 }
 
-enum rb_status rb_local_rollback_give_up(const struct rb_world *world, double start,
-                                         const struct rb_attempt_outcome *outcome,
-                                         struct rb_error *err)
-{
-	const struct rb_scene *scene = world->model->scene;
-	const int *id_of = world->model->id_of;
-	char a[64], b[64], label[96], source[96];
-
-	if (outcome->body >= 0)
-		return RB_FAIL(err, RB_ERR_PHYSICS,
-		               "%sthe state of '%s' is not finite after t = %.9g s",
-		               rb_scene_body_source(scene, id_of[outcome->body], source),
-		               rb_scene_body_label(scene, id_of[outcome->body], a), start);
-	if (outcome->pair[0] < 0 && outcome->joint >= 0)
-		return RB_FAIL(
-			err, RB_ERR_PHYSICS,
-			"%sno step holds %s together after t = %.9g s (it drifts by %.3g m, "
-			"the tolerance is %.3g m)",
-			rb_joint_source(scene, world->model->joints->joint[outcome->joint].def,
-		                        source),
-			rb_joint_label(scene, world->model->joints->joint[outcome->joint].def,
-		                       label),
-			start, outcome->drift, world->model->stepped_tolerance_m);
-	if (outcome->pair[0] < 0)
-		return RB_FAIL(err, RB_ERR_PHYSICS, "no step resolves the impacts after t = %.9g s",
-		               start);
-	return RB_FAIL(err, RB_ERR_PHYSICS,
-	               "%sno step resolves the overlap of '%s' and '%s' after t = %.9g s (%.3g m "
-	               "deep, the tolerance is %.3g m)",
-	               rb_scene_body_source(scene, id_of[outcome->pair[0]], source),
-	               rb_scene_body_label(scene, id_of[outcome->pair[0]], a),
-	               rb_scene_body_label(scene, id_of[outcome->pair[1]], b), start,
-	               outcome->overlap, world->model->stepped_tolerance_m);
-}
-
 static void reset_arenas(struct rb_world *world)
 {
 	for (int k = 0; k < world->worker_count; k++)
@@ -424,8 +390,7 @@ static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *g
 			restore_substep(world);
 			world->frame_counts.rollbacks++;
 			if (rb_halvings_end(halvings++, h, dt))
-				return rb_local_rollback_give_up(world, start + done, &outcome,
-				                                 err);
+				return rb_judge_give_up(world, start + done, &outcome, err);
 			h = outcome.clear_s < h ? outcome.clear_s : 0.5 * h;
 			continue;
 		}
@@ -722,20 +687,38 @@ static void take_back(struct rb_world *world, const struct rb_state *begin)
 	s->candidates.valid = false;
 }
 
-enum rb_status rb_local_rollback_step(struct rb_world *world, double start, double dt,
-                                      const struct rb_attempt_outcome *outcome,
-                                      struct rb_error *err)
+/*
+ * What groups have used is not needed by the next step, whose points and rows would come on top of
+ * it. Most steps take few bodies back, whose lists stay.
+ */
+static void discard_groups(struct rb_world *world)
+{
+	enum { KEPT_BYTES = 1 << 16 };
+	struct rb_stepped *const s = world->stepped;
+	const struct rb_local_rollback *const local = s->local;
+	void *const list[] = {s->part_contacts.row, local->last.row,  local->before.row,
+	                      local->kept.row,      local->shown.row, local->means.row,
+	                      local->means.spare,   local->impulse,   local->event,
+	                      local->sums};
+
+	for (size_t k = 0; k < sizeof list / sizeof list[0]; k++)
+		rb_memory_discard(list[k], KEPT_BYTES);
+	rb_attempt_discard(&s->part, KEPT_BYTES);
+	rb_swept_bounds_discard(&local->swept, KEPT_BYTES);
+	/* those of the whole step have been copied (rb_candidates_keep) */
+	if (world->broadphase && s->candidates.pair == s->candidates.own)
+		rb_broadphase_discard(world->broadphase, KEPT_BYTES);
+}
+
+/* Runs the groups and joins their results with those of the attempt; memory for it is there. */
+static enum rb_status run_and_join(struct rb_world *world, double start, double dt,
+                                   const struct rb_attempt_outcome *outcome, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	struct made made = {.whole_count = 0};
-	enum rb_status status = s->local ? RB_OK : create(world, err);
-
-	RB_ASSERT(dt > 0 && s->bad_count > 0);
-	if (status != RB_OK) {
-		take_back(world, &world->mark);
-		return status;
-	}
 	struct rb_local_rollback *local = s->local;
+	enum rb_status status = RB_OK;
+
 	rb_state_copy(&local->begin, &world->mark);
 	rb_swept_bounds_set(&local->swept, world, &local->begin, dt);
 	for (int i = 0; i < world->model->body_count; i++) {
@@ -763,4 +746,31 @@ enum rb_status rb_local_rollback_step(struct rb_world *world, double start, doub
 	world->frame_counts = before;
 	take_back(world, &local->begin);
 	return status;
+}
+
+enum rb_status rb_local_rollback_step(struct rb_world *world, double start, double dt,
+                                      const struct rb_attempt_outcome *outcome,
+                                      struct rb_error *err)
+{
+	enum rb_status status = world->stepped->local ? RB_OK : create(world, err);
+
+	RB_ASSERT(dt > 0 && world->stepped->bad_count > 0);
+	if (status != RB_OK) {
+		take_back(world, &world->mark);
+		return status;
+	}
+	status = run_and_join(world, start, dt, outcome, err);
+	discard_groups(world);
+	world->stepped->local->unused_steps = 0;
+	return status;
+}
+
+void rb_local_rollback_unused(struct rb_stepped *stepped)
+{
+	enum { STEPS_KEPT = 64 };
+
+	if (!stepped->local || ++stepped->local->unused_steps < STEPS_KEPT)
+		return;
+	rb_local_rollback_destroy(stepped->local);
+	stepped->local = NULL;
 }

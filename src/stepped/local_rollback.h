@@ -29,14 +29,12 @@ RB_CHECKED enum rb_status rb_local_rollback_step(struct rb_world *world, double 
                                                  struct rb_error *err);
 void rb_local_rollback_destroy(struct rb_local_rollback *local); /* NULL is fine */
 
+/* After a step of all bodies: frees what none has needed for long. */
+void rb_local_rollback_unused(struct rb_stepped *stepped);
+
 /* Memory per body and per candidate pair, except for contacts, bytes. */
 size_t rb_local_rollback_body_bytes(const struct rb_model *model);
 size_t rb_local_rollback_pair_bytes(void);
-
-/* Fails with the reason why no step was short enough. */
-enum rb_status rb_local_rollback_give_up(const struct rb_world *world, double start_s,
-                                         const struct rb_attempt_outcome *outcome,
-                                         struct rb_error *err);
 
 /* Limit of halvings of a step: in a row, and below the whole step. */
 enum { RB_HALVINGS_MAX = 24, RB_HALVINGS_IN_ALL = 32 };

@@ -433,8 +433,10 @@ static enum rb_status step_locally(struct rb_world *world, double start, double 
 
 	if (status != RB_OK)
 		return status;
-	if (s->bad_count == 0)
+	if (s->bad_count == 0) {
+		rb_local_rollback_unused(s);
 		return commit(world, start + dt, dt, &outcome, err);
+	}
 	status = rb_local_rollback_step(world, start, dt, &outcome, err);
 	if (status != RB_OK)
 		return status;
@@ -504,7 +506,7 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 		world->frame_counts.rollbacks++;
 		world->frame_counts.discarded_body_steps += (uint64_t)s->member_count;
 		if (rb_halvings_end(halvings++, h, dt))
-			return rb_local_rollback_give_up(world, start + done, &outcome, err);
+			return rb_judge_give_up(world, start + done, &outcome, err);
 		h *= 0.5;
 	}
 	return parts > 1 && world->keeps_means ? show_means(world, dt, err) : RB_OK;

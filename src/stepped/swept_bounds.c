@@ -54,6 +54,21 @@ void rb_swept_bounds_release(struct rb_swept_bounds *swept)
 	*swept = (struct rb_swept_bounds){0};
 }
 
+void rb_swept_bounds_discard(const struct rb_swept_bounds *swept, size_t bytes)
+{
+	const struct rb_candidates *const candidates = &swept->candidates;
+	void *const list[] = {swept->group,
+	                      swept->pair,
+	                      candidates->own,
+	                      candidates->own_depth,
+	                      candidates->own_clearance,
+	                      candidates->own_first_cache,
+	                      candidates->cache};
+
+	for (size_t k = 0; k < sizeof list / sizeof list[0]; k++)
+		rb_memory_discard(list[k], bytes);
+}
+
 /* ---- boxes ---- */
 
 static rb_vec3 lower(rb_vec3 a, rb_vec3 b)

@@ -49,6 +49,8 @@ RB_CHECKED enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept,
                                                struct rb_world *world, struct rb_error *err);
 /* Restricts `candidates` to `count` of the pairs by group, from `first` on. */
 void rb_swept_bounds_restrict(struct rb_swept_bounds *swept, size_t first, size_t count);
+/* Pairs and groups are not needed any more: likewise rb_attempt_discard. */
+void rb_swept_bounds_discard(const struct rb_swept_bounds *swept, size_t bytes);
 /*
  * Whether any of these bodies, driven ones too, has left its box in the present state. Its box
  * grows: by the path in the rest of the step, padded in proportion to the distance.
