@@ -50,13 +50,16 @@ struct pack {
 	bool writes_a[WIDTH],
 		writes_b[WIDTH]; /* static bodies may be shared between threads: not written to */
 	struct lanes3 normal;
-	lanes arm_a, arm_b; /* m, along the normal */
-	lanes inverse_mass_n, inverse_mass_t, inverse_n, inverse_t;
+	lanes arm_a, arm_b; /* m, along the normal; not central: their x, `turn` has the rest */
+	lanes inverse_mass_n, inverse_mass_t, inverse_n;
+	/*
+	 * kg; where friction is held, negative: N s, the least normal impulse, whose cone contains
+	 * it
+	 */
+	lanes inverse_t;
 	lanes target_velocity, friction;
 	lanes normal_impulse;
 	struct lanes3 friction_impulse;
-	/* N s: least normal impulse: 0, or the one whose cone contains held friction */
-	lanes normal_min;
 	struct lanes3
 		last_change; /* N s: extrapolation of the impulse, then its total last change */
 	lanes count;         /* of sweeps in one direction */
@@ -64,8 +67,8 @@ struct pack {
 
 /* Further constants of rows that are not central. */
 struct turn {
-	struct lanes3 arm_a, arm_b; /* m */
-	struct lanes3 skew;         /* 1/kg: slip per unit of normal impulse */
+	lanes arm_a[2], arm_b[2]; /* m: y and z */
+	struct lanes3 skew;       /* 1/kg: slip per unit of normal impulse */
 };
 
 /*
@@ -342,18 +345,27 @@ ALWAYS void turn_by(struct lanes3 *w, const struct bodies *bodies, const lanes *
 		                     bodies->inverse_inertia * torque->z};
 }
 
-ALWAYS void turn_any(const struct turns *turns, struct bodies *a, struct bodies *b,
-                     const struct lanes3 *impulse)
+/* Arms of rows that are not central. */
+ALWAYS void arms_of(const struct pack *pack, const struct turn *turn, struct lanes3 *a,
+                    struct lanes3 *b)
+{
+	*a = (struct lanes3){pack->arm_a, turn->arm_a[0], turn->arm_a[1]};
+	*b = (struct lanes3){pack->arm_b, turn->arm_b[0], turn->arm_b[1]};
+}
+
+ALWAYS void turn_any(const struct pack *pack, const struct turns *turns, struct bodies *a,
+                     struct bodies *b, const struct lanes3 *impulse)
 {
 	const struct tensors *const tensors = turns->tensors;
-	struct lanes3 torque, w;
+	struct lanes3 arm_a, arm_b, torque, w;
 
-	cross(&torque, &turns->turn->arm_a, impulse);
+	arms_of(pack, turns->turn, &arm_a, &arm_b);
+	cross(&torque, &arm_a, impulse);
 	turn_by(&w, a, tensors ? tensors->of_a : NULL, &torque);
 	a->angular.x -= w.x;
 	a->angular.y -= w.y;
 	a->angular.z -= w.z;
-	cross(&torque, &turns->turn->arm_b, impulse);
+	cross(&torque, &arm_b, impulse);
 	turn_by(&w, b, tensors ? tensors->of_b : NULL, &torque);
 	b->angular.x += w.x;
 	b->angular.y += w.y;
@@ -377,7 +389,7 @@ ALWAYS void apply_impulse(const struct pack *pack, const struct turns *turns, st
 	b->linear.y += b->inverse_mass * impulse.y;
 	b->linear.z += b->inverse_mass * impulse.z;
 	if (turns->turn)
-		turn_any(turns, a, b, &impulse);
+		turn_any(pack, turns, a, b, &impulse);
 	else
 		turn_central(pack, a, b, across);
 }
@@ -393,10 +405,11 @@ ALWAYS void relative_velocity(const struct pack *pack, const struct turn *turn,
 	struct lanes3 u;
 
 	if (turn) {
-		struct lanes3 velocity_a;
+		struct lanes3 arm_a, arm_b, velocity_a;
 
-		cross(&u, &b->angular, &turn->arm_b);
-		cross(&velocity_a, &a->angular, &turn->arm_a);
+		arms_of(pack, turn, &arm_a, &arm_b);
+		cross(&u, &b->angular, &arm_b);
+		cross(&velocity_a, &a->angular, &arm_a);
 		u = (struct lanes3){u.x - velocity_a.x, u.y - velocity_a.y, u.z - velocity_a.z};
 	} else {
 		const struct lanes3 w = {pack->arm_b * b->angular.x - pack->arm_a * a->angular.x,
@@ -428,7 +441,10 @@ ALWAYS void solve_pack(body_rows body, struct pack *pack, const struct turns *tu
 	gather(&b, body, pack->b);
 	relative_velocity(pack, turn, &a, &b, &along, &slip);
 	along = pack->normal_impulse + (pack->target_velocity - along) * pack->inverse_n;
-	along = CHOOSE(along > pack->normal_min, along, pack->normal_min);
+	const mask held = pack->inverse_t < none;
+	const lanes normal_min = CHOOSE(held, -pack->inverse_t, none);
+	const lanes inverse_t = CHOOSE(held, none, pack->inverse_t);
+	along = CHOOSE(along > normal_min, along, normal_min);
 	const mask acts = (along > none) | (pack->normal_impulse != none);
 	if (!any(&acts))
 		return;
@@ -438,9 +454,9 @@ ALWAYS void solve_pack(body_rows body, struct pack *pack, const struct turns *tu
 		slip.y += delta * turn->skew.y;
 		slip.z += delta * turn->skew.z;
 	}
-	struct lanes3 friction_impulse = {pack->friction_impulse.x - pack->inverse_t * slip.x,
-	                                  pack->friction_impulse.y - pack->inverse_t * slip.y,
-	                                  pack->friction_impulse.z - pack->inverse_t * slip.z};
+	struct lanes3 friction_impulse = {pack->friction_impulse.x - inverse_t * slip.x,
+	                                  pack->friction_impulse.y - inverse_t * slip.y,
+	                                  pack->friction_impulse.z - inverse_t * slip.z};
 	const lanes square = DOT(friction_impulse, friction_impulse), max = pack->friction * along;
 	const mask slides = square > max * max;
 	if (any(&slides)) {
@@ -520,8 +536,8 @@ static void fill_lane(const struct rb_wide *wide, const struct rb_packs *packs, 
 	pack->normal.x[i] = (real)row->normal.x;
 	pack->normal.y[i] = (real)row->normal.y;
 	pack->normal.z[i] = (real)row->normal.z;
-	pack->arm_a[i] = (real)(packs->turn ? 0 : packs->per_length * row->arm_a.x);
-	pack->arm_b[i] = (real)(packs->turn ? 0 : packs->per_length * row->arm_b.x);
+	pack->arm_a[i] = (real)(packs->per_length * row->arm_a.x);
+	pack->arm_b[i] = (real)(packs->per_length * row->arm_b.x);
 	pack->inverse_mass_n[i] = (real)(mass * row->inverse_mass_n);
 	pack->inverse_mass_t[i] = (real)(mass * row->inverse_mass_t);
 	pack->inverse_n[i] = (real)(1 / (mass * row->inverse_mass_n));
@@ -562,13 +578,18 @@ ALWAYS void store_vector(struct lanes3 *to, int i, double unit, rb_vec3 v)
 	to->z[i] = (real)(unit * v.z);
 }
 
-static void fill_turn(const struct rb_wide *wide, const struct rb_packs *packs, struct turn *turn,
-                      int i, const struct rb_constraint *row)
+/* After fill_lane. */
+static void fill_turn(const struct rb_wide *wide, const struct rb_packs *packs, struct pack *pack,
+                      struct turn *turn, int i, const struct rb_constraint *row)
 {
 	const rb_vec3 arm_a = rb_constraint_arm_a(row), arm_b = rb_constraint_arm_b(row);
 
-	store_vector(&turn->arm_a, i, packs->per_length, arm_a);
-	store_vector(&turn->arm_b, i, packs->per_length, arm_b);
+	pack->arm_a[i] = (real)(packs->per_length * arm_a.x);
+	turn->arm_a[0][i] = (real)(packs->per_length * arm_a.y);
+	turn->arm_a[1][i] = (real)(packs->per_length * arm_a.z);
+	pack->arm_b[i] = (real)(packs->per_length * arm_b.x);
+	turn->arm_b[0][i] = (real)(packs->per_length * arm_b.y);
+	turn->arm_b[1][i] = (real)(packs->per_length * arm_b.z);
 	const rb_vec3 skew = rb_vec3_reject(
 		rb_vec3_add(skew_of(wide->dense, row->a, arm_a, row->normal),
 	                    skew_of(wide->dense, row->b, arm_b, row->normal)),
@@ -586,11 +607,9 @@ static void load_lane(const struct rb_packs *packs, struct pack *pack, int i,
 	store_vector(&pack->friction_impulse, i, unit, row->impulse.t);
 	pack->last_change.x[i] = pack->last_change.y[i] = pack->last_change.z[i] = 0;
 	pack->count[i] = 0;
-	pack->inverse_t[i] = (real)(has_friction && !holds ? packs->per_mass / row->inverse_mass_t
-	                                                   : 0);
-	pack->normal_min[i] = (real)(has_friction && holds
-	                                     ? unit * rb_vec3_length(row->impulse.t) / row->friction
-	                                     : 0);
+	pack->inverse_t[i] = (real)(!has_friction ? 0
+	                            : holds ? -unit * rb_vec3_length(row->impulse.t) / row->friction
+	                                    : packs->per_mass / row->inverse_mass_t);
 }
 
 #if SINGLE
@@ -651,7 +670,7 @@ static void transfer(const struct rb_wide *wide, const struct rb_packs *packs,
 
 	RB_ASSERT_COSTLY(!fills || task != RB_PACK_STORE);
 	if (clears && turn)
-		*turn = (struct turn){.arm_a = {.x = {0}}};
+		*turn = (struct turn){.arm_a = {{0}}};
 	if (clears && tensors)
 		*tensors = (struct tensors){.of_a = {{0}}};
 	if (clears) {
@@ -675,7 +694,7 @@ static void transfer(const struct rb_wide *wide, const struct rb_packs *packs,
 			fill_tensor(wide, packs, row->b, tensors->of_b, i);
 		}
 		if (fills && turn)
-			fill_turn(wide, packs, turn, i, row);
+			fill_turn(wide, packs, pack, turn, i, row);
 		load_lane(packs, pack, i, row, task == RB_PACK_LOAD_HELD);
 	}
 }

@@ -130,7 +130,7 @@ static void colour_or_warm(void *user, int block, int worker)
 		rb_sweep_warm(preparation->sweeper->dense);
 }
 
-/* False: no memory. */
+/* The order of rows by colour stays in the arena. False: no memory. */
 static bool prepare_packs(struct preparation *preparation, struct rb_arena *arena)
 {
 	const struct rb_sweeper *sweeper = preparation->sweeper;
@@ -138,12 +138,13 @@ static bool prepare_packs(struct preparation *preparation, struct rb_arena *aren
 	const size_t count = (size_t)sweeper->dense->row_count;
 	const size_t members = (size_t)sweeper->member_count;
 
+	colours->first = rb_arena_take(arena, COLOURS_MAX + 2, sizeof *colours->first);
+	colours->order = rb_arena_take(arena, count, sizeof *colours->order);
+	const rb_arena_mark here = rb_arena_here(arena);
+	colours->unloaded = rb_arena_take(arena, COLOURS_MAX, sizeof *colours->unloaded);
 	preparation->ends = rb_arena_take(arena, count, sizeof *preparation->ends);
 	preparation->used = rb_arena_take(arena, members, sizeof *preparation->used);
 	preparation->colour = rb_arena_take(arena, count, 1);
-	colours->first = rb_arena_take(arena, COLOURS_MAX + 2, sizeof *colours->first);
-	colours->unloaded = rb_arena_take(arena, COLOURS_MAX, sizeof *colours->unloaded);
-	colours->order = rb_arena_take(arena, count, sizeof *colours->order);
 	if (!preparation->ends || !preparation->used || !preparation->colour || !colours->first ||
 	    !colours->unloaded || !colours->order)
 		return false;
@@ -157,6 +158,7 @@ static bool prepare_packs(struct preparation *preparation, struct rb_arena *aren
 		rb_team_run(sweeper->team, 2, colour_or_warm, preparation);
 	else
 		colour_rows(preparation);
+	rb_arena_back(arena, here);
 	return true;
 }
 
