@@ -349,7 +349,7 @@ enum rb_status rb_candidates_forget(struct rb_candidates *candidates, const stru
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu candidate pairs",
 		               candidates->pair_count);
 	for (size_t k = 0; k < candidates->pair_count; k++)
-		candidates->own_depth[k] = (double)NAN;
+		candidates->own_depth[k] = NAN;
 	candidates->depth = candidates->own_depth;
 	if (!candidates->placed)
 		return RB_OK;

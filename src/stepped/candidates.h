@@ -49,9 +49,9 @@ struct rb_candidates {
 	size_t live_count;
 	/*
 	 * m, by pair: overlap when last measured; negative: the overlap is at most its magnitude;
-	 * NAN: not measured at these poses
+	 * NAN: not measured at these poses, or beyond the tolerance
 	 */
-	double *depth, *own_depth;
+	float *depth, *own_depth;
 	/*
 	 * m, by pair with parts: distance when last measured plus their `path` then; while the sum
 	 * of the bodies' `path` is smaller, they are apart by the difference.

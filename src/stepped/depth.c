@@ -11,6 +11,7 @@
 #include "stepped/depth.h"
 
 #include <float.h>
+#include <math.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -166,6 +167,31 @@ static bool is_marked(const struct rb_world *world, const unsigned char *mark, s
 	return mark && (mark[pair.a] || (pair.b < world->model->body_count && mark[pair.b]));
 }
 
+/* The largest number of 32 bits that is not larger. */
+static double rounded_down(double depth)
+{
+	const float near = (float)depth;
+	const float down = (double)near > depth ? near * (1 - FLT_EPSILON) : near;
+
+	RB_ASSERT_COSTLY(depth >= 0);
+	return down >= FLT_MIN ? (double)down : 0;
+}
+
+/*
+ * A depth in half of the bytes. Most are bounds, which 32 bits hold; of the others below the limit
+ * a bound is kept, and those beyond it are measured again.
+ */
+static float kept_of(double depth, double limit)
+{
+	const float near = (float)depth;
+
+	if ((double)near == depth)
+		return near;
+	if (!(depth <= limit))
+		return NAN;
+	return near >= FLT_MIN ? -near * (1 + FLT_EPSILON) : -FLT_MIN;
+}
+
 /* Depths of one block of pairs: maxima, and the list of those beyond the tolerance. */
 static void depth_block(void *user, int block, int worker)
 {
@@ -194,17 +220,20 @@ static void depth_block(void *user, int block, int worker)
 
 		live += is_live;
 		if (is_marked(work->world, work->skip, pair)) {
-			candidates->depth[k] = (double)NAN;
+			candidates->depth[k] = NAN;
 			continue;
 		}
-		/* only maxima are reported: below them a bound suffices */
-		const double least = is_live ? depths.max : depths.resting;
+		/* only maxima are reported: below them a bound suffices, which can be kept */
+		const double least = rounded_down(is_live ? depths.max : depths.resting);
 		const bool due = work->moved ? is_marked(work->world, work->moved, pair) : is_live;
 
+		double depth = (double)candidates->depth[k];
+
 		/* written so that NaN is measured */
-		if (due || !(candidates->depth[k] >= -least))
-			candidates->depth[k] = depth_of(work->world, candidates, k, least);
-		const double depth = candidates->depth[k];
+		if (due || !(depth >= -least)) {
+			depth = depth_of(work->world, candidates, k, least);
+			candidates->depth[k] = kept_of(depth, work->limit);
+		}
 
 		if (depth > work->limit)
 			add_deep(&depths, &work->world->arena[worker],

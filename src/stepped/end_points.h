@@ -35,7 +35,8 @@ static inline bool rb_end_points_has(struct rb_end_points *carried, size_t pair)
 	if (!carried->any || !carried->heap[of.a] || !carried->heap[of.b])
 		return false;
 	/* written so that NaN requires the narrow phase */
-	if (!(carried->candidates->depth[pair] <= carried->world->model->stepped_tolerance_m))
+	if (!((double)carried->candidates->depth[pair] <=
+	      carried->world->model->stepped_tolerance_m))
 		carried->exact[pair] = 1;
 	return !carried->exact[pair];
 }

@@ -123,7 +123,7 @@ size_t rb_local_rollback_body_bytes(const struct rb_model *model)
 size_t rb_local_rollback_pair_bytes(void)
 {
 	/* pairs of the candidates, in order and by group */
-	return 2 * sizeof(struct rb_pair) + sizeof(double);
+	return 2 * sizeof(struct rb_pair) + sizeof(float);
 }
 
 /* ---- results, and those to be repeated ---- */

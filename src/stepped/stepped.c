@@ -266,7 +266,7 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads)
 	const size_t axis_cache = central ? 0 : sizeof(struct rb_axis_cache);
 	const size_t point = sizeof(struct rb_step_point) + sizeof(struct rb_constraint) +
 	                     2 * sizeof(int) + contact + again + scratch + axis_cache;
-	const size_t pair = sizeof(struct rb_pair) + sizeof(double) + sizeof(uint32_t) +
+	const size_t pair = sizeof(struct rb_pair) + sizeof(float) + sizeof(uint32_t) +
 	                    (central ? 0 : sizeof(double) + sizeof(uint32_t));
 	const double pairs = central ? HEAP_PAIRS * (double)model->body_count : heap_pairs(model);
 	const bool rough = (model->features & RB_FEATURE_FRICTION) != 0;
