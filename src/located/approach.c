@@ -60,7 +60,8 @@ struct search_state {
 	double noise, band;
 	double horizon_s; /* time for which the bounds hold */
 	double turn_a, turn_b, turning_a, turning_b;
-	double bend_a, bend_b; /* m/s^2: of a point, due to rotation */
+	/* m/s^2: of a point, due to rotation; the same of what rb_extent calls centres */
+	double bend_a, bend_b, swing_a, swing_b;
 };
 
 /* Bounds and extents, which hold for the whole search. */
@@ -93,10 +94,11 @@ static double arm_of(const struct search_state *c, double ball, double other)
 }
 
 /*
- * Bounds of one body's rotation over the horizon: *turn, angular speed; *bend, acceleration of any
- * of its points. Returns their largest speed, m/s.
+ * Bounds of one body's rotation over the horizon: *turn, angular speed; *bend, *swing: acceleration
+ * of its points and centres. Returns the largest speed of its points, m/s.
  */
-static double bound_rotation(struct search_state *c, bool is_a, double *turn, double *bend)
+static double bound_rotation(struct search_state *c, bool is_a, double *turn, double *bend,
+                             double *swing)
 {
 	struct rb_bounds *max = is_a ? &c->of_a : &c->of_b;
 	const struct rb_extent *own = is_a ? &c->a : &c->b, *other = is_a ? &c->b : &c->a;
@@ -109,17 +111,19 @@ static double bound_rotation(struct search_state *c, bool is_a, double *turn, do
 	}
 	*turn = max->turn;
 	const double quick = *turn * *turn + max->turning;
-	*bend = 0;
+	*bend = *swing = 0;
 	if (!(quick > 0))
 		return 0;
 	if (!isfinite(own->ball)) {
 		const double arm = arm_of(c, own->ball, other->ball);
 
-		*bend = quick * arm;
+		*bend = *swing = quick * arm;
 		return *turn * arm;
 	}
-	*bend = fmin(max->axis_bend * own->along + quick * own->across, quick * own->core);
-	return fmin(max->axis_turn * own->along + *turn * own->across, *turn * own->core);
+	*bend = rb_extent_bend(&own->points, max);
+	*swing = rb_extent_bend(&own->centres, max);
+	return fmin(max->axis_turn * own->points.along + *turn * own->points.across,
+	            *turn * own->points.core);
 }
 
 /* Moves the pair to time t and updates what depends on it. */
@@ -144,8 +148,8 @@ static void place(struct search_state *c, double t, double until)
 	c->horizon_s = until - t;
 	if (growing > 0)
 		c->horizon_s = fmin(c->horizon_s, fmax(fastest / growing, sqrt(1 / growing)));
-	const double turning = bound_rotation(c, true, &c->turn_a, &c->bend_a) +
-	                       bound_rotation(c, false, &c->turn_b, &c->bend_b);
+	const double turning = bound_rotation(c, true, &c->turn_a, &c->bend_a, &c->swing_a) +
+	                       bound_rotation(c, false, &c->turn_b, &c->bend_b, &c->swing_b);
 	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
 	const double surface = rb_vec3_length(c->pair.pose_a.spin) *
 	                               arm_of(c, c->a.ball, c->b.ball) +
@@ -352,8 +356,9 @@ static double external_along(const struct search_state *c, rb_vec3 n)
 static double bend_max(const struct search_state *c, const struct axis *axis,
                        const struct rb_feature_side *a, const struct rb_feature_side *b, double *s)
 {
+	/* a rim's own part is that of rim_bend */
 	double bend = (axis->rate_max > 0 ? c->external_max : external_along(c, axis->n)) +
-	              c->bend_a + c->bend_b;
+	              c->swing_a + c->swing_b;
 
 	bend += rim_bend(a, &c->of_a, axis, s) + rim_bend(b, &c->of_b, axis, s);
 

@@ -32,6 +32,39 @@ static double second_rates_max(const struct rb_gauss_piece *p, int first)
 	return sum * (1 + 64 * DBL_EPSILON) / (p->length_s * p->length_s);
 }
 
+/*
+ * Bounds for an axis of a body on a piece: tight for one that spins about it, as when it rolls. The
+ * axis u turns with w x u; while it is within `off` of where it began, that is at most |w| off plus
+ * the components of w across its beginning, so that `off` grows as exp(|w| t) - 1 does.
+ */
+static void piece_axis_rates(const struct rb_piece_of *p, struct rb_bounds *max)
+{
+	const double *const start = p->piece.start + p->first;
+	const rb_quat q = rb_quat_from(start + RB_PIECE_ORIENTATION);
+	const rb_vec3 u = rb_quat_rotate(q, max->axis);
+	const double turned = max->turn * p->piece.length_s;
+	double across = 0;
+
+	if (!(turned < 1))
+		return;
+	for (int k = RB_GAUSS_NODES - 1; k >= 0; k--) {
+		const double *const rate = p->piece.coefficient + (size_t)k * (size_t)p->piece.n +
+		                           p->first + RB_PIECE_SPIN;
+
+		across += rb_vec3_length(rb_vec3_reject(rb_vec3_from(rate), u));
+	}
+	/* 1.001: a margin above rounding */
+	const double turning = 1.001 * across / p->piece.length_s;
+	const double spin = 1.001 * (rb_vec3_length(rb_vec3_reject(
+					     rb_vec3_from(start + RB_PIECE_SPIN), u)) +
+	                             across);
+	const double off = max->turn > 0 ? spin * expm1(turned) / max->turn : 0;
+
+	max->axis_turn = fmin(max->turn, max->turn * off + spin);
+	max->axis_bend = fmin(max->axis_bend,
+	                      max->turning * off + turning + max->turn * max->axis_turn);
+}
+
 /* Components, moments and invariants of a free body's rotation in principal axes. */
 struct spinning {
 	double w[3], moment[3];
@@ -166,6 +199,8 @@ struct rb_bounds rb_bounds_of(const struct rb_located *l, int i)
 	if (!is_free) {
 		max.axis_turn = max.turn;
 		max.axis_bend = max.turn * max.turn + max.turning;
+		if (l->top && rb_located_on_piece(l, i))
+			piece_axis_rates(&l->piece[i], &max);
 	}
 	if (l->model->center_of_mass) {
 		const double arm = rb_vec3_length(l->model->center_of_mass[i]), w = max.turn;

@@ -229,3 +229,31 @@ LUA
 for turn in 0 1 2 3; do
 	exits 0 flat.lua --param turn=$turn --method located --no-record --json --quiet
 done
+
+# what rolls or spins beside what it touches, at the same velocity: no end, as bounds took the mantle of a cylinder to move
+cat >beside.lua <<'LUA'
+local kinds, tilt, r = param("kinds", "cs", "both shapes"), param("tilt", 0.0, "of the slope, rad"), 0.125
+world { duration = 0.2, gravity = {8 * math.sin(tilt), 0, -8 * math.cos(tilt)} }
+local m = material { friction = 0.5, restitution = 0.25, density = 1000 }
+plane { normal = {0, 0, 1}, material = m }
+local bodies, lies = {}, {axis = {1, 0, 0}, angle = math.pi / 2}
+for k = 1, 2 do
+	local def = { radius = r, position = {2 * r * k, 0, r}, velocity = {r, 0, 0}, angular_velocity = {0, 1, 0}, material = m }
+	local kind = kinds:sub(k, k)
+	if kind == "s" then
+		bodies[k] = sphere(def)
+	else
+		def.length, def.orientation = 2 * r, lies
+		bodies[k] = (kind == "c" and cylinder or capsule)(def)
+	end
+end
+expect("they roll on", function()
+	return math.abs(bodies[1].velocity.x - bodies[1].angular_velocity.y * r), 1e-12
+end)
+LUA
+for kinds in cs sc cc pc ps; do
+	exits 0 beside.lua --param kinds=$kinds --method located --no-record --json --quiet
+done
+for kinds in cc pp; do
+	exits 0 beside.lua --param kinds=$kinds --param tilt=0.1 --method located --no-record --json --quiet
+done
