@@ -16,6 +16,8 @@ enum {
 
 /* Violation, relative to the speeds, above which a result is not accepted as a solution. */
 static const double failed_share = 1e-9;
+/* Energy beyond which there is no way out, as a multiple of that at hand: 1e4 times the speeds. */
+static const double way_out_max = 1e8;
 
 /*
  * Continuation in the friction coefficient: the first value, for which the frictionless solution is
@@ -557,4 +559,49 @@ double rb_cone_resolve(struct rb_cone *cone, double scale)
 		return residual;
 	cone->friction_reduced = true;
 	return reduce_friction(cone, tolerance, scale);
+}
+
+/*
+ * Velocities v that end all approaches have u_n >= 0 in contacts and u = 0 in joints. For impulses
+ * p with p_n >= 0 in contacts, p.u(v) >= 0 then, and p.u(v) = p.u + (H p).(v - v_now), where H p is
+ * the change of momentum by p. Since |H p|^2 = p.(u - u_before) in the norm of kinetic energy, that
+ * of v - v_now is at least (p.u)^2 / (2 p.(u - u_before)), which grows with p without a bound if
+ * there are no such v.
+ */
+bool rb_cone_is_blocked(struct rb_cone *cone, const rb_along_across *before, double scale)
+{
+	const rb_arena_mark here = rb_arena_here(cone->arena);
+	const size_t rows = (size_t)cone->row_count;
+	rb_along_across *const impulse = rb_arena_take(cone->arena, 3 * rows + 1, sizeof *impulse);
+	rb_along_across *const now = impulse + rows, *const change = now + rows;
+	double at_hand = 0; /* kg m^2/s^2: twice the energy of what the rows act on, or more */
+	bool proves = impulse != NULL;
+
+	for (size_t k = 0; k < rows && proves; k++) {
+		const struct rb_constraint *const row = &cone->row[k].base;
+		const int body[2] = {row->a, row->b};
+
+		/* rows with bounds, or soft ones, do not hold whatever the velocities */
+		proves = row->set != RB_CONSTRAINT_INTERVAL ||
+		         (row->softness == 0 && row->high == (double)INFINITY &&
+		          (row->low == 0 || row->low == -(double)INFINITY));
+		impulse[k] = row->impulse;
+		now[k] = rb_cone_velocity(cone, &cone->row[k]);
+		change[k] = (rb_along_across){now[k].n - before[k].n,
+		                              rb_vec3_sub(now[k].t, before[k].t)};
+		for (int side = 0; side < 2; side++) {
+			const struct rb_solver_body *const b = &cone->bodies.body[body[side]];
+
+			if (rb_solver_is_dynamic(b))
+				at_hand += scale * scale / b->inverse_mass;
+		}
+	}
+	if (proves) {
+		const double closes = rb_cone_dot(cone, impulse, now);
+		const double taken = rb_cone_dot(cone, impulse, change);
+
+		proves = closes < 0 && closes * closes > way_out_max * at_hand * taken;
+	}
+	rb_arena_back(cone->arena, here);
+	return proves;
 }

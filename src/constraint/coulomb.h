@@ -22,4 +22,11 @@
  */
 double rb_cone_resolve(struct rb_cone *cone, double scale);
 
+/*
+ * After a failed rb_cone_resolve without friction: do its impulses prove that no velocities of less
+ * than 1e8 times the energy at hand end the approaches? `before`: u without the impulses.
+ * False: they prove nothing.
+ */
+bool rb_cone_is_blocked(struct rb_cone *cone, const rb_along_across *before, double scale);
+
 #endif

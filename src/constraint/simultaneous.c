@@ -133,6 +133,7 @@ struct rounds {
 	double first;   /* m/s: largest approach in the first round */
 	double largest; /* m/s: largest approach in this round */
 	bool failed;    /* not even impulses without friction have ended this round's approaches */
+	bool blocked;   /* and these prove that none can */
 	double scale;   /* m/s: largest speed of the bodies involved */
 	struct rb_cone cone;
 };
@@ -198,9 +199,10 @@ static void reset(struct rounds *all, const struct rb_solver_body *before)
 
 /*
  * Ends all approach, with friction; without it if that does not converge (a body jammed between
- * others).
+ * others). `velocity`: of the rows before it.
  */
-static void compress(struct rounds *all, const struct rb_solver_body *before)
+static void compress(struct rounds *all, const struct rb_solver_body *before,
+                     const rb_along_across *velocity)
 {
 	struct rb_cone *const cone = &all->cone;
 
@@ -210,6 +212,7 @@ static void compress(struct rounds *all, const struct rb_solver_body *before)
 	for (int k = 0; k < cone->row_count; k++)
 		cone->row[k].base.friction = 0;
 	all->failed = !(rb_cone_resolve(cone, all->scale) <= failed_share * all->scale);
+	all->blocked = all->failed && rb_cone_is_blocked(cone, velocity, all->scale);
 }
 
 /* Restitution of a row; 0 for joints that may pull. */
@@ -305,7 +308,7 @@ static bool resolve_together(struct rounds *all, bool with_restitution)
 	memcpy(kept, problem->body, (size_t)problem->body_count * sizeof *kept);
 	for (size_t k = 0; k < rows; k++)
 		before[k] = rb_cone_velocity(cone, &cone->row[k]);
-	compress(all, kept);
+	compress(all, kept, before);
 	for (size_t k = 0; k < rows; k++) {
 		const rb_along_across u = rb_cone_velocity(cone, &cone->row[k]);
 
@@ -755,7 +758,7 @@ bool rb_simultaneous_impact(struct rb_simultaneous *problem, int *rounds)
 		failed = all.failed && all.largest >= slowest ? failed + 1 : 0;
 		slowest = fmin(slowest, all.largest);
 		all.failed = false;
-		if (failed == ROUNDS_BLOCKED) {
+		if (failed == ROUNDS_BLOCKED || all.blocked) {
 			problem->blocked = true;
 			converged = false;
 			break;

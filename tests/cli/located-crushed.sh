@@ -40,6 +40,14 @@ crushed 'lid|floor|large' 'floor|large'
 scene "$ram" 0.3 0 'local ball = sphere { name = "ball", radius = 0.5, position = {0, 0, 1.5}, velocity = {0, 0, -2}, material = m }
 joint { kind = "rod", a = ram, b = ball }'
 crushed 'floor|ball' 'floor|ball'
+scene "$press" 0.3 0 'local box = box { name = "box", size = {1, 1, 1}, position = {0, 0, 0.7}, material = m }
+joint { kind = "slider", a = box, axis = {0, 0, 1}, limits = {-0.1, 0.1}, restitution = 0.3 }'
+crushed 'press|box' 'press|box'
+scene "$press
+for s = -1, 1, 2 do
+	plane { name = 'wall' .. s, normal = {s * math.cos(math.pi / 6), 0, 0.5}, material = m }
+end" 0.9 0 'sphere { name = "ball", radius = 0.5, position = {0, 0, 1}, material = m }'
+crushed 'press|wall.*|ball' 'press|wall.*|ball'
 
 # ropes to bodies that part
 echo 'world { duration = 1, gravity = {0, 0, 0} }
