@@ -8,6 +8,7 @@
 #include "located/event_set.h"
 
 #include "base/error.h"
+#include "constraint/contact_row.h"
 #include "located/crowd.h"
 #include "model/joints.h"
 
@@ -165,11 +166,15 @@ double rb_event_set_landing_gap(const struct rb_located *l, const struct rb_cont
 	 * rotating or falling flat closes faster than this (add_rim of located/convex_contact): an
 	 * impact
 	 */
-	const bool closes = rb_vec3_dot(across.velocity, across.normal) <
-	                    -4 * rb_contact_point_noise(l, &across);
+	const double rate = rb_vec3_dot(across.velocity, across.normal);
+	const double tolerance = l->model->tolerance_m;
+	/* with what it has, it would rise no farther */
+	const bool wobbles = rate * rate <= 2 * l->weight * tolerance &&
+	                     rb_contact_material(l->model, m->a, m->b)->restitution < 1;
+	const double max = fmax(end_share * rb_contact_point_size(l, &across),
+	                        wobbles ? tolerance : 0);
 
-	return closes && across.gap > 0 &&
-	                       across.gap <= end_share * rb_contact_point_size(l, &across)
+	return rate < -4 * rb_contact_point_noise(l, &across) && across.gap > 0 && across.gap <= max
 	               ? across.gap
 	               : 0;
 }

@@ -84,7 +84,8 @@ bool rb_event_set_is_slow(const struct rb_located *l, const struct rb_contact_po
                           rb_vec3 force);
 /*
  * Gap at the opposite side of a rim that rolls on this point, m, if it closes and is within what
- * integration leaves of positions; else 0.
+ * integration leaves of positions, or if the rim wobbles within the run's tolerance: ever faster as
+ * it is lower, and without end where nothing slips; else 0.
  */
 double rb_event_set_landing_gap(const struct rb_located *l, const struct rb_contact_point *m);
 /* True if these are the same point of the pair, though with other features. */

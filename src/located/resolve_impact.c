@@ -84,14 +84,18 @@ static bool correct_drift(struct impact *s)
 	struct rb_located *l = s->l;
 	bool *const kept = rb_arena_take(l->arena, (size_t)s->contact_point_count + 1,
 	                                 sizeof *kept);
+	struct rb_pose *const from = rb_arena_take(l->arena, (size_t)l->set_count + 1,
+	                                           sizeof *from);
 	struct rb_drift drift = drift_of(s, kept);
 
-	if (!kept)
+	if (!kept || !from)
 		return false;
+	memcpy(from, s->pose, (size_t)l->set_count * sizeof *from);
 	for (int k = 0; k < s->contact_point_count; k++)
 		kept[k] = rb_event_set_held(l, s->contact_point[k].a, s->contact_point[k].b) !=
 		          NULL;
 	rb_drift_places(&drift);
+	rb_work_moved(l, from, s->pose);
 	return true;
 }
 

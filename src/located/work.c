@@ -62,6 +62,43 @@ void rb_work_impact(struct rb_located *l, const struct rb_contact_point *m, rb_v
 	rb_ledger_enter(&l->world->ledger, &e);
 }
 
+/* Angular momentum by rotation, N m s. */
+static rb_vec3 turning_momentum(const struct rb_located *l, int i, const struct rb_pose *pose)
+{
+	const rb_quat q = pose->orientation;
+
+	return l->top ? rb_quat_rotate(q, rb_mat3_apply(rb_model_inertia(l->model, i),
+	                                                rb_quat_rotate_back(q, pose->spin)))
+	              : (rb_vec3){0, 0, 0};
+}
+
+void rb_work_moved(struct rb_located *l, const struct rb_pose *from, const struct rb_pose *to)
+{
+	const rb_vec3 gravity = l->model->scene->world.gravity;
+	struct rb_entries e = {0};
+	rb_vec3 twist = {0, 0, 0};
+	double lost = 0;
+
+	if (!l->account_s)
+		return;
+	for (int k = 0; k < l->set_count; k++) {
+		const int i = l->set[k];
+		const double mass = l->model->mass[i];
+		const rb_vec3 way = rb_pose_between(&from[k], &to[k]);
+		const rb_vec3 change = rb_vec3_sub(turning_momentum(l, i, &to[k]),
+		                                   turning_momentum(l, i, &from[k]));
+
+		lost += mass * rb_vec3_dot(gravity, way) - 0.5 * rb_vec3_dot(change, to[k].spin);
+		twist = rb_vec3_add(
+			twist,
+			rb_vec3_add(change,
+		                    rb_vec3_cross(way, rb_vec3_scale(mass, to[k].velocity))));
+	}
+	rb_entries_energy(&e, RB_ENERGY_IMPACTS, lost);
+	rb_entries_twist(&e, RB_MOMENTUM_STATIC, twist);
+	rb_ledger_enter(&l->world->ledger, &e);
+}
+
 /* ---- forces ---- */
 
 /* Rates by external forces on a member. */

@@ -19,6 +19,13 @@ void rb_work_impact(struct rb_located *l, const struct rb_contact_point *m, rb_v
                     rb_vec3 before, rb_vec3 after);
 
 /*
+ * Enters what corrections have changed of the set's bodies, from poses `from` to `to` of equal
+ * velocities: potential and kinetic energy, which impacts take, and angular momentum about the
+ * origin, as by static bodies.
+ */
+void rb_work_moved(struct rb_located *l, const struct rb_pose *from, const struct rb_pose *to);
+
+/*
  * Computes power and force by cause on a cluster at a moment of its piece, from its last
  * evaluation.
  */
