@@ -3,6 +3,7 @@
  * Gravitation of worlds: what impacts leave alone, relative motion on one piece, what pieces pass on,
  * centres and ledger, momenta of steps.
  */
+#include "sanitized.h"
 #include "worlds.h"
 
 #include <float.h>
@@ -394,7 +395,7 @@ static void the_centre_of_a_cloud_that_falls_in_stays(void **state)
 	add_grains(&lab, N, 0.05);
 	lab_seal(&lab, 2);
 	const rb_vec3 from = centre(&lab, N);
-	while (rb_world_time(lab.world) < 2.5) {
+	while (rb_world_time(lab.world) < tried(2.5, 2.5, 1.25)) {
 		lab_step(&lab);
 		rollbacks += lab.world->frame_counts.rollbacks;
 		assert_true(lab.world->frame_counts.max_penetration_m <= lab.model->tolerance_m);
@@ -402,7 +403,7 @@ static void the_centre_of_a_cloud_that_falls_in_stays(void **state)
 	const struct rb_frame_numbers end = rb_world_totals(lab.world);
 
 	assert_true(rollbacks > 0);
-	assert_true(end.collisions > 1000);
+	assert_true(end.collisions > tried(1000, 1000, 10));
 	assert_true(rb_vec3_length(end.momentum) <= 1e-14);
 	/* steps of parts as well, of which there are as many as impacts */
 	assert_true(rb_vec3_length(end.angular_momentum) <= 1e-14);
@@ -502,5 +503,5 @@ int main(void)
 		cmocka_unit_test(many_attract_each_other_alike_by_one_thread_and_by_three),
 	};
 
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return run_tests_of_threads(tests, "steps", "cloud", "thread");
 }

@@ -2,6 +2,7 @@
 /* src/method/save.c, src/located/freeze.c, src/base/pack.c */
 #include "world/joint_state.h"
 #include "jointed.h"
+#include "sanitized.h"
 
 #include <stdio.h>
 #include <sys/resource.h>
@@ -297,7 +298,7 @@ static void a_world_that_is_restored_goes_on_in_the_same_bits(void **state)
 
 /* ---- random scenes ---- */
 
-enum { SCENES = 12, SCENE_FRAMES = 7 };
+enum { SCENES = tried(12, 4, 4), SCENE_FRAMES = 7 };
 
 static double draw(uint64_t *seed, double low, double high)
 {

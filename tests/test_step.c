@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/step: the classic method against closed forms, and its promises. tests/test_located_*.c: the located one. */
+#include "sanitized.h"
 #include "worlds.h"
 
 static const rb_vec3 up = {0, 0, 1};
@@ -397,7 +398,7 @@ static uint64_t heap_hash(int threads, double restitution)
 {
 	struct lab lab;
 
-	open_classic(&lab, 1.5, 60);
+	open_classic(&lab, tried(1.5, 1.5, 0.5), 60);
 	lab.scene.world.gravity = earth;
 	lab_surface(&lab, 0.4, restitution);
 	fill_box(&lab, 3, 0.25, 0.1);
@@ -411,13 +412,13 @@ static uint64_t heap_hash(int threads, double restitution)
 
 static void any_number_of_threads_gives_the_same_bits(void **slot)
 {
+	static const int threads[] = {3, 1, 2, 8};
+
 	(void)slot;
 	const uint64_t one = heap_hash(1, 0.3);
 
-	assert_true(heap_hash(1, 0.3) == one);
-	assert_true(heap_hash(2, 0.3) == one);
-	assert_true(heap_hash(3, 0.3) == one);
-	assert_true(heap_hash(8, 0.3) == one);
+	for (int k = 0; k < tried(4, 2, 1); k++)
+		assert_true(heap_hash(threads[k], 0.3) == one);
 	assert_true(heap_hash(1, 0.4) != one);
 }
 
@@ -701,5 +702,5 @@ int main(void)
 		cmocka_unit_test(a_cluster_that_is_ended_is_told),
 	};
 
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return run_tests_of_threads(tests, "threads");
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* src/stepped: one step of dense groups, from the outside. */
 #include "patience.h"
+#include "sanitized.h"
 #include "solids.h"
 #include "worlds.h"
 
@@ -650,5 +651,5 @@ int main(void)
 		cmocka_unit_test(what_has_sunk_rises_again_from_rest),
 	};
 
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return run_tests_of_threads(tests, "same_bits");
 }

@@ -3,6 +3,7 @@
  * src/stepped/candidates, src/stepped/contact_points: what was far apart is not looked at again
  * until it could be near.
  */
+#include "sanitized.h"
 #include "turns.h"
 #include "worlds.h"
 
@@ -666,5 +667,5 @@ int main(void)
 		cmocka_unit_test(a_heap_is_closed_in_the_same_bits_whenever_pairs_are_found),
 	};
 
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return run_tests_of_threads(tests, "closed_in_the_same_bits");
 }

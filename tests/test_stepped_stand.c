@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/stepped/sleep: what stands is not looked at, and nothing comes out otherwise for it. */
+#include "sanitized.h"
 #include "worlds.h"
 
 #include "base/pack.h"
@@ -239,5 +240,5 @@ int main(void)
 		cmocka_unit_test(it_stands_in_the_same_bits_on_two_threads_and_after_a_restart),
 	};
 
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return run_tests_of_threads(tests, "rain", "threads");
 }

@@ -5,7 +5,7 @@
 #include <float.h>
 
 #include "math/gauss.h"
-#include "support.h"
+#include "sanitized.h"
 
 static const double pi = 3.14159265358979323846;
 static const rb_vec3 none = {0, 0, 0};
@@ -509,8 +509,8 @@ static void a_leap_comes_to_where_a_walk_comes(void **state)
 	static const rb_vec3 spins[] = {{3, 0.5, 0.1}, {0.1, 0.5, 3}, {0.1, 3, -0.2}, {-1, 1, 1}};
 
 	(void)state;
-	for (size_t m = 0; m < sizeof moments / sizeof *moments; m++)
-		for (size_t k = 0; k < sizeof spins / sizeof *spins; k++) {
+	for (size_t m = 0; m < sizeof moments / sizeof *moments; m += tried(1, 3, 3))
+		for (size_t k = 0; k < sizeof spins / sizeof *spins; k += tried(1, 2, 2)) {
 			const rb_mat3 a = rb_mat3_diagonal(moments[m][0], moments[m][1],
 			                                   moments[m][2]);
 			const struct rb_top_body body = rb_top_body_of(&a);
