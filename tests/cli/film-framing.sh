@@ -105,9 +105,11 @@ print(f"{folder}: all of {bodies} to be seen in {good} of {count} pictures")
 sys.exit(count < 12 or good != count)
 END
 
-n=0
+# a program with a sanitizer draws slowly: of these a box, what is driven, a capsule and a cylinder
+n=0 few=' 3 8 10 '
 for bodies in 1 1 2 2 1 5 5 1 2 2; do
 	n=$((n + 1))
+	[ "${RBSIM_MODE:-release}" = release ] || case $few in *" $n "*) ;; *) continue ;; esac
 	exits 0 s.lua --param scene=$n -o $n.h5 --force --quiet
 	exits 0 render $n.h5 -o "$n/%03d.png" --fps 5 --size 320x180 --force
 	if grep -q "leaves out" err; then fail "$(cat err)"; fi
