@@ -176,7 +176,7 @@ run_tests = RBSIM_MODE=$(MODE) TEST_SECONDS=$(seconds) \
 .DELETE_ON_ERROR:
 .SUFFIXES:
 .SECONDARY:
-.PHONY: all build-tests deps deps-slurm demo test test-long test-slurm bench fuzz fuzz-run lint format install uninstall deb clean FORCE
+.PHONY: all build-tests warnings deps deps-slurm demo test test-long test-slurm bench fuzz fuzz-run lint format install uninstall deb clean FORCE
 
 all: $(program) $(loaded) $(library) $(public) compile_commands.json
 
@@ -225,7 +225,7 @@ $(BUILD)/tests/test_film%.o: extra = -Itests $(CMOCKA_CFLAGS) $(LUA_CFLAGS) $(FI
 $(BUILD)/tests/fuzz/%.o: extra = $(LUA_CFLAGS)
 $(BUILD)/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
-	$(call say,CC,$(compile) $(extra) $(compile_user) -MMD -MP -c -o $@ $<)
+	$(call say,CC,$(compile) $(extra) $(compile_user) $(or $(syntax_only),-MMD -MP -c -o $@) $<)
 
 shell_word = '$(subst ','\'',$1)'
 # Stamps, rewritten only when their text changes. `deps` goes first when it is asked for too, even under -j.
@@ -260,6 +260,9 @@ demo: all
 	@echo "the recording is build/demo/bounce.h5 (look inside: $(program) info build/demo/bounce.h5)"
 	@echo "the film is build/demo/bounce.mp4 (another one: $(program) render build/demo/bounce.h5 -o slow.gif --speed 0.25)"
 build-tests: $(tests)
+# What a compiler says of all sources, without code, which takes most of the time.
+warnings: syntax_only = -fsyntax-only
+warnings: $(call objects,$(sources) $(test_sources))
 test: $(program) $(loaded) $(public) $(tests)
 	@$(run_tests) $(tests) $(cli_tests)
 test-long: seconds = 3600
@@ -272,11 +275,15 @@ bench: $(program) $(loaded)
 	@for b in $(wildcard tests/bench/*.sh); do RBSIM=$(abspath $(program)) "$$b" || exit 1; done
 fuzz: | $(filter deps,$(MAKECMDGOALS))
 	@$(MAKE) --no-print-directory MODE=fuzz BUILD=build/fuzz CC=clang fuzz-run
-fuzz-run: $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(fuzz_sources))
-	@for f in $^; do n=$${f##*/fuzz_}; c=$(BUILD)/corpus_$$n; s=tests/fuzz/corpus_$$n; mkdir -p $$c; \
-	[ -d $$s ] || s=; echo "$${f##*/}: $(FUZZ_SECONDS) s"; $$f -max_total_time=$(FUZZ_SECONDS) -timeout=20 \
-	-print_final_stats=1 -artifact_prefix=$(BUILD)/$$n- $$c $$s >$$f.log 2>&1 || { tail -n 40 $$f.log; exit 1; }; \
-	grep -E 'number_of_executed_units|slowest_unit' $$f.log; done
+# Under -j several at a time.
+fuzz_runs := $(fuzz_sources:tests/fuzz/fuzz_%.c=fuzz-run-%)
+.PHONY: $(fuzz_runs)
+fuzz-run: $(fuzz_runs)
+$(fuzz_runs): fuzz-run-%: $(BUILD)/fuzz_%
+	@c=$(BUILD)/corpus_$*; s=tests/fuzz/corpus_$*; mkdir -p $$c; \
+	[ -d $$s ] || s=; echo "fuzz_$*: $(FUZZ_SECONDS) s"; $< -max_total_time=$(FUZZ_SECONDS) -timeout=20 \
+	-print_final_stats=1 -artifact_prefix=$(BUILD)/$*- $$c $$s >$<.log 2>&1 || { tail -n 40 $<.log; exit 1; }; \
+	grep -E 'number_of_executed_units|slowest_unit' $<.log | sed 's/^/fuzz_$*: /'
 $(BUILD)/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(library)
 	$(call say,LD,$(link) -fsanitize=fuzzer -o $@ $(filter %.o,$^) $(library) $(film_libs) $(libs))
 $(BUILD)/fuzz_png: $(call objects,src/film/png.c src/film/pixmap.c)
