@@ -291,9 +291,12 @@ static void move_corners(struct rb_trimesh *surface, size_t first, rb_vec3 posit
 {
 	for (size_t i = first; i < surface->corner_count; i++) {
 		struct rb_trimesh_corner *const corner = &surface->corners[i];
-		const rb_vec3 at = {corner->position[0], corner->position[1], corner->position[2]};
-		const rb_vec3 normal = {corner->normal[0], corner->normal[1], corner->normal[2]};
-		const double colour[3] = {corner->colour[0], corner->colour[1], corner->colour[2]};
+		const rb_vec3 at = {(double)corner->position[0], (double)corner->position[1],
+		                    (double)corner->position[2]};
+		const rb_vec3 normal = {(double)corner->normal[0], (double)corner->normal[1],
+		                        (double)corner->normal[2]};
+		const double colour[3] = {(double)corner->colour[0], (double)corner->colour[1],
+		                          (double)corner->colour[2]};
 
 		set_corner(corner, rb_vec3_add(position, rb_quat_rotate(turn, at)),
 		           rb_quat_rotate(turn, normal), colour);

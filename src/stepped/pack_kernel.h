@@ -543,7 +543,7 @@ static void fill_lane(const struct rb_wide *wide, const struct rb_packs *packs, 
 	pack->inverse_n[i] = (real)(1 / (mass * row->inverse_mass_n));
 	pack->target_velocity[i] = (real)(packs->per_speed * row->target.n);
 	/* finite, so that times a zero impulse it is zero */
-	pack->friction[i] = (real)fmin(row->friction, REAL_MAX);
+	pack->friction[i] = (real)fmin(row->friction, (double)REAL_MAX);
 }
 
 static void fill_tensor(const struct rb_wide *wide, const struct rb_packs *packs, int body,
