@@ -18,6 +18,8 @@ end
 END
 # what fails in the end does so by the same ways from all threads: where only they are looked at, every sixth will do
 case ${RBSIM_MODE:-release} in tsan) every=6 ;; *) every=1 ;; esac
+# what is left behind is read each time in release; a program with a sanitizer, which is slow to start, reads some
+case ${RBSIM_MODE:-release} in release) read_every=1 ;; *) read_every=12 ;; esac
 for args in "s.lua --no-record" "s.lua --no-record --method stepped" "j.lua --no-record" "s.lua -o r.h5"; do
 	k=1
 	while :; do
@@ -28,7 +30,7 @@ for args in "s.lua --no-record" "s.lua --no-record --method stepped" "j.lua --no
 		[ $got -eq 0 ] && break
 		[ $got -eq 71 ] || fail "$args: allocation $k: exit status $got, wanted 71"
 		says err 'memory'
-		if [ -e r.h5 ]; then
+		if [ -e r.h5 ] && [ $((k % read_every)) -lt $every ]; then
 			exits 0 info r.h5 --json
 			[ "$(value status)" = failed ] || fail "$args: allocation $k: the recording is '$(value status)'"
 		fi
