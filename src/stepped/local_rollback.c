@@ -106,26 +106,6 @@ void rb_local_rollback_destroy(struct rb_local_rollback *local)
 	rb_memory_free(local);
 }
 
-size_t rb_local_rollback_body_bytes(const struct rb_model *model)
-{
-	size_t state = 0;
-
-#define ADD_COLUMN(name, columns, feature, unit, what)            \
-	if ((feature) == 0 || (model->features & (feature)) != 0) \
-		state += (columns) * sizeof(double);
-	RB_STATE_FIELDS(ADD_COLUMN)
-#undef ADD_COLUMN
-	const size_t territory = sizeof(rb_aabb) + sizeof(rb_vec3) + 2 * sizeof(double) +
-	                         6 * sizeof(int);
-	return state + territory;
-}
-
-size_t rb_local_rollback_pair_bytes(void)
-{
-	/* pairs of the candidates, in order and by group */
-	return 2 * sizeof(struct rb_pair) + sizeof(float);
-}
-
 /* ---- results, and those to be repeated ---- */
 
 /* Removes results of groups that have changed since they were finished. */

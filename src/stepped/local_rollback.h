@@ -32,10 +32,6 @@ void rb_local_rollback_destroy(struct rb_local_rollback *local); /* NULL is fine
 /* After a step of all bodies: frees what none has needed for long. */
 void rb_local_rollback_unused(struct rb_stepped *stepped);
 
-/* Memory per body and per candidate pair, except for contacts, bytes. */
-size_t rb_local_rollback_body_bytes(const struct rb_model *model);
-size_t rb_local_rollback_pair_bytes(void);
-
 /* Limit of halvings of a step: in a row, and below the whole step. */
 enum { RB_HALVINGS_MAX = 24, RB_HALVINGS_IN_ALL = 32 };
 

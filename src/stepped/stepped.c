@@ -244,17 +244,11 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads)
 	const bool central = !model->parts;
 	const bool tensors = (model->features & RB_FEATURE_GYROSCOPIC) != 0;
 	const size_t contact = sizeof(struct rb_contact) + sizeof(struct rb_named_impulse);
-	/* spheres have no error of linearized rotation: few take substeps */
-	const bool divides = !central && model->rollback == RB_ROLLBACK_SELECTIVE;
 	/*
 	 * rotating bodies: points also in the list of the position projection or of
-	 * relinearization, and contacts recorded by bodies that take substeps
+	 * relinearization (what groups that take substeps use is given back)
 	 */
-	const size_t again = central ? 0
-	                             : sizeof(struct rb_step_point) +
-	                                       (divides ? sizeof(struct rb_step_point) +
-	                                                          2 * sizeof(struct rb_contact)
-	                                                : 0);
+	const size_t again = central ? 0 : sizeof(struct rb_step_point);
 	/*
 	 * rotating bodies: factors too, in blocks of 6 by 6; about as many as points, for bodies,
 	 * touching pairs and fill-in
@@ -276,12 +270,9 @@ size_t rb_stepped_heap_bytes(const struct rb_model *model, int threads)
 	const size_t group = rows < RB_STRATEGY_LARGE_ROWS ? rows : RB_STRATEGY_LARGE_ROWS;
 	const size_t others = (size_t)(threads - 1) * group *
 	                      (sizeof(struct rb_step_point) + scratch);
-	const size_t rollback = divides ? rb_local_rollback_body_bytes(model) : 0;
-	const size_t more = divides ? rb_local_rollback_pair_bytes() : 0;
 
 	RB_ASSERT(threads > 0);
-	return rows * point + (size_t)model->body_count * rollback + others +
-	       (size_t)(pairs * (double)(pair + more));
+	return rows * point + others + (size_t)(pairs * (double)pair);
 }
 
 /* ---- the step ---- */

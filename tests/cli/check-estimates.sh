@@ -72,8 +72,7 @@ exits 0 check late.lua --no-record --json --param n=1000 --duration 1e6
 memory=$(value memory_bytes)
 exits 0 late.lua --no-record --json --param n=1000 --duration 3 # when all lie there
 scene="a heap of 1000" within memory "$memory" "$(value memory_bytes)" 0 0.1
-# of what turns, points and pairs are there several times while some of them take shorter steps: where next to none do, as here,
-# some quarter of what is foretold is not taken
+# of what turns, as many points are foretold as heaps of boxes have: where there are fewer, as here, not all of it is taken
 sed 's/sphere {.*position = \({[^}]*}\).*/hull { points = {{-0.12, -0.1, -0.1}, {0.14, -0.1, -0.1}, {0, 0.15, -0.1}, {0, 0, 0.15}}, position = \1, material = m } end/' \
 	late.lua >turning.lua
 exits 0 check turning.lua --no-record --json --param n=1000 --duration 1e6
