@@ -15,7 +15,7 @@
 RB_CHECKED enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort,
                                      double start_s, double h_s, struct rb_error *err);
 
-/* Its results are not needed any more; beyond so many bytes of each list its memory may be taken. */
+/* Its results are not needed any more: beyond so many bytes of a list its memory may be taken. */
 void rb_attempt_discard(const struct rb_cohort *cohort, size_t bytes);
 
 #endif
