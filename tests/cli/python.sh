@@ -94,6 +94,57 @@ assert rbsim.version().startswith("rbsim ")
 END
 "$python" arrays.py >out 2>err || fail "arrays.py"
 
+# joints: by name and by row; what they exert where the scene records it, cut to the frames that are whole
+cat >joints.lua <<'END'
+world { duration = 0.5, frame_rate = 20, gravity = {0, 0, -9.81} }
+local a = sphere { name = "a", radius = 0.1, position = {1, 0, 0} }
+local b = sphere { name = "b", radius = 0.1, position = {2, 0, 0} }
+joint { name = "axle", kind = "hinge", a = a, at = {0, 0, 0}, axis = {0, 1, 0} }
+joint { kind = "rod", a = a, b = b }
+record { fields = RECORDED }
+END
+sed 's/RECORDED/{"+", "joints"}/' joints.lua >recorded.lua
+sed 's/RECORDED/{"+"}/' joints.lua >plain.lua
+cat >joints.py <<'END'
+import shutil
+import h5py, numpy as np
+import rbsim
+
+run = rbsim.run("recorded.lua", output="joints.h5")
+f = h5py.File("joints.h5", "r")
+assert [joint.kind for joint in run.joints] == ["hinge", "rod"] and [joint.name for joint in run.joints] == ["axle", ""]
+axle, rod = run.joint("axle"), run.joint(1)
+assert (axle.a, axle.b, rod.a, rod.b) == (run["a"].id, -1, run["a"].id, run["b"].id)
+for k, joint in enumerate((axle, rod)):
+    for name in ("angle", "speed", "force", "torque"):
+        assert np.array_equal(getattr(joint, name), f[f"/joints/{name}/value"][()][:, k]), name
+assert axle.angle.shape == (11,) and axle.force.shape == (11, 3) and abs(axle.angle[-1]) > 0.5
+assert np.allclose(rod.angle, 1) and np.array_equal(axle.point_a, [0, 0, 0]) and repr(rod) == "<joint 1, rod>"
+for unknown in ("nothing", "", 2, -1):
+    try:
+        run.joint(unknown)
+        raise SystemExit(f"a joint {unknown!r}")
+    except KeyError:
+        pass
+f.close()
+shutil.copy("joints.h5", "torn.h5")
+with h5py.File("torn.h5", "r+") as torn:
+    values = torn["/joints/torque/value"][:10]
+    del torn["/joints/torque/value"]
+    torn["/joints/torque/value"] = values
+torn = rbsim.open("torn.h5")
+assert torn.frame_count == 10 and len(torn.joint("axle").angle) == 10 and len(torn.position) == 10
+plain = rbsim.run("plain.lua", output="plain.h5")
+assert plain.joint("axle").kind == "hinge"
+try:
+    plain.joint("axle").force
+    raise SystemExit("forces of joints that were not recorded")
+except AttributeError as error:
+    assert "record { fields" in str(error)
+assert rbsim.open("run.h5").joints == []
+END
+"$python" joints.py >out 2>err || fail "joints.py"
+
 # nothing can turn, nothing is recorded but positions; and one that was killed
 cat >still.lua <<'END'
 world { duration = 1e6, frame_rate = 20, gravity = {0, 0, -9.81} }

@@ -13,10 +13,10 @@ The program `rbsim` does all the work; it is found by the environment variable R
 package lies in. SI units throughout; quaternions are w, x, y, z.
 """
 from ._program import ExpectationError, RbsimError, program, version
-from ._recording import Body, Run, open  # noqa: A004 (the name is that of the module's function)
+from ._recording import Body, Joint, Run, open  # noqa: A004 (the name is that of the module's function)
 from ._run import run
 from ._sweep import Sweep, open_sweep, sweep
 
 __version__ = "0.1.0"
-__all__ = ["Body", "ExpectationError", "RbsimError", "Run", "Sweep", "open", "open_sweep", "program", "run", "sweep",
-           "version"]
+__all__ = ["Body", "ExpectationError", "Joint", "RbsimError", "Run", "Sweep", "open", "open_sweep", "program", "run",
+           "sweep", "version"]

@@ -42,6 +42,16 @@ def _text(value: Any) -> str:
     return str(value)
 
 
+def _kinds(column: "h5py.Dataset") -> Dict[int, str]:
+    """Names of the numbers in a column, which its attribute lists: "0 fixed, 1 ball"."""
+    kinds: Dict[int, str] = {}
+    for part in _text(column.attrs.get("kinds", b"")).split(", "):
+        number, _, name = part.partition(" ")
+        if number.isdigit():
+            kinds[int(number)] = name
+    return kinds
+
+
 class _Lazy(Mapping[str, Any]):
     """Values by name, each read when it is asked for first."""
 
@@ -120,6 +130,75 @@ class Body:
         return f"<body {self.name!r}, id {self.id}>"
 
 
+class Joint:
+    """One joint of a run; what it does through all frames, where the scene records joints."""
+
+    def __init__(self, run: "Run", index: int) -> None:
+        self.run = run
+        #: its place in the order of the scene
+        self.index = index
+
+    def _of(self, name: str) -> Any:
+        return self.run._read(f"/joints/{name}")[self.index]
+
+    def _column(self, name: str) -> Array:
+        return self.run._read(f"/joints/{name}/value")[:, self.index]
+
+    @property
+    def name(self) -> str:
+        """ "" of one that has none."""
+        return _text(self._of("name"))
+
+    @property
+    def kind(self) -> str:
+        """fixed, ball, hinge, slider, cylindrical, universal, rod or rope."""
+        kinds = _kinds(self.run._file["/joints/kind"])
+        return kinds.get(int(self._of("kind")), str(self._of("kind")))
+
+    @property
+    def a(self) -> int:
+        """Id of its first body; -1: the world."""
+        return int(self._of("a"))
+
+    @property
+    def b(self) -> int:
+        """Id of its second body; -1: the world."""
+        return int(self._of("b"))
+
+    @property
+    def point_a(self) -> Array:
+        """m, of the first body, world coordinates at the start."""
+        return np.asarray(self._of("point_a"))
+
+    @property
+    def point_b(self) -> Array:
+        """m, of the second body, world coordinates at the start."""
+        return np.asarray(self._of("point_b"))
+
+    @property
+    def angle(self) -> Array:
+        """[frames]: of a hinge rad, of a slider the way, of a rod or rope the distance of its ends, m; 0 of others."""
+        return self._column("angle")
+
+    @property
+    def speed(self) -> Array:
+        """[frames]: the rate of `angle`, rad/s or m/s."""
+        return self._column("speed")
+
+    @property
+    def force(self) -> Array:
+        """[frames, 3], N, on b at its point, world axes."""
+        return self._column("force")
+
+    @property
+    def torque(self) -> Array:
+        """[frames, 3], N m, on b at its point, world axes."""
+        return self._column("torque")
+
+    def __repr__(self) -> str:
+        return f"<joint {repr(self.name) if self.name else self.index}, {self.kind}>"
+
+
 class Run:
     """A recording. Arrays are read when they are asked for first; all are in SI units."""
 
@@ -153,7 +232,7 @@ class Run:
 
     def _columns(self) -> Iterator["h5py.Dataset"]:
         """All datasets with a row for each frame."""
-        for group in (self._file[_BODIES], self._file["/observables"]):
+        for group in (self._file[_BODIES], self._file["/observables"], self._file.get("/joints", {})):
             for element in group.values():
                 if isinstance(element, h5py.Group):
                     for name in ("value", "step", "time"):
@@ -364,12 +443,7 @@ class Run:
     @property
     def events(self) -> Array:
         """Impacts and transitions in order of time: time, kind (a text), a, b (ids), point, normal, impulse, ..."""
-        kinds: Dict[int, str] = {}
-        if "/rbsim/events/kind" in self._file:
-            for part in _text(self._file["/rbsim/events/kind"].attrs.get("kinds", b"")).split(", "):
-                number, _, name = part.partition(" ")
-                if number.isdigit():
-                    kinds[int(number)] = name
+        kinds = _kinds(self._file["/rbsim/events/kind"]) if "/rbsim/events/kind" in self._file else {}
         return self._table("/rbsim/events", kinds)
 
     @property
@@ -392,6 +466,20 @@ class Run:
     @property
     def bodies(self) -> List[Body]:
         return [Body(self, k) for k in range(len(self.ids))]
+
+    # ---- joints ----
+
+    @property
+    def joints(self) -> List[Joint]:
+        """All joints in the order of the scene; none of a scene without."""
+        return [Joint(self, k) for k in range(len(self._file["/joints/kind"]) if "/joints/kind" in self._file else 0)]
+
+    def joint(self, joint: Union[str, int]) -> Joint:
+        """A joint by its name, or by its place in the order of the scene."""
+        for one in self.joints:
+            if joint == one.index or (joint and one.name == joint):
+                return one
+        raise KeyError(f"no joint {joint!r}")
 
     def frames(self) -> Any:
         """A pandas frame with the time, energies, counts and probes of every frame."""
