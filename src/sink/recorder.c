@@ -312,9 +312,10 @@ static enum rb_status make_file(struct rb_recorder *recorder, struct rb_error *e
  * killed meanwhile, the file must not be left marked as open for writing: that mark, and the
  * end-of-file mark beside it, are put back as they were as soon as the library has made its own.
  * (SWMR, so that the mark that the library makes for the moment of its close is one that readers
- * get past.)
+ * get past.) `shared`: readers, who hold the library's lock, do not mind what is done; the lock of
+ * sink/h5output keeps other writers away.
  */
-static bool open_again(struct rb_recorder *recorder)
+static bool open_again(struct rb_recorder *recorder, bool shared)
 {
 	struct rb_h5 *const h5 = &recorder->h5;
 	unsigned char superblock[SUPERBLOCK_SIZE];
@@ -325,6 +326,12 @@ static bool open_again(struct rb_recorder *recorder)
 		return false;
 	}
 	const hid_t access = rb_h5_access_aligned(1);
+#if H5_VERSION_GE(1, 12, 1) || (H5_VERSION_GE(1, 10, 7) && !H5_VERSION_GE(1, 12, 0))
+	if (shared)
+		H5Pset_file_locking(access, false, true);
+#else
+	(void)shared;
+#endif
 	h5->file = H5Fopen(recorder->output.library, H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, access);
 	rb_h5_done(access);
 	if (h5->file < 0) {
@@ -344,7 +351,7 @@ static void drop_vtk(struct rb_recorder *recorder)
 {
 	struct rb_h5 *const h5 = &recorder->h5;
 
-	if (!open_again(recorder))
+	if (!open_again(recorder, false))
 		return;
 	if (H5Lexists(h5->file, "/VTKHDF", H5P_DEFAULT) > 0 &&
 	    H5Ldelete(h5->file, "/VTKHDF", H5P_DEFAULT) < 0)
@@ -584,7 +591,7 @@ static void add_vtk(struct rb_recorder *recorder, bool interrupted)
 	                                               rb_vtk_need(&vtk));
 	if (!h5->status && number != 0)
 		h5->status = RB_FAIL(&h5->error, RB_ERR_IO, "%s", strerror(number));
-	if (!h5->status && open_again(recorder)) {
+	if (!h5->status && open_again(recorder, true)) {
 		trim(h5, frames, rows);
 		rb_vtk_write(h5, &vtk);
 		if (h5->status == RB_OK || h5->status == RB_ERR_MEMORY) {

@@ -309,6 +309,8 @@ def check_vtk(path):
         from vtkmodules.vtkIOHDF import vtkHDFReader
     except ImportError:
         return None
+    if not hasattr(vtkHDFReader, "GetNumberOfSteps"):  # before 9.3 it knows no surfaces that change in time
+        return None
     with h5py.File(path, "r") as f:
         bodies = f["particles/bodies"]
         position = bodies["position/value"][:]
