@@ -53,8 +53,11 @@ static const double pose_node[NODES] = {
 	1,
 	0.03,
 };
-/* Test points between nodes of both kinds, where interpolation is worst. */
-static const double check_at[CHECKS] = {0.15, 0.55, 0.88};
+/*
+ * Test points between nodes of both kinds, where interpolation is worst; more than this share of a
+ * piece is nowhere between two samples.
+ */
+static const double check_at[CHECKS] = {0.15, 0.55, 0.88}, widest = 0.2;
 
 /* Error of a piece accepted for a smooth function, ulp. */
 static const double near_ulp = 16;
@@ -374,6 +377,15 @@ static double change_of(rb_vec3 a, rb_vec3 b)
 	return rb_vec3_max_abs(rb_vec3_sub(a, b));
 }
 
+/* Number of test points: more, at equal distances, where a piece is long for what must be seen. */
+static int count_checks(const struct drive *d)
+{
+	const double sampling_s = rb_located_sampling(d->l);
+	const bool sees = !(widest * d->length_s > sampling_s);
+
+	return sees ? CHECKS : CHECKS + (int)ceil(d->length_s / sampling_s);
+}
+
 /*
  * Error of the piece at the test points; `difference`: of positions integrated from given
  * velocities. False: the function failed.
@@ -394,18 +406,21 @@ static bool inspect(struct drive *d, struct piece_error *max, struct piece_error
 	const struct units turns = units_of(
 		d, change_of(last->angular_velocity, first->angular_velocity), spin, 1 / length);
 
+	const int count = count_checks(d);
+
 	*max = *difference = (struct piece_error){0};
-	for (int k = 0; k <= CHECKS; k++) {
-		const double part = k < CHECKS ? check_at[k] : 1;
+	for (int k = 0; k <= count; k++) {
+		const double between = (k - CHECKS + 0.5) / fmax(count - CHECKS, 1);
+		const double part = k < CHECKS ? check_at[k] : k < count ? between : 1;
 		struct rb_driven_pose pose = *last;
 
-		if (k == CHECKS && !d->given[0] && !d->given[1])
+		if (k == count && !d->given[0] && !d->given[1])
 			break;
-		if (k < CHECKS && !call_function(d, part, &pose))
+		if (k < count && !call_function(d, part, &pose))
 			return false;
 		if (d->given[0])
 			compare(d, part, RB_PIECE_VELOCITY, pose.velocity, &moves, max);
-		if (d->given[0] || k < CHECKS)
+		if (d->given[0] || k < count)
 			compare(d, part, RB_PIECE_POSITION, pose.position, &at,
 			        d->given[0] ? difference : max);
 		if (!d->turns)
@@ -415,7 +430,7 @@ static bool inspect(struct drive *d, struct piece_error *max, struct piece_error
 			compare(d, part, RB_PIECE_SPIN, pose.angular_velocity, &turns, max);
 			compare_turning(d, part, &pose, &turned, max);
 		}
-		if (d->given[1] || k < CHECKS)
+		if (d->given[1] || k < count)
 			compare(d, part, RB_PIECE_ORIENTATION + 1, (rb_vec3){q.x, q.y, q.z},
 			        &turned, d->given[1] ? difference : max);
 	}

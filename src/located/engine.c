@@ -28,6 +28,7 @@
 #include "located/allowance.h"
 #include "located/inspect.h"
 #include "located/external_force.h"
+#include "located/field_samples.h"
 #include "located/joint_rows.h"
 #include "located/resolve_contacts.h"
 #include "located/pair_impact.h"
@@ -702,7 +703,7 @@ static bool is_interrupted(struct rb_located *l, uint64_t work)
 
 enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_error *err)
 {
-	double t;
+	double t, seen_s = rb_field_samples_from(l, l->world->state.time_s);
 
 	RB_ASSERT(until >= l->world->state.time_s);
 	l->err = err;
@@ -713,8 +714,8 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 		return l->status;
 	if (starts && l->status == RB_OK) /* otherwise steps may still have to fit some of them */
 		rb_joint_states_fit(l->world);
-	for (int which = rb_queue_first(l->queue, &t);
-	     l->status == RB_OK && which >= 0 && t <= until; which = rb_queue_first(l->queue, &t)) {
+	for (int which = rb_field_samples_next(l, until, &seen_s, &t); which >= 0;
+	     which = rb_field_samples_next(l, until, &seen_s, &t)) {
 		rb_arena_reset(l->arena);
 		/* an event that rounding has put before the present time happens now */
 		one_event(l, which, fmax(t, l->now_s));

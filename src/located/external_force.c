@@ -203,25 +203,44 @@ static bool elements_constant(const struct rb_located *l, int i, double t)
 
 /* ---- all ---- */
 
-/* The scene's field function; a failure sets l->status. */
+/*
+ * The scene's field function: force without and with a potential. False: there is none, or it
+ * failed, see l->status.
+ */
+static bool ask_field(struct rb_located *l, int i, double t, const rb_vec3 at[2], rb_vec3 force[2])
+{
+	const struct rb_world_hooks *hooks = &l->world->hooks;
+
+	force[0] = force[1] = (rb_vec3){0, 0, 0};
+	if (hooks->field && l->status == RB_OK)
+		l->status = hooks->field(hooks->user, l->model->id_of[i], t, at, force, l->err);
+	return hooks->field && l->status == RB_OK;
+}
+
 static void field(struct load *load)
 {
 	struct rb_located *l = load->l;
-	const struct rb_world_hooks *hooks = &l->world->hooks;
-	rb_vec3 force[2] = {{0, 0, 0}, {0, 0, 0}};
+	const rb_vec3 at[2] = {load->pose->position, load->pose->velocity};
+	rb_vec3 force[2];
 
-	if (!hooks->field || l->status != RB_OK)
+	if (!ask_field(l, load->i, load->view->time_s, at, force))
 		return;
 	l->products += RB_LOCATED_FIELD;
-	const rb_vec3 at[2] = {load->pose->position, load->pose->velocity};
-
-	l->status = hooks->field(hooks->user, l->model->id_of[load->i], load->view->time_s, at,
-	                         force, l->err);
 	add_force(load, force[0]);
-	if (!hooks->potential)
+	if (!l->world->hooks.potential)
 		return;
 	load->cause = RB_EXTERNAL_UNIFORM;
 	add_force(load, force[1]);
+}
+
+rb_vec3 rb_external_field(struct rb_located *l, int i, double t, rb_vec3 position, rb_vec3 velocity)
+{
+	const rb_vec3 at[2] = {position, velocity};
+	rb_vec3 force[2];
+
+	if (!ask_field(l, i, t, at, force))
+		return (rb_vec3){0, 0, 0};
+	return rb_vec3_scale(l->model->inverse_mass[i], rb_vec3_add(force[0], force[1]));
 }
 
 void rb_external_attract(struct rb_located *l, const struct rb_force_query *view)

@@ -57,6 +57,13 @@ void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pos
                           const struct rb_force_query *view, rb_vec3 *linear, rb_vec3 *angular);
 
 /*
+ * Acceleration by the scene's field function alone, m/s^2, which is not counted: samples of it are
+ * fewer than the calls of steps. Sets l->status if it fails.
+ */
+rb_vec3 rb_external_field(struct rb_located *l, int i, double t, rb_vec3 position,
+                          rb_vec3 velocity);
+
+/*
  * True if gravity and gravitation are the only external forces and bodies do not rotate: then
  * rb_external_force_at needs only the attraction, unless parts are wanted.
  */

@@ -10,6 +10,7 @@
 #include "located/account.h"
 #include "located/event_records.h"
 #include "located/failure.h"
+#include "located/field_samples.h"
 #include "located/follow.h"
 #include "located/rim_landing.h"
 #include "located/mode_checks.h"
@@ -63,6 +64,9 @@ void rb_integrate_lay_out(struct rb_cluster *c, int n)
 	c->piece.start = c->block;
 	c->piece.coefficient = c->block + n;
 	c->piece.rest = c->piece.coefficient + (size_t)n * RB_GAUSS_NODES;
+	/* where the scratch of steps was: the last one has been taken */
+	c->at_nodes = c->block + rb_integrate_kept_size(n) + (size_t)n * (2 + RB_GAUSS_NODES);
+	c->has_nodes = false;
 }
 
 static bool take_columns(struct rb_modes *w, struct columns *columns)
@@ -492,6 +496,41 @@ static void fail(struct rb_modes *w, enum rb_status status)
 }
 
 /*
+ * Does the field, at the first sample, depart from the step's nodes? Then the step is to end there;
+ * later samples are looked at when their time has come.
+ */
+static bool misses_field(struct rb_modes *w)
+{
+	const struct rb_field_samples of = {w->l, w->c, w->origin_s, w->base};
+	const double sample_s = rb_field_samples_after(w->l, w->origin_s);
+
+	w->c->has_nodes = false;
+	if (!rb_field_samples_depart(&of, sample_s))
+		return false;
+	w->c->try_s = sample_s - w->origin_s;
+	return true;
+}
+
+/*
+ * Steps over a moment at which the field jumps, where the step before has ended: rounding of time,
+ * `*try_s`, is all that can be wrong. The next piece starts afresh. Otherwise `status`.
+ */
+static enum rb_status step_over_jump(struct rb_modes *w, const struct rb_gauss_problem *problem,
+                                     enum rb_status status, double *try_s)
+{
+	const struct rb_field_samples of = {w->l, w->c, w->origin_s, w->base};
+	struct rb_gauss_problem coarse = *problem;
+
+	if (status != RB_ERR_PHYSICS || w->l->status != RB_OK ||
+	    !rb_field_samples_jump(&of, *try_s))
+		return status;
+	coarse.tolerance = 1;
+	status = rb_gauss_step(&coarse, w->origin_s, try_s, *try_s, &w->c->piece, w->l->err);
+	*try_s = 0;
+	return status;
+}
+
+/*
  * Integrates a piece of at most `left_s` seconds; returns the time for which it is valid, s.
  * Nothing, if l->status is an error or velocities have jumped.
  */
@@ -507,8 +546,8 @@ static double follow(struct rb_modes *w, const struct columns *columns,
 		double try_s = fmin(c->try_s, max_s);
 		const double requested_s = try_s, before = length;
 		const bool cut = requested_s < c->try_s;
-		const enum rb_status status = rb_singular_step(
-			w, problem, 2 * DBL_EPSILON * w->origin_s, &try_s);
+		const double least_s = 2 * DBL_EPSILON * w->origin_s;
+		enum rb_status status = rb_singular_step(w, problem, least_s, &try_s);
 
 		if (status == RB_ERR_PHYSICS && l->status == RB_OK && !starts &&
 		    rb_check_begins_straight(w)) {
@@ -517,9 +556,15 @@ static double follow(struct rb_modes *w, const struct columns *columns,
 			continue;
 		}
 		if (status != RB_OK) {
+			try_s = 2 * least_s;
+			status = step_over_jump(w, problem, status, &try_s);
+		}
+		if (status != RB_OK) {
 			fail(w, status);
 			break;
 		}
+		if (misses_field(w))
+			continue;
 		if (w->parts) {
 			c->account.n = RB_ENTRIES;
 			rb_gauss_integrate(&c->account, c->piece.length_s, w->node_entries);

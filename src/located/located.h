@@ -197,7 +197,10 @@ RB_FIELDS_DECLARE(rb_account_rates_fields);
 	  "integrated: rows of rb_located_row values a member", RB_BY_HAND)                       \
 	X(double *, block, , "", "owned: the piece, its scales, initial guess, scratch",          \
 	  RB_BY_HAND)                                                                             \
-	X(size_t, block_capacity, , "", "", RB_DERIVED)
+	X(size_t, block_capacity, , "", "", RB_DERIVED)                                           \
+	X(double *, at_nodes, , "m/s^2",                                                          \
+	  "[nodes][members][3], in the block: located/field_samples", RB_DERIVED)                 \
+	X(bool, has_nodes, , "", "they have been found", RB_DERIVED)
 struct rb_cluster {
 	RB_CLUSTER_FIELDS(RB_FIELD_MEMBER)
 };
@@ -494,6 +497,15 @@ static inline bool rb_located_varies(const struct rb_located *l)
 {
 	return l->model->driven || l->model->center_of_mass ||
 	       (l->model->features & (RB_FEATURES_VARIED | RB_FEATURE_DRIVEN | RB_FEATURE_JOINTS));
+}
+
+/*
+ * Longest time between two calls of a function of the scene, s: what it does for longer is seen,
+ * however long pieces are and however few frames there are.
+ */
+static inline double rb_located_sampling(const struct rb_located *l)
+{
+	return l->end_s / 256;
 }
 
 static inline bool rb_located_on_piece(const struct rb_located *l, int i)

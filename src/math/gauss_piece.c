@@ -190,6 +190,28 @@ double rb_gauss_rate_bound(const struct rb_gauss_piece *piece, int i)
 	       piece->length_s; /* the sum may have been rounded down */
 }
 
+double rb_gauss_node(int k)
+{
+	return node[k];
+}
+
+void rb_gauss_lagrange(double x, double weight[NODES])
+{
+	double polynomial[NODES];
+
+	rb_gauss_polynomials(NODES, x, polynomial);
+	for (int j = 0; j < NODES / 2; j++) {
+		double even = 0, odd = 0;
+
+		for (int k = 0; k < NODES; k += 2) {
+			even += legendre[k][j] * polynomial[k];
+			odd += legendre[k + 1][j] * polynomial[k + 1];
+		}
+		weight[j] = even + odd;
+		weight[NODES - 1 - j] = even - odd;
+	}
+}
+
 void rb_gauss_integrate(struct rb_gauss_piece *piece, double length_s, const double *rate)
 {
 	const size_t n = (size_t)piece->n;

@@ -48,6 +48,10 @@ double rb_gauss_rate_bound(const struct rb_gauss_piece *piece, int i);
 /* P_0 .. P_(count - 1) on [0, 1], count >= 2. */
 void rb_gauss_polynomials(int count, double x, double *weight);
 
+/* Node k of a step, 0 to 1, and the share of the rates at each node in those at a fraction x. */
+double rb_gauss_node(int k);
+void rb_gauss_lagrange(double x, double weight[RB_GAUSS_NODES]);
+
 /*
  * Makes a piece of other rates recorded at the nodes of an accepted step: its values are their
  * integrals from the step's beginning. `rate`: [RB_GAUSS_NODES][piece->n]; fills start and
