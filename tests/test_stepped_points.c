@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "stepped/end_points.h"
 #include "stepped/clearance.h"
+#include "stepped/find_points.h"
 #include "stepped/projection.h"
 #include "stepped/stepped_state.h"
 #include "stepped/stepped.h"

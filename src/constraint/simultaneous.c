@@ -19,10 +19,7 @@ enum {
 	ROUNDS_BLOCKED = 16
 };
 
-/*
- * Approaches below this share of those of the first round end without restitution: the tail of an
- * infinite series.
- */
+/* Share of the first approaches below which restitution ends: the tail of an infinite series. */
 static const double tail_share = 1e-13;
 /* Violation, relative to the speeds, above which a result is not accepted as a solution. */
 static const double failed_share = 1e-9;
@@ -629,24 +626,40 @@ static void find_leaders(struct rounds *all)
 		all->leader[i] = rb_forest_root(all->leader, i);
 }
 
-/* How far a contact is from the centres of mass of what it moves, m. */
+/* m: from the centres of mass of what it moves. */
 static double reach_of(const struct rb_simultaneous *problem, const struct rb_solver_contact *c)
 {
-	const struct rb_solver_body *const a = &problem->body[c->a], *const b =
-									     &problem->body[c->b];
-
-	return fmax(rb_solver_is_dynamic(a) ? rb_vec3_length(c->arm_a) : 0,
-	            rb_solver_is_dynamic(b) ? rb_vec3_length(c->arm_b) : 0);
+	return fmax(rb_solver_is_dynamic(&problem->body[c->a]) ? rb_vec3_length(c->arm_a) : 0,
+	            rb_solver_is_dynamic(&problem->body[c->b]) ? rb_vec3_length(c->arm_b) : 0);
 }
 
+/* Whether two contacts of a body are with others that nothing moves and that are as one here. */
+static bool has_same_partner(const struct rb_simultaneous *problem,
+                             const struct rb_solver_contact *x, const struct rb_solver_contact *y)
+{
+	const bool of_a = rb_solver_is_dynamic(&problem->body[x->a]);
+	const struct rb_solver_body *const p = &problem->body[of_a ? x->b : x->a],
+					   *const q = &problem->body[of_a ? y->b : y->a];
+	const rb_vec3 slip = rb_vec3_sub(rb_solver_point_velocity(p, of_a ? x->arm_b : x->arm_a),
+	                                 rb_solver_point_velocity(q, of_a ? y->arm_b : y->arm_a));
+	return x->pair[!of_a] == y->pair[!of_a] && !rb_solver_is_dynamic(p) &&
+	       !rb_solver_is_dynamic(q) && x->friction == y->friction &&
+	       x->restitution == y->restitution &&
+	       rb_vec3_length(slip) <= same_share * rb_simultaneous_scale(problem, x);
+}
+
+/* Whether they are one: of the same bodies, or of one with parts of a fixed surface. */
 static bool is_same(const struct rb_simultaneous *problem, const struct rb_solver_contact *x,
                     const struct rb_solver_contact *y)
 {
 	const double within = same_share * reach_of(problem, x);
+	const bool same_pair = x->pair[0] == y->pair[0] && x->pair[1] == y->pair[1];
+	const bool at_a = same_pair || rb_solver_is_dynamic(&problem->body[x->a]);
+	const bool at_b = same_pair || rb_solver_is_dynamic(&problem->body[x->b]);
 
-	return x->pair[0] == y->pair[0] && x->pair[1] == y->pair[1] &&
-	       rb_vec3_length(rb_vec3_sub(x->arm_a, y->arm_a)) <= within &&
-	       rb_vec3_length(rb_vec3_sub(x->arm_b, y->arm_b)) <= within &&
+	return (same_pair || has_same_partner(problem, x, y)) &&
+	       (!at_a || rb_vec3_length(rb_vec3_sub(x->arm_a, y->arm_a)) <= within) &&
+	       (!at_b || rb_vec3_length(rb_vec3_sub(x->arm_b, y->arm_b)) <= within) &&
 	       rb_vec3_length(rb_vec3_sub(x->normal, y->normal)) <= same_share;
 }
 

@@ -153,10 +153,11 @@ static inline struct rb_cone_row rb_simultaneous_row(const struct rb_solver_cont
  * Hence a touching cradle behaves like one with vanishing gaps, for every e, and e = 0 everywhere
  * takes one round. Endless series of rounds (0 < e < 1: inelastic collapse) are followed to 1e-13
  * of the first approach and end with e = 0. A contact that shares no dynamic body, and no linkage,
- * with another of its round is solved alone; contacts of a pair in one point and along one normal
- * are one (facets of a terrain each name a touch of their edge), and have equal parts in its
- * impulse. Where friction jams a body between others so that no solution with the whole friction is
- * found, friction is reduced: see constraint/coulomb.
+ * with another of its round is solved alone; contacts of a body in one point and along one normal,
+ * with another one or with bodies that nothing moves and that move alike, are one (facets of a
+ * terrain each name a touch of their edge), and have equal parts in its impulse. Where friction
+ * jams a body between others so that no solution with the whole friction is found, friction is
+ * reduced: see constraint/coulomb.
  *
  * Guarantees: the kinetic energy of dynamic bodies does not increase (in the frame of the others;
  * driven bodies may add to it), friction impulses are within their cones, no contact approaches by

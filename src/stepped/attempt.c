@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "step/flow.h"
+#include "stepped/find_points.h"
 #include "stepped/relinearize.h"
 #include "stepped/driven_bodies.h"
 #include "stepped/force.h"

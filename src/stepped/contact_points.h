@@ -87,14 +87,6 @@ RB_CHECKED enum rb_status rb_step_points_create(struct rb_step_points *points,
                                                 const struct rb_model *model, struct rb_error *err);
 void rb_step_points_release(struct rb_step_points *points);
 
-/*
- * Adds the points of live candidates; velocities as for rb_candidates_find. Warm impulses are for a
- * step of h_s. Points with a gap above `max`, m, are left out.
- */
-RB_CHECKED enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world *world,
-                                             struct rb_candidates *candidates, double h_s,
-                                             double max, struct rb_error *err);
-
 /* Sorts points by pair, after several additions; the points of one pair were added at once. */
 RB_CHECKED enum rb_status rb_step_points_sort(struct rb_step_points *points, struct rb_arena *arena,
                                               struct rb_error *err);

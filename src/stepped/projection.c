@@ -9,6 +9,7 @@
 #include "base/team.h"
 #include "stepped/end_points.h"
 #include "stepped/projection_impulses.h"
+#include "stepped/find_points.h"
 #include "stepped/joint_steps.h"
 #include "stepped/projection_energy.h"
 #include "world/joint_state.h"

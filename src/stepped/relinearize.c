@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/team.h"
+#include "stepped/find_points.h"
 #include "stepped/impact_pass.h"
 #include "stepped/joint_steps.h"
 #include "stepped/projection.h"

@@ -10,6 +10,7 @@
  * point touches a sleeping body.
  */
 #include "stepped/sleep.h"
+#include "stepped/find_points.h"
 
 #include <string.h>
 
