@@ -388,7 +388,7 @@ static bool solve_modes(struct rb_modes *w, double t)
 
 	for (int k = 0; k < c->held_count; k++)
 		n += rb_modes_unknowns(&c->held[k]);
-	if (n > RB_MODES_DENSE)
+	if (n > w->direct_max)
 		return false;
 	w->dense.n = n;
 	w->dense.first = NULL;
@@ -741,16 +741,15 @@ static bool reserve_joints(struct rb_modes *w, size_t unknowns)
 		if (!kept)
 			return false;
 		const bool good = rb_joint_rows_collect(&w->joints);
-
 		rb_modes_give_back_places(w->l, w->c, kept);
 		if (!good)
 			return false;
 	}
 	const size_t rows = (size_t)w->joints.count;
-
 	if (rows > 0) {
-		/* of these rows some may not act, and more unknowns are not solved for directly */
-		unknowns = unknowns + rows > RB_MODES_DENSE ? RB_MODES_DENSE : unknowns + rows;
+		const size_t drives = RB_JOINT_PARTS_HELD * (size_t)w->joints.joint_count;
+		const size_t all = unknowns + rows, max = RB_MODES_DENSE;
+		unknowns = all > max + drives ? 0 : all > max ? max : all;
 		w->coupled = (struct rb_coupled){.l = w->l,
 		                                 .body = w->c->member,
 		                                 .pose = w->pose,
@@ -765,6 +764,7 @@ static bool reserve_joints(struct rb_modes *w, size_t unknowns)
 			return false;
 		w->joint_change = w->multiplier + rows;
 	}
+	w->direct_max = (int)unknowns;
 	return rb_coupled_reserve_dense(arena, &w->dense, (int)unknowns);
 }
 

@@ -147,7 +147,7 @@ enum rb_status rb_singular_step(struct rb_modes *w, const struct rb_gauss_proble
 
 	w->singular.projects = false;
 	w->singular.closed = w->c->held_count == 0 && w->joints.count > 0 &&
-	                     w->joints.count <= RB_MODES_DENSE &&
+	                     w->joints.count <= w->direct_max &&
 	                     rb_joint_rows_is_closed(&w->joints);
 	if (w->singular.closed && !w->singular.share)
 		w->singular.share = rb_arena_take(
