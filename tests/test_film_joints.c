@@ -12,7 +12,7 @@ static struct rb_joint_def *open_pair(struct studio *studio, enum rb_joint_kind 
 	studio_open(studio);
 	studio_ball(studio, 0.2, (rb_vec3){-1, 0, 1}, red);
 	studio_ball(studio, 0.2, (rb_vec3){1, 0, 1}, green);
-	def.kind = kind;
+	def.kind = (int)kind;
 	def.a = 0;
 	def.b = 1;
 	if (kind != RB_JOINT_ROD && kind != RB_JOINT_ROPE)

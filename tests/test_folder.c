@@ -63,7 +63,7 @@ static void open_sweep(struct sweep *sweep)
 	                                  .seeds = 1,
 	                                  .base_seed = 3,
 	                                  .records = true};
-	bool there;
+	bool there = false;
 
 	*sweep = (struct sweep){.files = {file_of("s.lua", "return 1"),
 	                                  file_of("parts.deep.wall", "return 2"),

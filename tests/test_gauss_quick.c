@@ -68,7 +68,7 @@ static void a_chain_of_quick_rates_costs_fewer_visits(void **state)
 		assert_near(value[0], 1, 1e-12);
 		assert_near(value[1], 0, 1e-12);
 	}
-	assert_true(calls[1] < 0.8 * (double)calls[0]);
+	assert_true((double)calls[1] < 0.8 * (double)calls[0]);
 }
 
 int main(void)

@@ -257,7 +257,7 @@ static double lie_on_each_other(int method, double drift)
 
 	open_attracting(&lab, 1000, 0.02);
 	lab_surface(&lab, 0.5, 0.5);
-	lab.scene.world.method = method;
+	lab.scene.world.method = (enum rb_method_kind)method;
 	lab.scene.world.time_step_s = 0.05;
 	lab_sphere(&lab, 2, 1, (rb_vec3){-2, 0, 0}, (rb_vec3){0, drift, drift / 2});
 	lab_sphere(&lab, 1, 3, (rb_vec3){1, 0, 0}, (rb_vec3){0, drift, drift / 2});

@@ -10,7 +10,7 @@ static struct rb_joint_def def_of(enum rb_joint_kind kind, int a, int b)
 {
 	struct rb_joint_def def = rb_joint_def_default();
 
-	def.kind = kind;
+	def.kind = (int)kind;
 	def.a = a;
 	def.b = b;
 	return def;

@@ -59,7 +59,7 @@ static struct rb_pose at(const struct motion *m, double t)
 static struct rb_linkage link_of(enum rb_joint_kind kind, int k)
 {
 	return (struct rb_linkage){
-		.type = &rb_joint_type(kind)->linkage,
+		.type = &rb_joint_type((int)kind)->linkage,
 		.at_a = vector(k + 50),
 		.at_b = vector(k + 51),
 		.frame_a = rb_quat_from_turn(vector(k + 52)),
@@ -258,7 +258,7 @@ static void a_gap_is_how_far_points_are_off(void **state)
 	(void)state;
 	b.position = (rb_vec3){0.3, 0, 0.4};
 	for (int kind = 0; kind < RB_JOINT_KIND_COUNT; kind++) {
-		const struct rb_linkage link = {.type = &rb_joint_type(kind)->linkage,
+		const struct rb_linkage link = {.type = &rb_joint_type((int)kind)->linkage,
 		                                .frame_a = rb_quat_identity,
 		                                .frame_b = rb_quat_identity,
 		                                .length = 0.7};

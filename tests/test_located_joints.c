@@ -649,7 +649,7 @@ static void open_taut(struct lab *lab, enum rb_joint_kind kind, rb_vec3 g, rb_ve
 		lab_sphere(lab, 0.05, 1, (rb_vec3){k, 0, 0},
 		           k == 1 ? velocity : (rb_vec3){0, 0, 0});
 	for (int k = 0; k <= BALLS; k++) {
-		struct rb_joint_def def = jointed_def(kind, k < BALLS ? k : BALLS - 1,
+		struct rb_joint_def def = jointed_def((int)kind, k < BALLS ? k : BALLS - 1,
 		                                      k > 0 && k < BALLS ? k - 1 : -1);
 
 		if (kind == RB_JOINT_BALL)

@@ -10,7 +10,7 @@ static void add(struct lab *lab, enum rb_joint_kind kind, int a, int b, rb_vec3 
 	const bool has_axis = kind == RB_JOINT_HINGE || kind == RB_JOINT_SLIDER ||
 	                      kind == RB_JOINT_CYLINDRICAL || kind == RB_JOINT_UNIVERSAL;
 
-	def.kind = kind;
+	def.kind = (int)kind;
 	def.a = a;
 	def.b = b;
 	if (kind != RB_JOINT_ROD)

@@ -174,7 +174,7 @@ static void hang(struct lab *lab, enum rb_joint_kind kind, int a, int b)
 {
 	struct rb_joint_def def = rb_joint_def_default();
 
-	def.kind = kind;
+	def.kind = (int)kind;
 	def.a = a;
 	def.b = b;
 	if (kind == RB_JOINT_SLIDER)

@@ -551,7 +551,7 @@ static void a_search_for_pairs_keeps_what_is_known_of_them(void **state)
 		if (at == count)
 			continue;
 		assert_near(candidates->clearance[k], was[at].clearance, 0);
-		far += isfinite(was[at].clearance);
+		far += isfinite(was[at].clearance) ? 1 : 0;
 		if (!was[at].cache.is_close)
 			continue;
 		assert_true(candidates->first_cache[k] != RB_NO_CACHES);

@@ -297,7 +297,7 @@ static double swings(enum rb_joint_kind kind, double off, double stiffness, doub
 		lab_box(&lab, (rb_vec3){0.1, 0.1, 0.1}, 2, (rb_vec3){off, 0, 0}, straight), -1,
 		nothing, z_axis);
 
-	def.kind = kind;
+	def.kind = (int)kind;
 	def.stiffness = stiffness;
 	def.rest = 0.1;
 	add(&lab, &def);
