@@ -3,13 +3,11 @@
 
 #include "base/error.h"
 
-#include <float.h>
-
 #include "located/external_force.h"
 #include "located/queue.h"
 #include "math/gauss_piece.h"
 
-enum { NODES = RB_GAUSS_NODES, ROUNDING_ULP = 8 };
+enum { NODES = RB_GAUSS_NODES };
 
 /* No gap between nodes is a larger share of a piece. */
 static const double node_gap = 0.2;
@@ -79,10 +77,9 @@ static bool is_error(const struct rb_field_samples *of, int k, double t, const r
 {
 	const struct rb_located *l = of->l;
 	const int i = of->c->member[k];
-	const double relative = fmax(missed_max, ROUNDING_ULP * DBL_EPSILON);
-	const double size[2] = {relative *
+	const double size[2] = {missed_max *
 	                                fmax(rb_model_reach(l->model, i), rb_vec3_max_abs(at[0])),
-	                        relative * speed};
+	                        missed_max * speed};
 	const rb_vec3 there = rb_external_field(of->l, i, t, at[0], at[1]);
 	double change = 0;
 

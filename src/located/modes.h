@@ -42,7 +42,11 @@ struct rb_modes {
 	bool *slow;              /* [held_count]: its slip begins slowly (rb_modes_is_slow) */
 	rb_vec3 *force, *change; /* [held_count]: N on b; refinement of it */
 	struct rb_dense dense;   /* of joints, and contacts in their modes */
-	int direct_max;          /* largest number of unknowns to eliminate */
+	/*
+	 * largest number of unknowns to eliminate, for which there is memory; 0 where those of the
+	 * joints without their drives are more than RB_MODES_DENSE
+	 */
+	int direct_max;
 	struct rb_joint_rows joints;
 	struct rb_coupled coupled;         /* of joints and contacts, where there are joints */
 	struct rb_coupled_kept kept;       /* at the nodes of the piece */
