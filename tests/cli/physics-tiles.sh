@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # By steps, what lands on flush tiles moves as on one slab (tests/scenes/tiles.lua). The nearest point of a tile for itself was on its
-# border where a body came down beside it, with a normal that the floor has nowhere: up to 3 m/s of 5 were off.
+# border where a body came down beside it, with a normal that the floor has nowhere.
 # Not so yet: where a face lands nearly flat, in steps in which it turns by 0.05 rad and more, points at borders take part in impacts.
 . tests/cli/functions
 
