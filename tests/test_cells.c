@@ -62,6 +62,29 @@ static void mark_near(const struct rb_cells *cells, bool *mark, int body)
 	mark_list(mark, count, body, rb_cells_near(cells, body, out));
 }
 
+/* What is near is listed for one of the two bodies. */
+static void assert_pairs_once(const struct rb_cells *cells)
+{
+	const int count = rb_cells_max(cells);
+
+	for (int body = 0; body < count; body++) {
+		mark_near(cells, listed_before, body);
+		out[count] = untouched;
+		mark_list(listed, count, body, rb_cells_near_once(cells, body, out));
+		for (int other = 0; other < count; other++) {
+			assert_true(listed_before[other] || !listed[other]);
+			if (!listed_before[other])
+				continue;
+			const int found = rb_cells_near_once(cells, other, out);
+			int times = listed[other];
+
+			for (int i = 0; i < found; i++)
+				times += out[i] == body;
+			assert_int_equal(times, 1);
+		}
+	}
+}
+
 static rb_vec3 at_time(int body, double now)
 {
 	const double dt = now - since[body];
@@ -214,6 +237,7 @@ static void fly(const struct swarm *swarm)
 			schedule(swarm, cells, queue, other, now);
 		}
 	}
+	assert_pairs_once(cells);
 	/* near is mutual */
 	for (int body = 0; body < count; body++) {
 		mark_near(cells, listed_before, body);
@@ -505,6 +529,7 @@ static void endless_bodies_are_near_all_and_never_leave(void **state)
 	rb_cells_place(cells, SECOND, rb_vec3_of(1e3, 0, 0));
 	mark_near(cells, listed, 1);
 	assert_true(listed[0] && listed[SECOND] && !listed[124]);
+	assert_pairs_once(cells);
 	rb_cells_destroy(cells);
 }
 
@@ -514,6 +539,7 @@ static void few_bodies_are_always_near_and_never_leave(void **state)
 	int w = 3;
 
 	(void)state;
+	assert_pairs_once(cells);
 	mark_near(cells, listed, 4);
 	for (int body = 0; body < 8; body++)
 		assert_int_equal(listed[body], body != 4);

@@ -199,6 +199,76 @@ int rb_cells_near(const struct rb_cells *cells, int body, int *out)
 	return count;
 }
 
+/* Restricts a walk to one of its three offsets, -1 to 1, along an axis. */
+static void restrict_walk(struct walk *walk, int axis, int offset)
+{
+	walk->place[axis][0] = walk->place[axis][1 + offset];
+	walk->count[axis] = 1;
+}
+
+/* Removes bodies up to `body` from those listed at `from` and behind. */
+static int keep_higher(int *out, int from, int count, int body)
+{
+	int kept = from;
+
+	for (int k = from; k < count; k++)
+		if (out[k] > body)
+			out[kept++] = out[k];
+	return kept;
+}
+
+/*
+ * Of the 27 cells around a body those ahead: of two neighbours each is ahead of the other along z,
+ * in one layer along y, in one row along x; in its own cell, bodies of higher index.
+ */
+static int copy_ahead(const struct rb_cells *cells, const struct grid *grid,
+                      const struct walk *around, int body, int *out)
+{
+	struct walk walk = *around;
+
+	restrict_walk(&walk, 2, 1);
+	int count = copy_members(cells, grid, &walk, out, 0);
+	walk = *around;
+	restrict_walk(&walk, 2, 0);
+	restrict_walk(&walk, 1, 1);
+	count = copy_members(cells, grid, &walk, out, count);
+	walk.place[1][0] = around->place[1][1];
+	restrict_walk(&walk, 0, 1);
+	count = copy_members(cells, grid, &walk, out, count);
+	walk.place[0][0] = around->place[0][1];
+	const int from = count;
+
+	count = copy_members(cells, grid, &walk, out, count);
+	return keep_higher(out, from, count, body);
+}
+
+int rb_cells_near_once(const struct rb_cells *cells, int body, int *out)
+{
+	RB_ASSERT(body >= 0 && body < cells->count);
+	const struct entry *entry = entries_of(cells, body);
+	const int own = own_level(cells, body);
+	struct walk walk;
+	int count = 0;
+
+	if (own == cells->level_count) {
+		const int all = cells->level_count > 0 ? cells->endless_count : cells->count;
+
+		for (int k = 0; k < all; k++)
+			out[count++] = cells->level_count > 0 ? cells->endless[k] : k;
+		return keep_higher(out, 0, count, body);
+	}
+	for (int l = own; l < cells->level_count; l++) {
+		const struct grid *grid = &cells->levels[l].natives;
+
+		walk_around(&cells->levels[l], entry++->at, &walk);
+		count = l > own ? copy_members(cells, grid, &walk, out, count)
+		                : copy_ahead(cells, grid, &walk, body, out);
+	}
+	for (int k = 0; k < cells->endless_count; k++)
+		out[count++] = cells->endless[k];
+	return count;
+}
+
 void rb_cells_prefetch(const struct rb_cells *cells, int body)
 {
 	__builtin_prefetch(entries_of(cells, body));
@@ -439,8 +509,7 @@ int rb_cells_cross(struct rb_cells *cells, int body, int wall, int *out)
 	add_member(cells, &grid->cells[cell_at(level, entry->at)], body);
 
 	walk_around(level, entry->at, &walk);
-	walk.place[axis][0] = walk.place[axis][1 + step];
-	walk.count[axis] = 1;
+	restrict_walk(&walk, axis, step);
 	count = copy_members(cells, &level->natives, &walk, out, 0);
 	if (l == own && level->guests.cells)
 		count = copy_members(cells, &level->guests, &walk, out, count);

@@ -42,6 +42,8 @@ int rb_cells_level_count(const struct rb_cells *cells);
  */
 int rb_cells_near(const struct rb_cells *cells, int body, int *out);
 int rb_cells_max(const struct rb_cells *cells); /* the number of bodies */
+/* Those of them that list each pair once, for one of the two bodies. */
+int rb_cells_near_once(const struct rb_cells *cells, int body, int *out);
 
 /*
  * Prefetch hints without effect on results: the body's cells will be read soon; after that, its

@@ -45,6 +45,17 @@ int rb_event_set_near(const struct rb_located *l, int i)
 	return count;
 }
 
+int rb_event_set_near_once(const struct rb_located *l, int i)
+{
+	int count = 0;
+
+	if (l->cells)
+		return rb_cells_near_once(l->cells, i, l->near);
+	for (int j = i + 1; j < l->n; j++)
+		l->near[count++] = j;
+	return count;
+}
+
 const struct rb_held *rb_event_set_held(const struct rb_located *l, int a, int b)
 {
 	const int mover = a < l->n && l->cluster_of[a] >= 0 ? a : b;

@@ -19,6 +19,8 @@ void rb_event_set_clear(struct rb_located *l);
  * to l->near; returns their number.
  */
 int rb_event_set_near(const struct rb_located *l, int i);
+/* Those of them that list each pair once, for one of the two bodies. */
+int rb_event_set_near_once(const struct rb_located *l, int i);
 
 /*
  * True if the sphere touches a body other than `except`, or is near one for which only a search

@@ -105,39 +105,65 @@ static double gap_at(const struct rb_located *l, int i, int j, double t)
 	return rb_touch_gap(l, &pair, &parts);
 }
 
-/*
- * Updates the deepest overlap with the pair i, j. Separated spheres, and spheres above planes, are
- * dismissed first.
- */
-static void update_deepest(const struct rb_located *l, double t, int i, int j, double *deepest,
-                           int pair[2])
+/* The shape's origin at the time of the state, which has the positions of all arcs already. */
+static inline rb_vec3 origin_of(const struct rb_located *l, int i)
 {
-	const struct rb_model *model = l->model;
+	const struct rb_state *const state = &l->world->state;
 
-	if (model->shape[i].kind == RB_SHAPE_SPHERE && model->shape[j].kind == RB_SHAPE_SPHERE) {
-		const rb_vec3 d = rb_vec3_sub(rb_arc_origin(l, j, t), rb_arc_origin(l, i, t));
-		const double sum = model->shape[i].radius + model->shape[j].radius;
+	if (i >= l->n || l->model->center_of_mass)
+		return rb_arc_origin(l, i, state->time_s);
+	const rb_vec3 here = rb_world_row3(state->position, i);
 
-		if (rb_vec3_dot(d, d) > sum * sum)
-			return;
-	}
-	if (model->shape[i].kind == RB_SHAPE_SPHERE && model->shape[j].kind == RB_SHAPE_PLANE &&
-	    j >= l->n) {
-		const rb_vec3 d = rb_vec3_sub(rb_arc_origin(l, i, t), model->position[j]);
+	RB_ASSERT_COSTLY(rb_vec3_max_abs(rb_vec3_sub(here, rb_arc_position(l, i, state->time_s))) ==
+	                 0);
+	return here;
+}
 
-		if (rb_vec3_dot(d, l->plane_normal[j - l->n]) > model->shape[i].radius)
-			return;
-	}
-	if (!rb_pair_can_touch(l, i, j))
+/* True if both are spheres and apart, as most bodies that are near. */
+static inline bool are_apart(const struct rb_located *l, int i, int j)
+{
+	const struct rb_shape *const a = &l->model->shape[i], *const b = &l->model->shape[j];
+
+	if (a->kind != RB_SHAPE_SPHERE || b->kind != RB_SHAPE_SPHERE)
+		return false;
+	const rb_vec3 d = rb_vec3_sub(origin_of(l, j), origin_of(l, i));
+	const double sum = a->radius + b->radius;
+
+	return rb_vec3_dot(d, d) > sum * sum;
+}
+
+/* True if a sphere is apart from a static sphere, or above a plane. */
+static bool is_apart_static(const struct rb_located *l, int i, int j)
+{
+	const struct rb_shape *const a = &l->model->shape[i], *const b = &l->model->shape[j];
+
+	if (a->kind != RB_SHAPE_SPHERE || b->kind != RB_SHAPE_PLANE)
+		return are_apart(l, i, j);
+	const rb_vec3 d = rb_vec3_sub(origin_of(l, i), l->model->position[j]);
+
+	return rb_vec3_dot(d, l->plane_normal[j - l->n]) > a->radius;
+}
+
+/* Deepest overlap of a body with another one; -1: none. */
+struct deepest {
+	double depth_m;
+	int with;
+};
+
+/* Updates it with the pair i, j, which is not apart at a glance. */
+static void update_deepest(const struct rb_located *l, double t, int i, int j,
+                           struct deepest *deepest)
+{
+	/* the same bits whichever of the two the pair is listed for */
+	const int a = i < j ? i : j, b = i < j ? j : i;
+
+	if (!rb_pair_can_touch(l, a, b))
 		return;
-	if (rb_pair_has_features(l, i, j) && rb_pair_is_far(l, i, j, t, t))
+	if (rb_pair_has_features(l, a, b) && rb_pair_is_far(l, a, b, t, t))
 		return;
-	const double gap = gap_at(l, i, j, t);
-	if (-gap > *deepest) {
-		*deepest = -gap;
-		pair[0] = i;
-		pair[1] = j;
-	}
+	const double gap = gap_at(l, a, b, t);
+	if (-gap > deepest->depth_m)
+		*deepest = (struct deepest){-gap, j};
 }
 
 void rb_inspect_forget(struct rb_located *l)
@@ -175,22 +201,25 @@ static bool has_rested(const struct rb_located *l, int j)
 	return j >= l->n || l->inspected[j].rests;
 }
 
-/* Finds the deepest overlap of a body with those of higher index. */
+/* Finds the deepest overlap in the pairs that are listed for a body. */
 static void inspect_body(struct rb_located *l, double t, int i)
 {
 	struct rb_inspected *const of = &l->inspected[i];
 	const bool known = of->rests && (of->with < 0 || has_rested(l, of->with));
-	const int near = rb_event_set_near(l, i);
-	double deepest = known ? of->depth : 0;
-	int pair[2] = {i, known ? of->with : -1};
+	const int near = rb_event_set_near_once(l, i);
+	struct deepest found = {known ? of->depth : 0, known ? of->with : -1};
 
-	for (int k = 0; k < near; k++)
-		if (l->near[k] > i && !(known && has_rested(l, l->near[k])))
-			update_deepest(l, t, i, l->near[k], &deepest, pair);
+	for (int k = 0; k < near; k++) {
+		const int j = l->near[k];
+
+		if (!are_apart(l, i, j) && !(known && has_rested(l, j)))
+			update_deepest(l, t, i, j, &found);
+	}
 	for (int j = l->n; j < l->n + l->model->static_count && !known; j++)
-		update_deepest(l, t, i, j, &deepest, pair);
-	of->depth = deepest;
-	of->with = pair[1];
+		if (!is_apart_static(l, i, j))
+			update_deepest(l, t, i, j, &found);
+	of->depth = found.depth_m;
+	of->with = found.with;
 }
 
 double rb_inspect_overlap(struct rb_located *l, double t, int *a, int *b)
@@ -204,8 +233,10 @@ double rb_inspect_overlap(struct rb_located *l, double t, int *a, int *b)
 		inspect_body(l, t, i);
 		if (l->inspected[i].depth > deepest) {
 			deepest = l->inspected[i].depth;
-			pair[0] = i;
-			pair[1] = l->inspected[i].with;
+			const int with = l->inspected[i].with;
+
+			pair[0] = i < with ? i : with;
+			pair[1] = i < with ? with : i;
 		}
 	}
 	*a = pair[0];
