@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Data structures private to located/cells, which explains them, and located/cells_pack. */
+/* Data structures private to located/cells, which explains them, cells_walls and cells_pack. */
 #ifndef RB_LOCATED_CELLS_INSIDE_H
 #define RB_LOCATED_CELLS_INSIDE_H
 
@@ -9,7 +9,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { SLOTS = 3 };
+/* WALLS: of a cell, numbered 2 x axis + (1: the one at the higher end). */
+enum { SLOTS = 3, WALLS = 6 };
+
+/* Hysteresis of walls, share of the edge: located/cells. */
+static const double hysteresis = 0x1p-8;
 
 /* The outermost cells: beyond them doubles cannot distinguish cells. */
 #define FARTHEST_CELL (1ll << 50)

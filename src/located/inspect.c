@@ -119,8 +119,8 @@ static inline rb_vec3 origin_of(const struct rb_located *l, int i)
 	return here;
 }
 
-/* True if both are spheres and apart, as most bodies that are near. */
-static inline bool are_apart(const struct rb_located *l, int i, int j)
+/* True if both are spheres and separate, as most bodies that are near. */
+static inline bool are_separate(const struct rb_located *l, int i, int j)
 {
 	const struct rb_shape *const a = &l->model->shape[i], *const b = &l->model->shape[j];
 
@@ -132,13 +132,13 @@ static inline bool are_apart(const struct rb_located *l, int i, int j)
 	return rb_vec3_dot(d, d) > sum * sum;
 }
 
-/* True if a sphere is apart from a static sphere, or above a plane. */
-static bool is_apart_static(const struct rb_located *l, int i, int j)
+/* True if a sphere is separate from a static one, or above a plane. */
+static bool is_separate_static(const struct rb_located *l, int i, int j)
 {
 	const struct rb_shape *const a = &l->model->shape[i], *const b = &l->model->shape[j];
 
 	if (a->kind != RB_SHAPE_SPHERE || b->kind != RB_SHAPE_PLANE)
-		return are_apart(l, i, j);
+		return are_separate(l, i, j);
 	const rb_vec3 d = rb_vec3_sub(origin_of(l, i), l->model->position[j]);
 
 	return rb_vec3_dot(d, l->plane_normal[j - l->n]) > a->radius;
@@ -150,7 +150,7 @@ struct deepest {
 	int with;
 };
 
-/* Updates it with the pair i, j, which is not apart at a glance. */
+/* Updates it with the pair i, j, which is not separate at a glance. */
 static void update_deepest(const struct rb_located *l, double t, int i, int j,
                            struct deepest *deepest)
 {
@@ -212,11 +212,11 @@ static void inspect_body(struct rb_located *l, double t, int i)
 	for (int k = 0; k < near; k++) {
 		const int j = l->near[k];
 
-		if (!are_apart(l, i, j) && !(known && has_rested(l, j)))
+		if (!are_separate(l, i, j) && !(known && has_rested(l, j)))
 			update_deepest(l, t, i, j, &found);
 	}
 	for (int j = l->n; j < l->n + l->model->static_count && !known; j++)
-		if (!is_apart_static(l, i, j))
+		if (!is_separate_static(l, i, j))
 			update_deepest(l, t, i, j, &found);
 	of->depth = found.depth_m;
 	of->with = found.with;
