@@ -37,10 +37,12 @@ void rb_balance_take(struct rb_balance *balance, const struct rb_frame_numbers *
 	}
 }
 
-/* A part of a whole; 0 where nothing moved. */
+/* A part of a whole; 0 where nothing moved, NAN of a whole that is not finite. */
 static double share(double part, double whole)
 {
-	return whole > 0 ? part / whole : 0;
+	if (whole == 0)
+		return 0;
+	return isfinite(whole) ? part / whole : (double)NAN;
 }
 
 double rb_balance_energy_share(const struct rb_balance *balance)
@@ -48,10 +50,15 @@ double rb_balance_energy_share(const struct rb_balance *balance)
 	return share(balance->unexplained, balance->energy_scale);
 }
 
+/* The share of linear (0) or angular (1) momentum. */
+static double momentum_share(const struct rb_balance *balance, int k)
+{
+	return share(balance->momentum_unexplained[k], balance->momentum_scale[k]);
+}
+
 double rb_balance_momentum_share(const struct rb_balance *balance)
 {
-	return rb_larger(share(balance->momentum_unexplained[0], balance->momentum_scale[0]),
-	                 share(balance->momentum_unexplained[1], balance->momentum_scale[1]));
+	return rb_larger(momentum_share(balance, 0), momentum_share(balance, 1));
 }
 
 /* The causes that gave or took energy, with what takes it shown as positive. */
@@ -67,7 +74,8 @@ static void print_causes(FILE *file, const struct rb_ledger_values *last)
 		fputs(count++ > 0 ? ", " : "", file);
 		for (const char *c = rb_ledger_energy_name(k); *c; c++)
 			putc(*c == '_' ? ' ' : *c, file);
-		fputs(rb_text_measure(" ", rb_ledger_takes(k) ? -last->energy[k] : last->energy[k],
+		putc(' ', file);
+		fputs(rb_text_measure("", rb_ledger_takes(k) ? -last->energy[k] : last->energy[k],
 		                      3, "J", text),
 		      file);
 	}
@@ -77,18 +85,17 @@ static void print_causes(FILE *file, const struct rb_ledger_values *last)
 void rb_balance_print(FILE *file, const struct rb_balance *balance,
                       const struct rb_ledger_values *last)
 {
-	char text[64];
+	char text[4][64];
 
 	if (!balance->kept)
 		return;
 	print_causes(file, last);
-	rb_print(file,
-	         "  unexplained   %s, %.2g of what moved; of momentum %.2g, of angular momentum "
-	         "%.2g\n",
-	         rb_text_measure("", balance->unexplained, 3, "J at most", text),
-	         share(balance->unexplained, balance->energy_scale),
-	         share(balance->momentum_unexplained[0], balance->momentum_scale[0]),
-	         share(balance->momentum_unexplained[1], balance->momentum_scale[1]));
+	rb_print(file, "  unexplained   %s, %s of what moved; of momentum %s, of angular momentum %s\n",
+	         rb_text_measure("", balance->unexplained, 3, "J at most", text[0]),
+	         rb_text_measure("", share(balance->unexplained, balance->energy_scale), 2, "",
+	                         text[1]),
+	         rb_text_measure("", momentum_share(balance, 0), 2, "", text[2]),
+	         rb_text_measure("", momentum_share(balance, 1), 2, "", text[3]));
 }
 
 void rb_balance_print_json(struct rb_json *json, const struct rb_balance *balance,
@@ -106,10 +113,8 @@ void rb_balance_print_json(struct rb_json *json, const struct rb_balance *balanc
 	rb_json_number(json, "unexplained_share",
 	               share(balance->unexplained, balance->energy_scale));
 	rb_json_number(json, "gained_share", share(balance->gained, balance->energy_scale));
-	rb_json_number(json, "momentum_share",
-	               share(balance->momentum_unexplained[0], balance->momentum_scale[0]));
-	rb_json_number(json, "angular_momentum_share",
-	               share(balance->momentum_unexplained[1], balance->momentum_scale[1]));
+	rb_json_number(json, "momentum_share", momentum_share(balance, 0));
+	rb_json_number(json, "angular_momentum_share", momentum_share(balance, 1));
 	rb_json_close(json, '}');
 }
 

@@ -380,7 +380,7 @@ const char *rb_text_measure(const char *before, double value, int digits, const 
                             char out[64])
 {
 	if (isfinite(value))
-		snprintf(out, 64, "%s%.*g %s", before, digits, value, unit);
+		snprintf(out, 64, "%s%.*g%s%s", before, digits, value, *unit ? " " : "", unit);
 	else
 		snprintf(out, 64, "not finite");
 	return out;

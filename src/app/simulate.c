@@ -430,8 +430,8 @@ static void take_numbers(struct rb_run_result *result, const struct rb_frame *fr
 	if (frame->index == 0)
 		result->first = *n;
 	const struct rb_frame_numbers *const first = &result->first;
-	const double drift = fabs(n->kinetic_energy + n->potential_energy - first->kinetic_energy -
-	                          first->potential_energy);
+	const double drift = fabs((n->kinetic_energy + n->potential_energy) -
+	                          (first->kinetic_energy + first->potential_energy));
 	result->last = *n;
 	result->kinetic_max_j = rb_larger(result->kinetic_max_j, n->kinetic_energy);
 	result->max_penetration_m = fmax(result->max_penetration_m, n->max_penetration);

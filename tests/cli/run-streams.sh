@@ -70,6 +70,27 @@ exits 0 huge.lua --no-record --json
 for key in energy_drift momentum_drift kinetic_energy_max kinetic_energy; do
 	[ "$(value $key)" = null ] || fail "$key is $(value $key)"
 done
+cat >pushed.lua <<'END'
+world { duration = 0.1 }
+record { ledger = true }
+sphere { radius = 1, mass = 1, forces = {{vector = {1e308, 0, 0}}} }
+END
+exits 0 pushed.lua --no-record --method stepped
+says err 'ledger +applied not finite'
+says err 'unexplained +not finite, not finite of what moved; of momentum [0-9.e-]+, '
+exits 0 pushed.lua --no-record --method stepped --json
+for key in applied unexplained_max unexplained_share; do
+	[ "$(value $key)" = null ] || fail "$key is $(value $key)"
+done
+
+# what did not change has no drift, however large beside another
+cat >still.lua <<'END'
+world { duration = 0.1, gravity = {0, 0, -9.81} }
+sphere { radius = 1, mass = 1, position = {0, 0, 1}, velocity = {0, 0, 1e100} }
+on_frame(function() error("stop") end)
+END
+exits 65 still.lua --no-record --json
+[ "$(value energy_drift)" = 0 ] || fail "the energy of one frame changes by $(value energy_drift) J"
 
 if [ -e /dev/full ]; then
 	for args in "s.lua --no-record --json" "check s.lua" "methods" "--help"; do
