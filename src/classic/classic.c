@@ -69,8 +69,6 @@ static enum rb_status fly_alone(struct rb_world *world, struct step_work *work,
 {
 	const struct rb_groups *groups = world->groups;
 	const int blocks = (groups->alone_count + ALONE_PER_BLOCK - 1) / ALONE_PER_BLOCK;
-	const int *id_of = world->model->id_of;
-	char label[64], source[96];
 
 	if (blocks == 0)
 		return RB_OK;
@@ -85,13 +83,8 @@ static enum rb_status fly_alone(struct rb_world *world, struct step_work *work,
 	world->frame_counts.smallest_step_s = fmin(world->frame_counts.smallest_step_s, work->dt_s);
 	for (int b = 0; b < blocks; b++)
 		if (work->bad[b] >= 0)
-			return RB_FAIL(err, RB_ERR_PHYSICS,
-			               "%sthe state of '%s' is not finite after t = %.9g s",
-			               rb_scene_body_source(world->model->scene,
-			                                    id_of[work->bad[b]], source),
-			               rb_scene_body_label(world->model->scene, id_of[work->bad[b]],
-			                                   label),
-			               work->start_s);
+			return rb_verdict_fail_finite(world->model, work->bad[b], work->start_s,
+			                              err);
 	return RB_OK;
 }
 

@@ -66,10 +66,7 @@ static enum rb_status give_up(const struct rb_pass *pass, enum rb_verdict verdic
 	char a[64], b[64], source[96];
 
 	if (verdict == RB_VERDICT_NOT_FINITE)
-		return RB_FAIL(err, RB_ERR_PHYSICS,
-		               "%sthe state of '%s' is not finite after t = %.9g s",
-		               rb_scene_body_source(model->scene, model->id_of[body], source),
-		               rb_scene_body_label(model->scene, model->id_of[body], a), when);
+		return rb_verdict_fail_finite(model, body, when, err);
 	const struct rb_touch *touch = &pass->touch[pass->worst];
 	return RB_FAIL(err, RB_ERR_PHYSICS,
 	               "%sno step resolves the overlap of '%s' and '%s' at t = %.9g s: %.3g m deep "

@@ -703,9 +703,10 @@ static bool is_interrupted(struct rb_located *l, uint64_t work)
 
 enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_error *err)
 {
-	double t, seen_s = rb_field_samples_from(l, l->world->state.time_s);
+	const double start = l->world->state.time_s;
+	double t, seen_s = rb_field_samples_from(l, start);
 
-	RB_ASSERT(until >= l->world->state.time_s);
+	RB_ASSERT(until >= start);
 	l->err = err;
 	const bool starts = !l->started;
 	if (starts)
@@ -736,7 +737,7 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 		rb_account_all(l, until);
 	else if (l->account_s)
 		l->world->open = rb_account_open(l, until);
-	return l->status;
+	return l->status = rb_inspect_finite(l, start);
 }
 
 /*

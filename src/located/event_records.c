@@ -25,12 +25,30 @@ static void add_event(struct rb_located *l, struct rb_event event)
 		l->status = status;
 }
 
+/* Bodies so heavy and fast that no double holds what they exert on each other. */
+static void fail_impulse(struct rb_located *l, double t, const struct rb_contact_point *m)
+{
+	const struct rb_scene *const scene = l->model->scene;
+	const int id = l->model->id_of[m->a];
+	char a[64], b[64], source[96];
+
+	if (l->status == RB_OK)
+		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
+		                    "%sthe impulse of '%s' and '%s' is not finite at t = %.9g s",
+		                    rb_scene_body_source(scene, id, source),
+		                    rb_scene_body_label(scene, id, a),
+		                    rb_scene_body_label(scene, l->model->id_of[m->b], b), t);
+}
+
 void rb_record_impact(struct rb_located *l, double t, const struct rb_contact_point *m,
                       rb_vec3 impulse, double approach)
 {
 	RB_ASSERT(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
-	RB_ASSERT_COSTLY(rb_vec3_finite(impulse));
 	RB_ASSERT_COSTLY(approach >= 0);
+	if (!rb_vec3_finite(impulse)) {
+		fail_impulse(l, t, m);
+		return;
+	}
 	add_event(l, (struct rb_event){.time_s = t,
 	                               .kind = RB_EVENT_COLLISION,
 	                               .a = m->a,

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "located/integrate.h"
 #include "located/convex_contact.h"
+#include "step/verdict.h"
 
 /* Appends a held contact with a given force. */
 static void add_contact(struct rb_located *l, struct rb_contacts *contacts,
@@ -242,4 +243,12 @@ double rb_inspect_overlap(struct rb_located *l, double t, int *a, int *b)
 	*a = pair[0];
 	*b = pair[1];
 	return deepest;
+}
+
+enum rb_status rb_inspect_finite(const struct rb_located *l, double start_s)
+{
+	for (int i = 0; i < l->n; i++)
+		if (!rb_verdict_finite(&l->world->state, i))
+			return rb_verdict_fail_finite(l->model, i, start_s, l->err);
+	return RB_OK;
 }

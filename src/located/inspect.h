@@ -19,6 +19,9 @@ RB_CHECKED enum rb_status rb_inspect_forces(struct rb_located *l, double t,
  */
 double rb_inspect_overlap(struct rb_located *l, double t, int *a, int *b);
 
+/* RB_ERR_PHYSICS, and names the body, if the state, finite at `start_s`, no longer is. */
+RB_CHECKED enum rb_status rb_inspect_finite(const struct rb_located *l, double start_s);
+
 /* True if the body does not move on its arc, at the time of the state. */
 bool rb_inspect_is_at_rest(const struct rb_located *l, int i);
 

@@ -50,7 +50,6 @@ void rb_work_impact(struct rb_located *l, const struct rb_contact_point *m, rb_v
 	const rb_vec3 mean = rb_vec3_scale(0.5, rb_vec3_add(before, after));
 
 	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
-	RB_ASSERT_COSTLY(rb_vec3_finite(impulse));
 	if (!l->account_s)
 		return;
 	const double all = rb_vec3_dot(impulse, mean);

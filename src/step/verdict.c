@@ -25,6 +25,17 @@ bool rb_verdict_finite(const struct rb_state *state, int index)
 	return isfinite(sum);
 }
 
+enum rb_status rb_verdict_fail_finite(const struct rb_model *model, int body, double start_s,
+                                      struct rb_error *err)
+{
+	char label[64], source[96];
+
+	RB_ASSERT(body >= 0 && body < model->body_count);
+	return RB_FAIL(err, RB_ERR_PHYSICS, "%sthe state of '%s' is not finite after t = %.9g s",
+	               rb_scene_body_source(model->scene, model->id_of[body], source),
+	               rb_scene_body_label(model->scene, model->id_of[body], label), start_s);
+}
+
 enum rb_verdict rb_verdict_of(const struct rb_pass *pass, int *body)
 {
 	for (int k = 0; k < pass->member_count; k++)

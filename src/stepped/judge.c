@@ -240,10 +240,7 @@ enum rb_status rb_judge_give_up(const struct rb_world *world, double start,
 	char a[64], b[64], label[96], source[96];
 
 	if (outcome->body >= 0)
-		return RB_FAIL(err, RB_ERR_PHYSICS,
-		               "%sthe state of '%s' is not finite after t = %.9g s",
-		               rb_scene_body_source(scene, id_of[outcome->body], source),
-		               rb_scene_body_label(scene, id_of[outcome->body], a), start);
+		return rb_verdict_fail_finite(world->model, outcome->body, start, err);
 	if (outcome->pair[0] < 0 && outcome->joint >= 0)
 		return RB_FAIL(
 			err, RB_ERR_PHYSICS,

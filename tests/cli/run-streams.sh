@@ -83,6 +83,26 @@ for key in applied unexplained_max unexplained_share; do
 	[ "$(value $key)" = null ] || fail "$key is $(value $key)"
 done
 
+# a motion that is not finite ends the run, and no frame has it, whether an impact does that or the way
+cat >heavy.lua <<'END'
+world { duration = 0.2, gravity = {0, 0, -9.81} }
+plane { material = material { restitution = 0.5 } }
+sphere { name = "ball", radius = 0.1, mass = 1e307, position = {0, 0, 1}, velocity = {50, 0, -50} }
+END
+exits 76 heavy.lua --method located -q
+says err "heavy.lua:3: the impulse of 'ball' and '#0' is not finite at t = 0.01"
+cat >far.lua <<'END'
+world { duration = 100, frame_rate = 1, gravity = {0, 0, 1e307} }
+sphere { name = "ball", radius = 1 }
+END
+for method in located stepped classic; do
+	exits 76 far.lua --method $method -q
+	says err "far.lua:2: the state of 'ball' is not finite after t = [45]"
+	exits 0 plot far.h5 ball.z ball.vz --json
+	! grep -q '\[[^]]*null' out || fail "$method: a frame that is not finite"
+	rm far.h5
+done
+
 # what did not change has no drift, however large beside another
 cat >still.lua <<'END'
 world { duration = 0.1, gravity = {0, 0, -9.81} }
