@@ -226,6 +226,11 @@ unsigned rb_films_fields(const struct rb_films *films)
 	return fields;
 }
 
+unsigned rb_films_missing(const struct rb_model *model, unsigned wanted, unsigned fields)
+{
+	return model->body_count > 0 ? rb_frame_fields(model, wanted) & ~fields : 0;
+}
+
 void rb_films_tell_missing(const struct rb_model *model, const char *name, unsigned wanted,
                            unsigned fields)
 {
@@ -243,7 +248,7 @@ void rb_films_tell_missing(const struct rb_model *model, const char *name, unsig
 		{RB_FIELD_JOINTS, "joints", "films of it do not show their forces"},
 		{RB_FIELD_EVENTS, "events", "films of it show straight lines between frames"},
 	};
-	const unsigned missing = rb_frame_fields(model, wanted) & ~fields;
+	const unsigned missing = rb_films_missing(model, wanted, fields);
 
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		if (missing & rows[i].field)
@@ -259,7 +264,7 @@ void rb_films_tell_unrecorded(const struct rb_loaded *loaded)
 	for (int i = 0; i < scene->camera_count; i++)
 		wanted |= rb_schedule_fields(&scene->cameras[i], loaded->model,
 		                             loaded->model->duration_s);
-	if (loaded->output && loaded->model->body_count > 0)
+	if (loaded->output)
 		rb_films_tell_missing(loaded->model, loaded->output, wanted, scene->record.fields);
 }
 

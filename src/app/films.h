@@ -58,6 +58,8 @@ void rb_films_destroy(struct rb_films *films); /* NULL is fine, for all below to
 int rb_films_count(const struct rb_films *films);
 /* RB_FIELD_* that the films read. */
 unsigned rb_films_fields(const struct rb_films *films);
+/* What of `wanted` a recording of other fields lacks; nothing where nothing moves. */
+unsigned rb_films_missing(const struct rb_model *model, unsigned wanted, unsigned fields);
 /*
  * Warns of what of `wanted` films of `name`, a recording of other fields, lack, and what comes of
  * it.

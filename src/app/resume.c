@@ -294,9 +294,11 @@ void rb_resume_release(struct rb_resume *resume)
 /* Fills a column of the ring's frame, if it has one. False: the recording lacks it. */
 static bool copy_column(double *to, const double *from, int count, int width)
 {
-	if (to && from)
+	if (!to || count == 0)
+		return true;
+	if (from)
 		memcpy(to, from, (size_t)count * (size_t)width * sizeof *to);
-	return !to || from;
+	return from != NULL;
 }
 
 /* Fills a list, whose memory is kept for the next frame of the slot. False: no memory. */
@@ -351,9 +353,8 @@ static enum rb_status check_fields(const struct rb_loaded *loaded, const struct 
 {
 	const struct rb_record_def *const record = &loaded->scene.record;
 	const unsigned all = rb_films_fields(films);
-	const unsigned wanted = rb_frame_fields(loaded->model, all) & (unsigned)RB_FIELD_DEFAULT;
 
-	if (wanted & ~reading->fields)
+	if (rb_films_missing(loaded->model, all & (unsigned)RB_FIELD_DEFAULT, reading->fields))
 		return RB_FAIL(
 			err, RB_ERR_USAGE,
 			"option '--resume': '%s' does not hold what its films show, so they can't "

@@ -160,6 +160,7 @@ static int tell_done(const struct rb_loaded *loaded, const struct rb_options *op
 		rb_json_text(&json, "recording", loaded->output);
 		rb_json_count(&json, "exit_status", 0);
 		rb_json_close(&json, '}');
+		putchar('\n');
 	} else if (!options->quiet) {
 		rb_print(stderr, "rbsim: '%s' is complete: nothing is left to be done\n",
 		         loaded->output);

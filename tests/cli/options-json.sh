@@ -33,6 +33,7 @@ tells 1 no.lua --json --no-record
 tells 65 stops.lua --json --no-record
 tells 66 none.lua --json
 tells 73 s.lua -o run.h5 --json
+tells 0 s.lua -o run.h5 --resume --json
 tells 0 check s.lua --json
 tells 65 check wrong.lua --json
 tells 0 info run.h5 --json

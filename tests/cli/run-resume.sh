@@ -189,6 +189,15 @@ small_scene 'camera { name = "a", position = function(t) return {2 + 0.01 * math
 	size = {64, 48}, samples = 1, fps = 25, png = "a/%03d.png", trails = {body "right"}, overlay = {"time", "energy"} }' >film.lua
 interrupted film.lua 2
 
+# nothing moves, and nothing of that is recorded
+cat >still.lua <<'END'
+world { duration = 0.5 }
+box { size = {1, 1, 1}, static = true }
+camera { position = {3, 3, 3}, look_at = {0, 0, 0}, size = {32, 32}, samples = 1, fps = 10, png = "still/%d.png" }
+END
+interrupted still.lua 2
+says_nothing err
+
 # films that commands have switched off and on, before a checkpoint and after it, also in the moment of one
 switched() # switched WHOLE FIRST SECOND: commands of a whole run, and of the two parts of another one
 {
