@@ -269,7 +269,7 @@ static void pack_cluster(struct rb_located *l, struct rb_cluster *c, struct rb_p
 	c->account.n = RB_ENTRIES;
 	rb_pack_finite(pack, &c->account.length_s, 1);
 	(void)rb_pack_check(pack, c->account.length_s > 0, "a piece without length");
-	rb_pack_finite(pack, c->account_block, (size_t)RB_ENTRIES * (1 + RB_GAUSS_NODES));
+	rb_pack_doubles(pack, c->account_block, (size_t)RB_ENTRIES * (1 + RB_GAUSS_NODES));
 }
 
 void rb_account_pack(struct rb_located *l, struct rb_pack *pack)

@@ -155,9 +155,9 @@ RB_FIELDS_DECLARE(rb_held_fields);
  * ones (which do not move).
  */
 #define RB_ACCOUNT_RATES_FIELDS(X)                                        \
-	X(double, sliding, [2], "W, W/s", "power of friction", RB_FINITE) \
-	X(rb_vec3, force, [2], "N", "by exerting body", RB_FINITE)        \
-	X(rb_vec3, torque, [2][3], "N m, N m/s, N m/s^2", "by exerting body", RB_FINITE)
+	X(double, sliding, [2], "W, W/s", "power of friction", RB_NUMBER) \
+	X(rb_vec3, force, [2], "N", "by exerting body", RB_NUMBER)        \
+	X(rb_vec3, torque, [2][3], "N m, N m/s, N m/s^2", "by exerting body", RB_NUMBER)
 struct rb_account_rates {
 	RB_ACCOUNT_RATES_FIELDS(RB_FIELD_MEMBER)
 };

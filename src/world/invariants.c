@@ -120,15 +120,18 @@ enum rb_status rb_validate_contacts(const struct rb_world *world,
 	return status;
 }
 
-/* False if the square of a speed overflows, and with it sums of energies. */
+/* False if energies and momenta may overflow, of which a run is told, but does not end. */
 static bool has_energies(const struct rb_world *world)
 {
 	const double *const v = world->state.velocity;
-	static const double max = 1e150;
+	static const double max = 1e100;
 
-	for (int k = 0; k < 3 * world->model->body_count; k++)
-		if (!(fabs(v[k]) < max))
+	for (int k = 0; k < 3 * world->model->body_count; k++) {
+		const double mass = world->model->mass[k / 3]; /* infinite: driven */
+
+		if (!(fabs(v[k]) < max) || (isfinite(mass) && mass >= max))
 			return false;
+	}
 	return true;
 }
 

@@ -24,7 +24,7 @@ enum {
 };
 
 #define RB_ENTRIES_FIELDS(X)                                                                    \
-	X(double, row, [RB_ENTRIES], "J, N s, N m s", "energies, momenta by cause", RB_FINITE)  \
+	X(double, row, [RB_ENTRIES], "J, N s, N m s", "energies, momenta by cause", RB_NUMBER)  \
 	X(unsigned, causes, , "", "not zero: bit k an energy, RB_ENERGY_CAUSES + k a momentum", \
 	  RB_ANY_BITS)
 struct rb_entries {
@@ -76,12 +76,12 @@ static inline void rb_entries_twist(struct rb_entries *e, enum rb_ledger_momentu
 void rb_entries_add(struct rb_entries *to, double share, const struct rb_entries *from);
 
 #define RB_LEDGER_FIELDS(X)                                                                     \
-	X(double, sum, [RB_ENTRIES], "J, N s, N m s", "as struct rb_entries", RB_FINITE)        \
-	X(double, rest, [RB_ENTRIES], "J, N s, N m s", "what rounding has left out", RB_FINITE) \
-	X(double, start_kinetic, , "J", "all is counted from there", RB_FINITE)                 \
-	X(double, start_potential, , "J", "the same", RB_FINITE)                                \
-	X(rb_vec3, start_linear, , "kg m/s", "the same", RB_FINITE)                             \
-	X(rb_vec3, start_angular, , "kg m^2/s", "the same", RB_FINITE)                          \
+	X(double, sum, [RB_ENTRIES], "J, N s, N m s", "as struct rb_entries", RB_NUMBER)        \
+	X(double, rest, [RB_ENTRIES], "J, N s, N m s", "what rounding has left out", RB_NUMBER) \
+	X(double, start_kinetic, , "J", "all is counted from there", RB_NUMBER)                 \
+	X(double, start_potential, , "J", "the same", RB_NUMBER)                                \
+	X(rb_vec3, start_linear, , "kg m/s", "the same", RB_NUMBER)                             \
+	X(rb_vec3, start_angular, , "kg m^2/s", "the same", RB_NUMBER)                          \
 	X(bool, kept, , "", "false: nobody enters anything", RB_FLAG)
 struct rb_ledger {
 	RB_LEDGER_FIELDS(RB_FIELD_MEMBER)

@@ -52,7 +52,7 @@ struct rb_late;
 	X(uint64_t, factors, , "", "stepped: factorizations", RB_ANY_BITS)                      \
 	X(uint64_t, closings, , "", "stepped: moves of positions only", RB_ANY_BITS)            \
 	X(uint64_t, solving, , "", "stepped: products of solutions of what moves", RB_ANY_BITS) \
-	X(double, crowded_energy_j, , "J", "of the approach of crowded impacts", RB_FINITE)     \
+	X(double, crowded_energy_j, , "J", "of the approach of crowded impacts", RB_NUMBER)     \
 	X(double, stepped_s, , "s", "simulated by steps: classic or stepped", RB_FINITE)
 #define RB_COUNTS_SMALLEST(X) X(double, smallest_step_s, , "s", "HUGE_VAL: no step yet", RB_TIME)
 #define RB_COUNTS_LARGEST(X)                                                                     \
@@ -90,7 +90,7 @@ static inline void rb_counts_add(struct rb_counts *to, const struct rb_counts *f
 	X(int, b, , "", "id, >= a", RB_UP_TO(RB_LIMIT_ID))                               \
 	X(rb_vec3, point, , "m", "where", RB_FINITE)                                     \
 	X(rb_vec3, normal, , "1", "unit, from a to b", RB_FINITE)                        \
-	X(rb_vec3, impulse, , "N s", "on b", RB_FINITE)                                  \
+	X(rb_vec3, impulse, , "N s", "on b", RB_NUMBER)                                  \
 	X(double, approach_speed, , "m/s", "> 0, along the normal", RB_FINITE)           \
 	X(int, joint, , "", "1 + number of the joint, 0: none", RB_UP_TO(RB_LIMIT_NEXT_JOINT))
 RB_FIELDS_DECLARE(rb_event_fields);

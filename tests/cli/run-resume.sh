@@ -198,6 +198,19 @@ END
 interrupted still.lua 2
 says_nothing err
 
+# energies, momenta and impulses that no double holds: the ledger has them, the motion does not need them
+cat >heavy.lua <<'END'
+world { duration = 1, gravity = {0, 0, -9.81} }
+record { ledger = true, fields = {"+", "events"} }
+plane { material = material { restitution = 0.5 } }
+sphere { radius = 0.1, mass = 1e308, position = {0, 0, 10} }
+sphere { radius = 0.1, mass = 1e306, position = {3, 0, 1}, velocity = {50, 0, -50} }
+box { size = {0.1, 0.2, 0.3}, mass = 2, position = {6, 0, 0.3}, angular_velocity = {1, 2, 3} }
+END
+for method in located stepped; do
+	interrupted heavy.lua 3 --method $method
+done
+
 # films that commands have switched off and on, before a checkpoint and after it, also in the moment of one
 switched() # switched WHOLE FIRST SECOND: commands of a whole run, and of the two parts of another one
 {
