@@ -156,6 +156,28 @@ static void a_step_that_fails_keeps_the_last_frame(void **state)
 	rbsim_close(simulation);
 }
 
+/* A function that fails after the bodies of its frame are known: what is shown is of one moment. */
+static void a_frame_that_fails_is_not_shown(void **state)
+{
+	struct rbsim_simulation *simulation;
+	struct rbsim_error error;
+
+	(void)state;
+	scene_file("world { duration = 1, frame_rate = 8 }\n"
+	           "sphere { radius = 1, velocity = {1, 0, 0} }\n"
+	           "probe('p', function() if time() > 0.4 then error('enough') end return 1 end)\n");
+	assert_int_equal(rbsim_open(&simulation, path, NULL, &error), RBSIM_OK);
+	const struct rbsim_frame *const now = rbsim_frame(simulation);
+	const double *const position = now->position;
+	while (!rbsim_step(simulation, &error))
+		;
+	assert_int_equal(error.status, RBSIM_SCENE);
+	assert_int_equal(now->index, 3);
+	assert_true(now->time_s == 0.375 && now->position[0] == 0.375);
+	assert_ptr_equal(now->position, position);
+	rbsim_close(simulation);
+}
+
 static void an_open_without_memory_leaves_nothing(void **state)
 {
 	struct rbsim_simulation *simulation;
@@ -184,6 +206,7 @@ int main(void)
 		cmocka_unit_test(calls_that_are_wrong_are_refused),
 		cmocka_unit_test(older_options_are_understood),
 		cmocka_unit_test(a_step_that_fails_keeps_the_last_frame),
+		cmocka_unit_test(a_frame_that_fails_is_not_shown),
 		cmocka_unit_test(an_open_without_memory_leaves_nothing),
 	};
 

@@ -37,10 +37,11 @@ struct rbsim_simulation {
 	struct rb_sink sink;                 /* the recorder's */
 	bool sink_open;
 
-	struct rb_frame frame;
-	struct rbsim_frame shown; /* of `frame` */
+	struct rb_frame frame;    /* as it is filled */
+	struct rb_frame whole;    /* the columns that are shown, of the last that was filled */
+	struct rbsim_frame shown; /* of `whole` */
 	uint64_t state_hash;      /* after it */
-	struct rb_error failure;  /* of the step that failed */
+	struct rb_error failure;  /* of the step that failed, or of the first frame */
 	bool recording_ended;     /* no more steps */
 };
 
@@ -162,6 +163,29 @@ static enum rb_status take_results(struct rbsim_simulation *simulation, struct r
 	return rb_script_results(simulation->script, simulation->world, simulation->results, err);
 }
 
+static void copy_column(double *to, const double *from, size_t count)
+{
+	if (to && count > 0)
+		memcpy(to, from, count * sizeof *to);
+}
+
+/* Shows the frame, which is whole. */
+static void show(struct rbsim_simulation *simulation)
+{
+	const struct rb_frame *const frame = &simulation->frame;
+	struct rb_frame *const whole = &simulation->whole;
+	const size_t count = (size_t)frame->body_count;
+
+	copy_column(whole->position, frame->position, 3 * count);
+	copy_column(whole->orientation, frame->orientation, 4 * count);
+	copy_column(whole->velocity, frame->velocity, 3 * count);
+	copy_column(whole->angular_velocity, frame->angular_velocity, 3 * count);
+	whole->index = frame->index;
+	whole->time_s = frame->time_s;
+	whole->numbers = frame->numbers;
+	rb_handle_show(&simulation->shown, whole);
+}
+
 /* The frame of this moment, to the recorder and the script, in the order of app/simulate. */
 static enum rb_status emit(struct rbsim_simulation *simulation, struct rb_error *err)
 {
@@ -173,7 +197,7 @@ static enum rb_status emit(struct rbsim_simulation *simulation, struct rb_error 
 		status = rb_script_probes(simulation->script, world, frame->probes, err);
 	if (status)
 		return status;
-	rb_handle_show(&simulation->shown, frame);
+	show(simulation);
 	if (simulation->recorder)
 		status = simulation->sink.frame(simulation->sink.self, frame, err);
 	if (!status)
@@ -202,6 +226,8 @@ static enum rb_status make(struct rbsim_simulation *made, const char *path,
 	status = rb_world_create(&made->world, made->model, &world_options, &hooks, err);
 	if (!status)
 		status = rb_frame_init(&made->frame, made->model, fields, err);
+	if (!status)
+		status = rb_frame_init(&made->whole, made->model, RB_FIELD_DEFAULT, err);
 	return status ? status : emit(made, err);
 }
 
@@ -233,6 +259,8 @@ enum rbsim_status rbsim_open(struct rbsim_simulation **simulation, const char *s
 	const enum rb_status status = made ? make(made, scene, &known, &err)
 	                                   : RB_FAIL(&err, RB_ERR_MEMORY,
 	                                             "cannot open '%s': out of memory", scene);
+	if (status && made)
+		made->failure = err;
 	if (status)
 		rbsim_close(made);
 	else
@@ -249,6 +277,7 @@ void rbsim_close(struct rbsim_simulation *simulation)
 	else if (simulation->recorder)
 		simulation->module->recorder_destroy(simulation->recorder);
 	rb_frame_release(&simulation->frame);
+	rb_frame_release(&simulation->whole);
 	rb_world_destroy(simulation->world);
 	rb_model_destroy(simulation->model);
 	rb_script_destroy(simulation->script);

@@ -305,6 +305,10 @@ static int l_param(lua_State *L)
 	if ((rb_call_given(&call, "min") || rb_call_given(&call, "max")) &&
 	    def.type != RB_PARAM_NUMBER && def.type != RB_PARAM_INTEGER)
 		rb_call_mistake(&call, "'min' and 'max' are for numbers");
+	if (def.min > def.max) {
+		rb_call_mistake(&call, "'min' %.9g is above 'max' %.9g", def.min, def.max);
+		def.min = def.max = (double)NAN; /* told once */
+	}
 	if (rb_call_push(&call, "choices") != LUA_TNIL && push_choices(&call)) {
 		list = lua_gettop(L) - 1;
 		def.choices = lua_tostring(L, -1);

@@ -72,5 +72,12 @@ LD_LIBRARY_PATH=$PWD/usr/lib ./shared run.h5 left other.h5 >out 2>err
 LD_LIBRARY_PATH=$PWD/usr/lib ./shared scene.lua left /no/such/folder/other.h5 >out 2>err
 [ $? -eq 73 ] || fail "a folder that is not there"
 
+# a run that fails in its first frame has failed: its program has not closed it
+small_scene 'on_frame(function() error("enough") end)' >first.lua
+LD_LIBRARY_PATH=$PWD/usr/lib ./shared first.lua left first.h5 >out 2>err
+[ $? -eq 65 ] || fail "a first frame that fails"
+exits 0 info first.h5
+says out 'status +failed: .*enough'
+
 "$@" uninstall >out 2>err || fail "make uninstall failed"
 [ -z "$(find usr -type f -o -type l)" ] || fail "uninstall leaves $(find usr -type f -o -type l)"

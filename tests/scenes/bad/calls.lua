@@ -11,6 +11,7 @@ param("b", 5, "help", { min = 6 })
 param("b", 5, 3, { mn = 1 })
 param("c", "x", "help", { choices = {"y", "z"} })
 param("d", true, "help", { min = 0, choices = {} })
+param("e", 1, "help", { min = 2, max = 0 })
 sphere { radius = 1 }
 -- expect: :2: expect: expected a text and a function (got nothing for the function)
 -- expect: :3: expect_always: expected a text and a function (got a function for the text)
@@ -27,3 +28,4 @@ sphere { radius = 1 }
 -- expect: :12: param 'c': the default must be one of y, z (got x)
 -- expect: :13: param 'd': 'min' and 'max' are for numbers
 -- expect: :13: param 'd': 'choices' must be a list of numbers, texts or booleans (got {})
+-- expect: :14: param 'e': 'min' 2 is above 'max' 0
