@@ -24,10 +24,17 @@ static const char *const ends[POINTS] = {
 	"\"expectations\":[{\"text\":\"it falls\",\"ok\":true,\"measured\":3,\"bound\":4}]}\n",
 	"{\"status\":\"failed\",\"exit_status\":1,\"frames\":61,\"time\":null,"
 	"\"expectations\":[{\"text\":\"it, \\\"too\\\"\",\"ok\":false,\"measured\":5,\"bound\":4},"
-	"{\"text\":\"it falls\",\"ok\":true}]}\n",
+	"{\"text\":\"it falls\",\"ok\":true}],"
+	"\"results\":{\"mu\":{\"value\":8,\"unit\":\"m\"},"
+	"\"state\":{\"value\":9,\"unit\":\"\"},"
+	"\"time\":{\"value\":10,\"unit\":\"s\"}}}\n",
 	NULL,                                         /* never begun */
 	"{\"status\":\"complete\",\"exit_status\":0", /* not whole */
-	"{\"status\":\"failed\",\"exit_status\":76,\"error\":\"blew up\",\"collisions\":12}\n",
+	"{\"status\":\"failed\",\"exit_status\":76,\"error\":\"blew up\",\"collisions\":12,"
+	"\"expectations\":[{\"text\":\"each\",\"ok\":true,\"measured\":1,\"bound\":2},"
+	"{\"text\":\"each\",\"ok\":false,\"measured\":3,\"bound\":2},"
+	"{\"text\":\"each\",\"ok\":false,\"measured\":4,\"bound\":2},"
+	"{\"text\":\"each\",\"ok\":true,\"measured\":0,\"bound\":2}]}\n",
 	"{\"status\":\"interrupted\",\"exit_status\":75,\"frames\":3}\n"};
 
 static void put(const struct sweep *sweep, uint64_t index, const char *ending, const char *text)
@@ -182,6 +189,13 @@ static void results_come_from_where_they_are_told(void **state)
 	assert_true(number(&sweep, "expectations", "it falls: ok", 1) == 1);
 	assert_true(isnan(number(&sweep, "expectations", "it falls: measured", 1)));
 	assert_true(number(&sweep, "expectations", "it, \"too\": ok", 1) == 0);
+	/* of several with one text: whether all hold, and the first that does not */
+	assert_true(number(&sweep, "expectations", "each: ok", 4) == 0);
+	assert_true(number(&sweep, "expectations", "each: measured", 4) == 3);
+	/* names of other columns are not used again */
+	assert_true(number(&sweep, "results", "mu: result", 1) == 8);
+	assert_true(number(&sweep, "results", "state: result", 1) == 9);
+	assert_true(number(&sweep, "results", "time: result", 1) == 10);
 	assert_true(isnan(number(&sweep, "expectations", "it, \"too\": ok", 0)));
 	close_sweep(&sweep);
 }

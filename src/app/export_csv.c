@@ -113,6 +113,16 @@ static int print_bodies(const struct rb_exported *exported, FILE *file,
 	return frame->body_count;
 }
 
+/* Whether the table of frames has such a column of its own. */
+static bool is_column(const char *name)
+{
+	bool is = strcmp(name, "frame") == 0 || strcmp(name, "time") == 0;
+
+	for (int k = 0; k < NUMBER_COUNT; k++)
+		is = is || strcmp(numbers[k].name, name) == 0;
+	return is;
+}
+
 static void print_frames_head(const struct rb_exported *exported, FILE *file,
                               const struct rb_frame *frame)
 {
@@ -121,8 +131,12 @@ static void print_frames_head(const struct rb_exported *exported, FILE *file,
 	for (int k = 0; k < NUMBER_COUNT; k++)
 		fprintf(file, ",%s", numbers[k].name);
 	for (int k = 0; k < exported->reading->probe_count; k++) {
+		const char *const name = exported->reading->probe_names[k];
+		char own[RB_EXPORT_NAME_SIZE];
+
+		snprintf(own, sizeof own, "%s%s", name, is_column(name) ? ": probe" : "");
 		putc(',', file);
-		rb_table_print_cell(file, exported->reading->probe_names[k]);
+		rb_table_print_cell(file, own);
 	}
 	putc('\n', file);
 }

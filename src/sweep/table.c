@@ -131,8 +131,9 @@ static enum rb_status take_parameter(struct rb_table *table, const struct rb_pla
 /* ---- results ---- */
 
 /*
- * Reads the expectations of a result into three columns each, made when first met; runs without
- * them keep NAN.
+ * Reads the expectations of a result into three columns for each text, made when first met; runs
+ * without them keep NAN. A scene may ask several under one text, as of each of its bodies: the
+ * first of them that fails stands for all.
  */
 static enum rb_status take_expectations(struct rb_table *table, uint64_t row, const char *json,
                                         struct rb_error *err)
@@ -146,6 +147,10 @@ static enum rb_status take_expectations(struct rb_table *table, uint64_t row, co
 		if (!one)
 			break;
 		rb_point_report_text(one, "text", text, sizeof text);
+		snprintf(name, sizeof name, "%s: %s", text, parts[0]);
+		const struct rb_table_column *const ok = column_named(table, "expectations", name);
+		if (ok && ok->numbers[row] == 0)
+			continue;
 		for (int i = 0; i < 3; i++) {
 			snprintf(name, sizeof name, "%s: %s", text, parts[i]);
 			struct rb_table_column *column = column_named(table, "expectations", name);
@@ -160,17 +165,19 @@ static enum rb_status take_expectations(struct rb_table *table, uint64_t row, co
 }
 
 /*
- * A column of numbers by name, made when first met, with its units. `told` has names of its own: a
- * result of the scene that has one of these is told apart.
+ * A column of numbers by name, made when first met, with its units. A result of the scene that has
+ * the name of one of `told`, a parameter or a number of the point is told apart: a table has no
+ * groups.
  */
 static struct rb_table_column *measure_column(struct rb_table *table, const char *group,
                                               const char *name, const char *json)
 {
 	char own[NAME_SIZE + 16], units[RB_COLUMN_UNITS_SIZE];
-	bool taken = false;
+	bool taken = column_named(table, "points", name) || column_named(table, "parameters", name);
 
-	for (int i = 0; strcmp(group, "results") == 0 && i < TOLD_COUNT; i++)
+	for (int i = 0; i < TOLD_COUNT; i++)
 		taken = taken || strcmp(told[i].name, name) == 0;
+	taken = taken && strcmp(group, "results") == 0;
 	snprintf(own, sizeof own, "%s%s", name, taken ? ": result" : "");
 	struct rb_table_column *column = column_named(table, group, own);
 	if (!column)

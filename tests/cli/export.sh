@@ -21,6 +21,7 @@ body { name = "union", shapes = {{shape = "sphere", radius = 0.1, position = {-1
 sphere { name = "ghost", radius = 0.1, position = {0, 9, 9}, visible = false }
 record { fields = {"+", "events", "contacts"} }
 probe("height, in m", function() return 1 + time() end, {unit = "m"})
+probe("collisions", function() return 2 end)
 result("end", function() return time() end, {unit = "s"})
 END
 exits 0 all.lua -q -o run.h5
@@ -101,6 +102,7 @@ for name in ("ball", "drum", "union", 'a "box", 1'):
     assert abs(abs(sum(a * b for a, b in zip(q, tracks[name + ".rotation"]["last"]))) - 1) < 1e-6
 frames = list(csv.DictReader(open("run-frames.csv")))
 assert len(frames) == 21 and float(frames[4]["height, in m"]) == 1.2, frames[4]
+assert frames[4]["collisions: probe"] == "2", frames[4]
 events = list(csv.DictReader(open("run-events.csv")))
 assert events and {e["kind"] for e in events} >= {"collision"} and events[0]["name_b"] is not None
 contacts = list(csv.DictReader(open("run-contacts.csv")))
