@@ -127,9 +127,16 @@ static void compare_probes(struct replay *replay, const struct rb_frame *then)
 	}
 }
 
+/* Whether what the script's callback of this frame does shows in what is compared later. */
+static bool goes_on(const struct replay *replay)
+{
+	return replay->row < replay->reading->frame_count ||
+	       strcmp(replay->reading->status, "complete") == 0;
+}
+
 /*
  * Compares the frame of the run with the next row, if that is of it, and calls the script's
- * callbacks.
+ * callbacks. After the last row of a run that has failed they may be what it has failed by.
  */
 static enum rb_status look(struct replay *replay, struct rb_error *err)
 {
@@ -147,7 +154,7 @@ static enum rb_status look(struct replay *replay, struct rb_error *err)
 		compare_probes(replay, &then);
 		replay->row++;
 	}
-	if (!status)
+	if (!status && goes_on(replay))
 		status = rb_script_on_frame(replay->loaded.script, replay->world,
 		                            rb_world_time(replay->world), k, err);
 	return status;

@@ -112,3 +112,11 @@ exits 0 diff whole.h5 k.h5
 for file in text.h5 nothing.h5 .; do exits 66 repair $file; done
 : >empty.h5
 exits 66 repair empty.h5
+
+# a run that its scene has ended: what it has recorded is compared, at whatever frame that was
+for last in 0 3; do
+	small_scene "on_frame(function(t, k) if k == $last then error('enough') end end)" >ends.lua
+	exits 65 ends.lua -o ends.h5 -q --force
+	exits 0 replay ends.h5
+	says out "^the same to the bit: $((last + 1)) frame"
+done
