@@ -56,6 +56,7 @@ struct rb_pair_material {
 struct rb_parts_table;
 struct rb_elements;
 struct rb_joints;
+struct rb_top_body;
 
 struct rb_model {
 	const struct rb_scene *scene; /* borrowed: must outlive the model */
@@ -77,6 +78,7 @@ struct rb_model {
 	 * inertia_of[i], where bodies alike share them; rb_model_inertia
 	 */
 	rb_mat3 *inertia, *inverse_inertia;
+	struct rb_top_body *top; /* likewise, of each tensor (math/top); rb_model_top */
 	int *inertia_of, inertia_count;
 	/* where the tensor is a multiple of 1, else NAN; NULL without rotation */
 	double *inverse_inertia_scalar;
@@ -142,6 +144,9 @@ static inline const rb_mat3 *rb_model_inverse_inertia(const struct rb_model *mod
 {
 	return &model->inverse_inertia[model->inertia_of[index]];
 }
+
+/* Principal axes and moments of a free body; of others they mean nothing. */
+const struct rb_top_body *rb_model_top(const struct rb_model *model, int index);
 
 /* Time of frame k: k / frame_rate, the last one at the duration. */
 double rb_model_frame_time(const struct rb_model *model, uint64_t k);

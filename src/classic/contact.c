@@ -10,6 +10,7 @@
 #include "classic/contact.h"
 
 #include "base/error.h"
+#include "step/flow.h"
 #include "step/gap.h"
 #include "classic/groups.h"
 #include "constraint/impulse.h"
@@ -141,7 +142,7 @@ static bool is_lasting(const struct rb_pass *pass, const struct rb_touch *touch,
 
 /*
  * Deviation of an eccentric shape's centre from the straight line within this substep, m: the
- * rotation formula of Rodrigues less its linear term.
+ * rotation formula of Rodrigues less its linear term, with the gyroscopic change of the spin.
  */
 static rb_vec3 arc(const struct rb_pass *pass, int i)
 {
@@ -152,7 +153,9 @@ static rb_vec3 arc(const struct rb_pass *pass, int i)
 		return (rb_vec3){0, 0, 0};
 	const rb_vec3 arm = rb_vec3_neg(rb_quat_rotate(
 		rb_world_orientation_at(world, &world->state, i), model->center_of_mass[i]));
-	const rb_vec3 turn = rb_vec3_scale(pass->h_s, rb_world_row3(world->state.spin, i));
+	const rb_vec3 spin = rb_world_row3(world->state.spin, i);
+	const rb_vec3 turn = rb_flow_turn(world, i, pass->h_s, spin);
+	const rb_vec3 beyond = rb_vec3_sub(turn, rb_vec3_scale(pass->h_s, spin));
 	const double angle = rb_vec3_length(turn);
 
 	/* (1 - cos) k x (k x r) + (sin - angle) k x r, neither bracket formed by cancellation */
@@ -162,8 +165,9 @@ static rb_vec3 arc(const struct rb_pass *pass, int i)
 	                                : (sin(angle) - angle) / (square * angle);
 	const rb_vec3 once = rb_vec3_cross(turn, arm);
 
-	return rb_vec3_add_scaled(rb_vec3_scale(bend, rb_vec3_cross(turn, once)), lag * square,
-	                          once);
+	return rb_vec3_add(rb_vec3_cross(beyond, arm),
+	                   rb_vec3_add_scaled(rb_vec3_scale(bend, rb_vec3_cross(turn, once)),
+	                                      lag * square, once));
 }
 
 /*

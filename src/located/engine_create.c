@@ -78,7 +78,7 @@ static bool make_rows(struct rb_located *l)
 		l->bounces[i] = (struct rb_bounces){.partner = -1, .met_with = -1};
 		if (!l->top)
 			continue;
-		l->top_body[i] = rb_top_body_of(rb_model_inertia(l->model, i));
+		l->top_body[i] = *rb_model_top(l->model, i);
 		l->orientation_unused[i] = is_unfelt(l, i);
 	}
 	for (int k = 0; k < l->model->static_count; k++)

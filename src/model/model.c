@@ -20,6 +20,7 @@
 #include "model/descriptor.h"
 #include "model/shape.h"
 #include "math/quat.h"
+#include "math/top.h"
 #include "model/scale.h"
 #include "model/validate.h"
 #include "model/element.h"
@@ -38,6 +39,11 @@ const char *rb_rollback_name(enum rb_rollback_kind kind)
 		return "none";
 	}
 	return "unknown";
+}
+
+const struct rb_top_body *rb_model_top(const struct rb_model *model, int index)
+{
+	return &model->top[model->inertia_of[index]];
 }
 
 double rb_model_frame_time(const struct rb_model *model, uint64_t k)
@@ -164,20 +170,36 @@ static void number_bodies(struct rb_model *model)
 /* Tensors of the last kinds of bodies that a new one is compared with. */
 enum { KINDS_COMPARED = 8 };
 
+/* What is kept of each tensor. */
+struct tensor_capacity {
+	size_t inertia, inverse, top;
+};
+
+/* Room for one more tensor. */
+static bool reserve_tensor(struct rb_model *model, struct tensor_capacity *capacity)
+{
+	const size_t count = (size_t)model->inertia_count + 1;
+
+	return rb_memory_reserve(&model->inertia, &capacity->inertia, count,
+	                         sizeof *model->inertia) &&
+	       rb_memory_reserve(&model->inverse_inertia, &capacity->inverse, count,
+	                         sizeof *model->inverse_inertia) &&
+	       rb_memory_reserve(&model->top, &capacity->top, count, sizeof *model->top);
+}
+
 /* The place of a tensor among those that there are, of which it may become one; -1: no memory. */
-static int place_inertia(struct rb_model *model, size_t capacity[2], const rb_mat3 *inertia)
+static int place_inertia(struct rb_model *model, struct tensor_capacity *capacity,
+                         const rb_mat3 *inertia)
 {
 	const int count = model->inertia_count;
 
 	for (int k = count; k-- > 0 && count - k <= KINDS_COMPARED;)
 		if (memcmp(&model->inertia[k], inertia, sizeof *inertia) == 0)
 			return k;
-	if (!rb_memory_reserve(&model->inertia, &capacity[0], (size_t)count + 1,
-	                       sizeof *model->inertia) ||
-	    !rb_memory_reserve(&model->inverse_inertia, &capacity[1], (size_t)count + 1,
-	                       sizeof *model->inverse_inertia))
+	if (!reserve_tensor(model, capacity))
 		return -1;
 	model->inertia[count] = *inertia;
+	model->top[count] = rb_top_body_of(inertia);
 	if (rb_inertia_is_scalar(inertia)) {
 		const double inverse = 1 / inertia->m[0][0];
 
@@ -195,12 +217,11 @@ static int place_inertia(struct rb_model *model, size_t capacity[2], const rb_ma
  */
 static bool fill_inertia(struct rb_model *model)
 {
-	size_t capacity[2] = {0, 0};
+	struct tensor_capacity capacity = {0};
 
-	if (!rb_memory_reserve(&model->inertia, &capacity[0], 1, sizeof *model->inertia) ||
-	    !rb_memory_reserve(&model->inverse_inertia, &capacity[1], 1,
-	                       sizeof *model->inverse_inertia))
+	if (!reserve_tensor(model, &capacity))
 		return false;
+	model->top[0] = rb_top_body_of(&model->inertia[0]);
 	model->inertia_count = 1;
 	for (int i = 0; i < model->body_count; i++) {
 		const struct rb_body_def *body = &model->scene->bodies[model->id_of[i]];
@@ -208,7 +229,7 @@ static bool fill_inertia(struct rb_model *model)
 		if (!rb_body_is_free(body))
 			continue;
 		const rb_mat3 inertia = rb_body_inertia(model->scene, body, model->mass[i]);
-		const int at = place_inertia(model, capacity, &inertia);
+		const int at = place_inertia(model, &capacity, &inertia);
 
 		if (at < 0)
 			return false;
@@ -217,7 +238,8 @@ static bool fill_inertia(struct rb_model *model)
 		                                           ? model->inverse_inertia[at].m[0][0]
 		                                           : (double)NAN;
 	}
-	model->bytes += 2 * (size_t)model->inertia_count * sizeof *model->inertia;
+	model->bytes += (size_t)model->inertia_count *
+	                (2 * sizeof *model->inertia + sizeof *model->top);
 	return true;
 }
 
@@ -413,6 +435,7 @@ void rb_model_destroy(struct rb_model *model)
 	rb_joints_destroy(model);
 	rb_memory_free(model->inertia);
 	rb_memory_free(model->inverse_inertia);
+	rb_memory_free(model->top);
 	rb_memory_free(model->inertia_of);
 	rb_memory_free(model->inverse_inertia_scalar);
 	rb_memory_free(model->center_of_mass);

@@ -7,6 +7,7 @@
 #include "step/flow.h"
 
 #include "base/error.h"
+#include "math/top.h"
 
 static void translate(struct rb_pass *pass)
 {
@@ -51,29 +52,42 @@ static void rotate(struct rb_pass *pass)
 }
 
 /*
- * Keeps the angular momentum through the rotation; the spin follows from it at the new orientation.
+ * Without torque: kinetic energy and angular momentum are kept for any step. Angular momentum alone
+ * is not enough, fast bodies would gain energy until they turn about their smallest moment.
  */
 static void rotate_gyroscopic(struct rb_pass *pass)
 {
-	struct rb_world *world = pass->world;
-	struct rb_state *state = &world->state;
+	const struct rb_world *world = pass->world;
 
 	for (int k = 0; k < pass->member_count; k++) {
 		const int i = pass->member[k];
-		double *const orientation = state->orientation + 4 * (size_t)i;
-		const rb_vec3 spin = rb_world_row3(state->spin, i);
+		double *const orientation = world->state.orientation + 4 * (size_t)i;
+		double *const spin = world->state.spin + 3 * (size_t)i;
+		rb_vec3 w = rb_vec3_from(spin);
 
+		if (w.x == 0 && w.y == 0 && w.z == 0)
+			continue;
 		if (!isnan(world->model->inverse_inertia_scalar[i])) {
-			turn(orientation, spin, pass->h_s);
+			turn(orientation, w, pass->h_s);
 			continue;
 		}
-		const rb_quat q = rb_quat_from(orientation);
-		const rb_vec3 momentum = rb_quat_rotate(
-			q, rb_mat3_apply(rb_model_inertia(world->model, i),
-		                         rb_quat_rotate_back(q, spin)));
-		turn(orientation, spin, pass->h_s);
-		rb_vec3_to(state->spin + 3 * (size_t)i, rb_world_turn(world, state, i, momentum));
+		rb_quat q = rb_quat_from(orientation);
+		rb_top_step(rb_model_top(world->model, i), pass->h_s, &q, &w);
+		rb_quat_to(orientation, q);
+		rb_vec3_to(spin, w);
 	}
+}
+
+rb_vec3 rb_flow_turn(const struct rb_world *world, int i, double h, rb_vec3 spin)
+{
+	const struct rb_model *const model = world->model;
+
+	if (!isnan(model->inverse_inertia_scalar[i]) || !(model->inverse_mass[i] > 0))
+		return rb_vec3_scale(h, spin);
+	const rb_vec3 more = rb_top_turning(rb_model_top(model, i), rb_model_inertia(model, i),
+	                                    rb_quat_from(world->state.orientation + 4 * (size_t)i),
+	                                    spin);
+	return rb_vec3_scale(h, rb_vec3_add_scaled(spin, 0.5 * h, more));
 }
 
 const struct rb_stage rb_stage_translate = {"translate", "positions move", 0, translate};

@@ -12,9 +12,15 @@ extern const struct rb_stage rb_stage_translate;
 /* For bodies whose spin is constant without torque. */
 extern const struct rb_stage rb_stage_rotate;
 /*
- * The same for scenes with unequal moments of inertia: angular momentum L is kept, so that w' =
- * I(q)^-1 L before the rotation and w'' = I(q')^-1 L after it. First order, and |L| is exact.
+ * The same for scenes with unequal moments of inertia: without torque, kinetic energy and angular
+ * momentum are kept to rounding for any step (rb_top_step).
  */
 extern const struct rb_stage rb_stage_rotate_gyroscopic;
+
+/*
+ * Rotation of a body in `h` seconds from the present orientation and this spin, rad, with the
+ * gyroscopic change of the spin: of second order in h.
+ */
+rb_vec3 rb_flow_turn(const struct rb_world *world, int i, double h, rb_vec3 spin);
 
 #endif

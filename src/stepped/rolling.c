@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/rolling.h"
 
-#include "math/top.h"
+#include "step/flow.h"
 
 /* Height of a point above the lowest of its rim that is allowed, as a share of the tolerance. */
 static const double fine_share = 0.125;
@@ -13,20 +13,6 @@ struct rim {
 	rb_vec3 outward, arm; /* unit; m, from the centre of mass */
 	double h_s;
 };
-
-/* Rotation of a step, rad, with the gyroscopic change of spin. */
-static rb_vec3 turn_of(const struct rb_world *world, int i, double h, rb_vec3 spin)
-{
-	const struct rb_model *const model = world->model;
-
-	if (!isnan(model->inverse_inertia_scalar[i]) || !(model->inverse_mass[i] > 0))
-		return rb_vec3_scale(h, spin);
-	const struct rb_top_body top = rb_top_body_of(rb_model_inertia(model, i));
-	const rb_vec3 more = rb_top_turning(&top, rb_model_inertia(model, i),
-	                                    rb_quat_from(world->state.orientation + 4 * (size_t)i),
-	                                    spin);
-	return rb_vec3_scale(h, rb_vec3_add_scaled(spin, 0.5 * h, more));
-}
 
 /* Support height of the rim about `middle` along `outward`, m. */
 static double rim_height(const rb_core *core, rb_vec3 middle, rb_vec3 axis, rb_vec3 outward)
@@ -44,7 +30,7 @@ double rb_rolling_bend_of_ball(const struct rb_world *world, int i, rb_vec3 midd
 	if (!world->state.spin || i >= world->model->body_count)
 		return 0;
 	const rb_vec3 spin = rb_vec3_from(world->state.spin + 3 * (size_t)i);
-	const rb_vec3 turn = turn_of(world, i, h, spin);
+	const rb_vec3 turn = rb_flow_turn(world, i, h, spin);
 
 	if (!(rb_vec3_dot(turn, turn) < turn_max * turn_max))
 		return 0;
@@ -65,7 +51,7 @@ static double bend_of_rim(const struct rb_world *world, const struct rim *rim)
 	if (rb_vec3_max_abs(spin) == 0)
 		return 0;
 	const rb_vec3 axis = rb_placed_axis(part), outward = rim->outward;
-	const rb_vec3 turn = turn_of(world, rim->i, rim->h_s, spin);
+	const rb_vec3 turn = rb_flow_turn(world, rim->i, rim->h_s, spin);
 	const rb_vec3 middle = rb_vec3_add_scaled(
 		rb_vec3_sub(part->at, rb_vec3_from(world->state.position + row)),
 		rim->end == 0 ? part->core->half_height : -part->core->half_height, axis);

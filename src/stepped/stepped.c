@@ -95,7 +95,7 @@ static enum rb_status take_tops(struct rb_stepped *s, const struct rb_model *mod
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the stepped method");
 	for (int i = 0; i < model->body_count; i++)
 		if (model->inverse_mass[i] > 0)
-			s->top[i] = rb_top_body_of(rb_model_inertia(model, i));
+			s->top[i] = *rb_model_top(model, i);
 	return RB_OK;
 }
 
