@@ -251,13 +251,22 @@ void rb_joints_bend(struct rb_world *world, const unsigned char *of_group)
 	}
 }
 
+/*
+ * Largest drift of a joint that counts as held, m: the tolerance; where that is not promised, the
+ * size of what it joins, beyond which forces along its rows have nothing to do with it.
+ */
+static double drift_max(const struct rb_model *model, const struct rb_joint *joint)
+{
+	return model->rollback == RB_ROLLBACK_NONE ? joint->size : model->stepped_tolerance_m;
+}
+
 void rb_joints_blame(struct rb_world *world, const struct rb_cohort *cohort,
                      struct rb_attempt_outcome *outcome)
 {
 	struct rb_stepped *s = world->stepped;
 	struct cursor c = cursor_start;
 
-	if (!world->model->joints || world->model->rollback == RB_ROLLBACK_NONE)
+	if (!world->model->joints)
 		return;
 	for (int k; (k = next(world, cohort, &c)) >= 0;) {
 		const struct rb_joint *joint = &world->model->joints->joint[k];
@@ -265,8 +274,9 @@ void rb_joints_blame(struct rb_world *world, const struct rb_cohort *cohort,
 		const double drift = rb_joints_error(world, k, &s->solver.joint[k], NULL);
 
 		/* written so that NaN fails */
-		if (drift <= world->model->stepped_tolerance_m)
+		if (drift <= drift_max(world->model, joint))
 			continue;
+		outcome->broken = true;
 		if (outcome->joint < 0 || drift > outcome->drift) {
 			outcome->joint = k;
 			outcome->drift = drift;

@@ -43,7 +43,10 @@ bool rb_joints_mark(struct rb_world *world, unsigned char *of_group);
 /* Adds the errors of the rows of marked groups to their nonlinear parts. */
 void rb_joints_bend(struct rb_world *world, const unsigned char *of_group);
 
-/* Blames bodies of joints that have drifted by more than the tolerance. */
+/*
+ * Blames bodies of joints that have drifted by more than the tolerance, or where that is not
+ * promised by more than their size.
+ */
 void rb_joints_blame(struct rb_world *world, const struct rb_cohort *cohort,
                      struct rb_attempt_outcome *outcome);
 

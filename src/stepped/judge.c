@@ -81,13 +81,14 @@ static void blame_not_finite(struct rb_world *world, const struct rb_cohort *coh
 			continue;
 		if (outcome->body < 0)
 			outcome->body = i;
+		outcome->broken = true;
 		rb_stepped_blame(world->stepped, i);
 	}
 }
 
 /*
  * Blames islands whose residual closes a gap by more than the tolerance in h. With rollback `none`
- * the residual is only recorded.
+ * a finite residual is only recorded.
  */
 static void blame_residuals(struct rb_world *world, double h, struct rb_attempt_outcome *outcome)
 {
@@ -100,11 +101,12 @@ static void blame_residuals(struct rb_world *world, double h, struct rb_attempt_
 
 		/* written so that NaN fails */
 		if (left <= world->model->stepped_tolerance_m ||
-		    world->model->rollback == RB_ROLLBACK_NONE) {
+		    (world->model->rollback == RB_ROLLBACK_NONE && isfinite(left))) {
 			outcome->residual = fmax(outcome->residual, left);
 			outcome->slip = fmax(outcome->slip, h * island->slip);
 			continue;
 		}
+		outcome->broken = true;
 		for (int k = 0; k < island->member_count; k++)
 			rb_stepped_blame(s, solver->member[island->first_member + k]);
 	}

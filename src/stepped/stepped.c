@@ -461,7 +461,7 @@ static enum rb_status attract(struct rb_world *world, struct rb_error *err)
 
 /*
  * Substeps common to all bodies: halves the substep until the attempt is accepted, doubles it after
- * each success. With RB_ROLLBACK_NONE only values that are not finite count as failure.
+ * each success. With RB_ROLLBACK_NONE only what is no solution at all counts as failure.
  */
 static enum rb_status step_together(struct rb_world *world, double start, double dt,
                                     struct rb_error *err)
@@ -478,7 +478,7 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 
 		if (status != RB_OK)
 			return status;
-		if (s->bad_count == 0 || (none && outcome.body < 0)) {
+		if (s->bad_count == 0 || (none && !outcome.broken)) {
 			done = h < dt - done ? done + h : dt;
 			status = commit(world, start + done, h, &outcome, err);
 			if (status == RB_OK && h < dt && world->keeps_means)

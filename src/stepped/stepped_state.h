@@ -93,6 +93,7 @@ struct rb_attempt_outcome {
 	int pair[2];    /* the deepest overlapping pair, -1: none */
 	int body;       /* one whose state is not finite, -1: none */
 	int joint;      /* the joint of largest inadmissible drift, -1: none */
+	bool broken;    /* the solution is none: a failure with RB_ROLLBACK_NONE, too */
 	double drift;   /* m: of that joint */
 	double overlap; /* m */
 	/*
