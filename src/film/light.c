@@ -19,6 +19,7 @@
 
 /* Empty texels around a map (what lies outside is lit), and its smallest side. */
 enum { MARGIN = 4, SIDE_MIN = 64 };
+static const double TEXELS_PER_PIXEL = 0.55; /* of shadow maps, at the nearest caster */
 /*
  * vec4 varyings used for lights: OpenGL 3.3 guarantees 15, Mesa has 32, bodies need fewer than 10.
  */
@@ -374,9 +375,84 @@ static bool is_dot(const struct rb_view *view, const float (*corner)[4], double 
 	       pixels * rb_view_pixel_at(view, distance);
 }
 
+/*
+ * Distance of the nearest caster before the eye, for those behind it are not seen closely: of those
+ * that move, if there are any. Where lines of sight are parallel, pixels have one size anywhere.
+ */
+static double nearest_of(const struct rb_view *view, const struct rb_casters *casters)
+{
+	const bool moving = casters->ball_count > 0 || casters->solid_corner_count > 0;
+	double nearest = (double)INFINITY;
+
+	if (view->parallel)
+		return 0;
+	for (int k = 0; k < casters->ball_count; k++) {
+		const float *ball = casters->balls + (size_t)k * (size_t)casters->stride;
+		if (ball[2] - ball[3] < 0)
+			nearest = fmin(nearest,
+			               sqrt((double)(ball[0] * ball[0] + ball[1] * ball[1] +
+			                             ball[2] * ball[2])));
+	}
+	for (int k = 0; k < casters->solid_corner_count; k++)
+		if (casters->solids[k][2] < 0)
+			nearest = fmin(nearest, rb_vec3_length(corner_of(casters->solids[k])));
+	for (int k = 0; k < casters->corner_count && !moving; k++)
+		nearest = fmin(nearest, fabs((double)casters->corners[k][2]));
+	for (int k = 0; k < casters->still_count && !moving; k++)
+		nearest = fmin(nearest, fabs((double)casters->still[k][2]));
+	return nearest;
+}
+
+/* Side of what a map of so many texels shows with the texels that the nearest caster asks for, m. */
+static double full_side(const struct rb_view *view, const struct rb_casters *casters, int whole)
+{
+	const double nearest = nearest_of(view, casters);
+
+	return isfinite(nearest)
+	               ? (whole - 2 * MARGIN) / TEXELS_PER_PIXEL * rb_view_pixel_at(view, nearest)
+	               : 0;
+}
+
+/* How far beside the moving ones a map looks for what throws shadows: as far as they are large. */
+static double room_of(const struct box *moving)
+{
+	return fmax(moving->high[0] - moving->low[0], moving->high[1] - moving->low[1]);
+}
+
+/* Cuts a box to what is at most so far beside the moving ones. */
+static void cut(struct box *box, const struct box *moving, double room)
+{
+	for (int k = 0; k < 2; k++) {
+		box->low[k] = fmax(box->low[k], moving->low[k] - room);
+		box->high[k] = fmin(box->high[k], moving->high[k] + room);
+	}
+}
+
+/*
+ * Extends the box by what is static, `per` corners each. What is larger than a whole map, like a
+ * slab that is the ground, only as far as the moving ones are large: it would leave them no texels.
+ */
+static void grow_still(struct box *box, const float (*corner)[4], int count, int per, double full,
+                       const struct axes *axes, rb_vec3 origin)
+{
+	const struct box moving = *box;
+
+	for (int k = 0; k + per <= count; k += per) {
+		struct box one = {.any = false};
+		grow_corners(&one, corner + k, per, axes, origin);
+		if (moving.any && room_of(&one) > full)
+			cut(&one, &moving, room_of(&moving));
+		for (int c = 0; c < 3; c++) {
+			box->low[c] = box->any ? fmin(box->low[c], one.low[c]) : one.low[c];
+			box->high[c] = box->any ? fmax(box->high[c], one.high[c]) : one.high[c];
+		}
+		box->any = true;
+	}
+}
+
 /* Box of the casters that are at least a fraction of a pixel large, relative to `origin`. */
 static struct box bounds(const struct rb_view *view, const struct rb_casters *casters,
-                         const struct axes *axes, rb_vec3 origin)
+                         const struct axes *axes, rb_vec3 origin, int whole)
 {
 	const double least = 0.3;
 	struct box box = {.any = false};
@@ -392,16 +468,12 @@ static struct box bounds(const struct rb_view *view, const struct rb_casters *ca
 	for (int k = 0; k + 8 <= casters->solid_corner_count; k += 8)
 		if (!is_dot(view, casters->solids + k, least))
 			grow_corners(&box, casters->solids + k, 8, axes, origin);
-	/* Static ones may reach far out of view: at most as far as the moving ones are large. */
 	const struct box moving = box;
-	grow_corners(&box, casters->corners, casters->corner_count, axes, origin);
-	grow_corners(&box, casters->still, casters->still_count, axes, origin);
-	for (int k = 0; k < 2 && moving.any; k++) {
-		const double room = fmax(moving.high[0] - moving.low[0],
-		                         moving.high[1] - moving.low[1]);
-		box.low[k] = fmax(box.low[k], moving.low[k] - room);
-		box.high[k] = fmin(box.high[k], moving.high[k] + room);
-	}
+	const double full = full_side(view, casters, whole);
+	grow_still(&box, casters->corners, casters->corner_count, 4, full, axes, origin);
+	grow_still(&box, casters->still, casters->still_count, 8, full, axes, origin);
+	if (moving.any)
+		cut(&box, &moving, fmax(room_of(&moving), 0.5 * (full - room_of(&moving))));
 	return box;
 }
 
@@ -409,27 +481,10 @@ static struct box bounds(const struct rb_view *view, const struct rb_casters *ca
 static int side_for(const struct rb_view *view, const struct rb_casters *casters, double size,
                     int whole)
 {
-	double nearest = (double)INFINITY;
-
-	for (int k = 0; k < casters->ball_count; k++) {
-		const float *ball = casters->balls + (size_t)k * (size_t)casters->stride;
-		/* casters behind the eye are not seen closely */
-		if (ball[2] - ball[3] < 0)
-			nearest = fmin(nearest,
-			               sqrt((double)(ball[0] * ball[0] + ball[1] * ball[1] +
-			                             ball[2] * ball[2])));
-	}
-	for (int k = 0; k < casters->solid_corner_count; k++)
-		if (casters->solids[k][2] < 0)
-			nearest = fmin(nearest, rb_vec3_length(corner_of(casters->solids[k])));
-	const bool moving = casters->ball_count > 0 || casters->solid_corner_count > 0;
-	for (int k = 0; k < casters->corner_count && !moving; k++)
-		nearest = fmin(nearest, fabs((double)casters->corners[k][2]));
-	for (int k = 0; k < casters->still_count && !moving; k++)
-		nearest = fmin(nearest, fabs((double)casters->still[k][2]));
-	const double texels = size / rb_view_pixel_at(view, fmax(nearest, 0.05 * size));
+	const double texels =
+		size / rb_view_pixel_at(view, fmax(nearest_of(view, casters), 0.05 * size));
 	const double most = whole - 2 * MARGIN;
-	return (int)fmax(SIDE_MIN, fmin(most, ceil(0.55 * texels)));
+	return (int)fmax(SIDE_MIN, fmin(most, ceil(TEXELS_PER_PIXEL * texels)));
 }
 
 /* Column-major floats from rows. */
@@ -473,7 +528,7 @@ static void fit_sun(struct rb_shadow_fit *fit, const struct rb_light *light,
 	const struct axes axes = {rb_view_direction(view, axis[0]),
 	                          rb_view_direction(view, axis[1]),
 	                          rb_view_direction(view, light->place)};
-	const struct box box = bounds(view, casters, &axes, (rb_vec3){0, 0, 0});
+	const struct box box = bounds(view, casters, &axes, (rb_vec3){0, 0, 0}, whole);
 	if (!box.any)
 		return;
 	double size = fmax(box.high[0] - box.low[0], box.high[1] - box.low[1]);
@@ -505,7 +560,7 @@ static void fit_lamp(struct rb_shadow_fit *fit, const struct rb_light *light,
 {
 	const rb_vec3 lamp = rb_view_point(view, light->place);
 	const struct axes plain = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-	const struct box box = bounds(view, casters, &plain, (rb_vec3){0, 0, 0});
+	const struct box box = bounds(view, casters, &plain, (rb_vec3){0, 0, 0}, whole);
 
 	if (!box.any)
 		return;

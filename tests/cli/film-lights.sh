@@ -38,3 +38,28 @@ refused '{kind = "lamp", position = {0, 0, 1}, angle = 0.5}' "a lamp has no 'ang
 refused '{kind = "ambient", direction = {0, 0, 1}}' "an ambient light has no 'direction'"
 refused '{kind = "moon"}' "'kind' must be one of lamp, sun, spot, ambient (got 'moon')"
 refused '{position = {0, 0, 1}, softness = 0.5}' "a lamp has no 'softness'"
+
+# What stands still throws the same shadow wherever bodies move: a bar far from a small ball, which is near it only at the end.
+command -v ffmpeg >/dev/null || exit 0
+cat >bar.lua <<'END'
+world { duration = 1, frame_rate = 2 }
+plane { texture = "none" }
+box { static = true, size = {6, 0.3, 0.5}, position = {0, 0.5, 0.25} }
+box { static = true, size = {400, 400, 1}, position = {0, 0, -0.6} }
+sphere { radius = 0.1, position = {3, -1, 0.1}, velocity = {-6, 0, 0}, material = material { friction = 0 } }
+for _, light in ipairs {{"sun", {{direction = {0, 1, 1}}}}, {"lamp", {{position = {0, 20, 20}}}}} do
+	camera { name = light[1], projection = "orthographic", position = {0, 0, 9}, up = {0, 1, 0}, look_at = {0, 0, 0}, height = 4.2,
+		size = {640, 384}, lights = light[2], png = light[1] .. "/%d.png" }
+end
+END
+exits 0 bar.lua -q --no-record
+for light in sun lamp; do
+	for k in 0 1 2; do
+		# beside the bar, where its shadow is, but for its ends, away from the ball
+		ffmpeg -v error -i "$light/$k.png" -vf crop=480:5:80:170 -f rawvideo -pix_fmt gray - </dev/null >"$light$k"
+	done
+	od -An -v -tu1 -w480 "$light"0 "$light"1 "$light"2 | awk -v light="$light" '
+		{ for (i = 1; i <= NF; i++) if ($i > most) most = $i }
+		END { if (NR != 15 || most > 90) { print light ": a pixel of " most " in the shadow"; exit 1 } }' >told ||
+		fail "a shadow is cut: $(cat told)"
+done
