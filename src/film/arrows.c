@@ -14,6 +14,8 @@
 
 /* Lengths of arrows in diameters of a typical body: of a usual speed, of its weight. */
 static const double SPEED_SIZES = 1.5, WEIGHT_SIZES = 1;
+/* Of the mean distance of bodies, counted as a diameter where bodies are smaller than that. */
+static const double DISTANCE_PART = 0.25;
 
 static const double colours[RB_VECTORS_COUNT][3] = {
 	[RB_ARROWS_VELOCITY] = {1.00, 0.80, 0.10},
@@ -27,6 +29,26 @@ static const double colours[RB_VECTORS_COUNT][3] = {
 };
 
 /* ---- scales ---- */
+
+/*
+ * Mean distance of moving bodies at the start, m: the longest side of the box around their places,
+ * which is divided among as many as are beside each other in a cube of them.
+ */
+static double usual_distance(const struct rb_model *model)
+{
+	double low[3], high[3], longest = 0;
+
+	for (int i = 0; i < model->body_count; i++) {
+		const rb_vec3 p = model->position[i];
+		const double at[3] = {p.x, p.y, p.z};
+		for (int k = 0; k < 3; k++) {
+			low[k] = i > 0 ? fmin(low[k], at[k]) : at[k];
+			high[k] = i > 0 ? fmax(high[k], at[k]) : at[k];
+			longest = fmax(longest, high[k] - low[k]);
+		}
+	}
+	return longest / cbrt(fmax(model->body_count, 1));
+}
 
 /*
  * Typical speed, m/s: the fastest at the start, or a fall over two diameters; else 40 diameters in
@@ -74,7 +96,10 @@ static double usual_force(const struct rb_model *model, double size, double spee
 
 struct rb_arrow_scales rb_arrow_scales_of(const struct rb_bodies_setup *setup)
 {
-	const double size = setup->looks->size_m, speed = usual_speed(setup->model, size);
+	/* of planets on their orbits arrows as long as planets would not be seen */
+	const double diameter = setup->looks->size_m;
+	const double size = fmax(diameter, DISTANCE_PART * usual_distance(setup->model));
+	const double speed = usual_speed(setup->model, size);
 	const double mass = usual_mass(setup->model);
 	const double force = usual_force(setup->model, size, speed, mass);
 	const double per_speed = speed > 0 ? SPEED_SIZES * size / speed : 0;
@@ -84,7 +109,7 @@ struct rb_arrow_scales rb_arrow_scales_of(const struct rb_bodies_setup *setup)
 	                [RB_ARROWS_CONTACT] = per_force,
 	                [RB_ARROWS_JOINT] = per_force,
 	                [RB_ARROWS_SPRING] = per_force,
-	                [RB_ARROWS_ANGULAR_VELOCITY] = 0.5 * size * per_speed, /* of the rim */
+	                [RB_ARROWS_ANGULAR_VELOCITY] = 0.5 * diameter * per_speed, /* of the rim */
 	                [RB_ARROWS_ACCELERATION] = per_force * mass,
 	                [RB_ARROWS_MOMENTUM] = mass > 0 ? per_speed / mass : 0,
 	                [RB_ARROWS_FORCE] = per_force}};

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A label stands above its body, centred, within the picture; one that would cover an earlier label
- * of the list goes above that, so labels of bodies that meet are stacked.
+ * of the list goes above that, so labels of bodies that meet are stacked, and a line leads from it
+ * to its body.
  */
 #include "film/captions.h"
 
@@ -160,30 +161,46 @@ static void stack(struct box *box, const struct box *placed, int count)
 		}
 }
 
+/* Where a label goes, with a line to its body if other labels have moved it away. */
+static struct box place_label(const struct rb_captions *captions, const double top[2],
+                              const char *text, const struct box *placed, int count,
+                              struct rb_pixmap *picture)
+{
+	const struct rb_overlay_size size = rb_overlay_size_of(captions->usual, text);
+	const double margin = 0.25 * size.height;
+	const double right = picture->width - size.width - margin;
+	struct box box = {.width = size.width, .height = size.height};
+
+	box.left = (int)lrint(fmax(fmin(top[0] - 0.5 * size.width, right), margin));
+	box.top = (int)lrint(fmax(top[1] - size.height, 0));
+	const int usual = box.top;
+	stack(&box, placed, count);
+	if (box.top < usual)
+		rb_overlay_stroke(captions->usual, picture, (int)lrint(top[0]),
+		                  box.top + box.height, (int)lrint(top[1] - margin));
+	return box;
+}
+
 static void write_labels(struct rb_captions *captions, const struct rb_frame *frame,
                          const struct rb_view *view, struct rb_pixmap *picture)
 {
 	struct box placed[RB_CAMERA_LABELS_MAX];
+	const char *text[RB_CAMERA_LABELS_MAX];
 	int count = 0;
 	double pixel[2];
 
 	for (int i = 0; i < captions->camera->label_count; i++) {
 		const struct rb_label_def *const label = &captions->camera->labels[i];
-		const char *const text = label->text ? label->text : captions->name[i];
 
 		if (!find_top(captions, frame, view, label->body, pixel))
 			continue;
-		const struct rb_overlay_size size = rb_overlay_size_of(captions->usual, text);
-		struct box box = {.width = size.width, .height = size.height};
-		const double margin = 0.25 * size.height;
-		const double right = picture->width - size.width - margin;
-		box.left = (int)lrint(fmax(fmin(pixel[0] - 0.5 * size.width, right), margin));
-		box.top = (int)lrint(fmax(pixel[1] - size.height, 0));
-		stack(&box, placed, count);
-		rb_overlay_put(captions->usual, picture, box.left, box.top,
-		               picture->width - box.left, text);
-		placed[count++] = box;
+		text[count] = label->text ? label->text : captions->name[i];
+		placed[count] = place_label(captions, pixel, text[count], placed, count, picture);
+		count++;
 	}
+	for (int i = 0; i < count; i++)
+		rb_overlay_put(captions->usual, picture, placed[i].left, placed[i].top,
+		               picture->width - placed[i].left, text[i]);
 }
 
 /* ---- texts ---- */

@@ -481,8 +481,8 @@ static struct box bounds(const struct rb_view *view, const struct rb_casters *ca
 static int side_for(const struct rb_view *view, const struct rb_casters *casters, double size,
                     int whole)
 {
-	const double texels =
-		size / rb_view_pixel_at(view, fmax(nearest_of(view, casters), 0.05 * size));
+	const double texels = size /
+	                      rb_view_pixel_at(view, fmax(nearest_of(view, casters), 0.05 * size));
 	const double most = whole - 2 * MARGIN;
 	return (int)fmax(SIDE_MIN, fmin(most, ceil(TEXELS_PER_PIXEL * texels)));
 }

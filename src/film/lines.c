@@ -236,22 +236,35 @@ static bool has_specks(const struct rb_bodies_setup *setup)
 	return setup->camera->framed && setup->model->body_count <= RB_CAMERA_TRAILS_MAX;
 }
 
-/* Dots where bodies that move are too small to be seen. */
+/* A dot where a body is too small to be seen. */
+static void add_speck(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
+                      const struct rb_view *view, int index)
+{
+	const struct rb_model *model = lines->setup.model;
+
+	if (!lines->setup.looks->of[index].visible ||
+	    rb_shape_type(&model->shape[index])->form == RB_FORM_SURFACE)
+		return;
+	const rb_pose pose = rb_view_pose(model, frame, model->id_of[index]);
+	const rb_vec3 at = index < model->body_count
+	                           ? rb_model_center(model, index, pose.position, pose.orientation)
+	                           : pose.position;
+	pen->colour = lines->setup.looks->of[index].colour;
+	add_dot(pen, view, rb_view_point(view, at), rb_model_reach(model, index),
+	        thickness(lines, SPECK_PX));
+}
+
+/* Dots where bodies that move, or that a label points to, are too small to be seen. */
 static void add_specks(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
                        const struct rb_view *view)
 {
 	const struct rb_model *model = lines->setup.model;
+	const struct rb_camera_def *camera = lines->setup.camera;
 
-	for (int i = 0; i < model->body_count; i++) {
-		if (!lines->setup.looks->of[i].visible ||
-		    rb_shape_type(&model->shape[i])->form == RB_FORM_SURFACE)
-			continue;
-		const rb_pose pose = rb_view_pose(model, frame, model->id_of[i]);
-		const rb_vec3 at = rb_model_center(model, i, pose.position, pose.orientation);
-		pen->colour = lines->setup.looks->of[i].colour;
-		add_dot(pen, view, rb_view_point(view, at), rb_model_reach(model, i),
-		        thickness(lines, SPECK_PX));
-	}
+	for (int i = 0; i < model->body_count && has_specks(&lines->setup); i++)
+		add_speck(lines, pen, frame, view, i);
+	for (int k = 0; k < camera->label_count; k++)
+		add_speck(lines, pen, frame, view, model->index_of[camera->labels[k].body]);
 }
 
 /* A coil between two points. */
@@ -603,7 +616,7 @@ bool rb_lines_needed(const struct rb_bodies_setup *setup)
 	const struct rb_camera_def *const camera = setup->camera;
 
 	return camera->wireframe || camera->vectors || camera->trail_count > 0 ||
-	       has_specks(setup) ||
+	       camera->label_count > 0 || has_specks(setup) ||
 	       rb_scene_element_count(setup->model->scene, &rb_force_spring) > 0;
 }
 
@@ -627,8 +640,7 @@ enum rb_status rb_lines_draw(struct rb_lines *lines, const struct rb_frame *fram
 	add_springs(lines, &pen, frame, view);
 	if (trails)
 		add_trails(lines, &pen, frame, view, trails);
-	if (has_specks(&lines->setup))
-		add_specks(lines, &pen, frame, view);
+	add_specks(lines, &pen, frame, view);
 	rb_arrows_each(&lines->setup, &lines->scales, frame, add_arrow, &quiver);
 	if (pen.failed || quiver.pen.failed)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot draw lines: out of memory");

@@ -30,7 +30,8 @@ enum {
  */
 static const double size_part = 1.0 / 24, size_min_px = 9, height_most = 9.0 / 16;
 /* Shares of the letters' size: rim, distance from the edge, line spacing, thickness of a bar. */
-static const double rim_part = 0.14, margin_part = 0.6, line_part = 1.35, bar_part = 0.12;
+static const double rim_part = 0.14, margin_part = 0.6, line_part = 1.35, bar_part = 0.12,
+		    stroke_part = 0.05;
 static const double rim_strength = 0.92; /* share of the background that the rim takes */
 /* The letters, in linear light. */
 static const float ink = 0.96f;
@@ -508,11 +509,9 @@ void rb_overlay_put(struct rb_overlay *overlay, struct rb_pixmap *pixmap, int x,
 	put_letters(overlay, pixmap, letters, count, (const int[]){x, y}, text_width);
 }
 
-/* Blends a box of the ink with its rim, sharp, since it has no slanted edges. */
-static void put_box(struct rb_overlay *overlay, struct rb_pixmap *pixmap, const int box[4])
+/* Blends a box of the ink with a rim of so many px, sharp, since it has no slanted edges. */
+static void put_box(struct rb_overlay *overlay, struct rb_pixmap *pixmap, const int box[4], int rim)
 {
-	const int rim = overlay->rim;
-
 	for (int y = box[1] - rim; y < box[1] + box[3] + rim; y++)
 		for (int x = box[0] - rim; x < box[0] + box[2] + rim; x++) {
 			const bool inside = x >= box[0] && x < box[0] + box[2] && y >= box[1] &&
@@ -523,6 +522,16 @@ static void put_box(struct rb_overlay *overlay, struct rb_pixmap *pixmap, const 
 			                       4 * ((size_t)y * (size_t)pixmap->width + (size_t)x);
 			blend(overlay, pixel, inside ? 255 : 0, inside ? 0 : 255);
 		}
+}
+
+void rb_overlay_stroke(struct rb_overlay *overlay, struct rb_pixmap *pixmap, int x, int upper,
+                       int lower)
+{
+	const int thick = (int)fmax(1, rint(stroke_part * overlay->size_px));
+
+	if (upper < lower)
+		put_box(overlay, pixmap, (const int[]){x - thick / 2, upper, thick, lower - upper},
+		        thick);
 }
 
 void rb_overlay_bar(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
@@ -538,7 +547,8 @@ void rb_overlay_bar(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
 	rb_overlay_write(overlay, pixmap, corner, bottom ? line + 1 : line, text);
 	put_box(overlay, pixmap,
 	        (const int[]){right ? pixmap->width - overlay->margin - length_px : overlay->margin,
-	                      bottom ? pixmap->height - down - thick : down, length_px, thick});
+	                      bottom ? pixmap->height - down - thick : down, length_px, thick},
+	        overlay->rim);
 }
 
 bool rb_overlay_fits(struct rb_overlay *overlay, int width_px, const char *left, const char *right)

@@ -47,6 +47,10 @@ struct rb_overlay_size rb_overlay_size_of(struct rb_overlay *overlay, const char
 void rb_overlay_put(struct rb_overlay *overlay, struct rb_pixmap *pixmap, int x, int y, int room,
                     const char *text);
 
+/* A thin upright line from one pixel row down to another, as readable as letters. */
+void rb_overlay_stroke(struct rb_overlay *overlay, struct rb_pixmap *pixmap, int x, int upper,
+                       int lower);
+
 /* px that so many lines at an edge of the picture take of it. */
 int rb_overlay_lines_px(const struct rb_overlay *overlay, int lines);
 

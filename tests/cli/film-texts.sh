@@ -12,6 +12,7 @@ local function ball(name, x, z, vx)
 	return sphere { name = name, radius = 0.25, position = {x, 0, z}, velocity = {vx, 0, 0}, visible = false, collides_with = {} }
 end
 local a, b, edge = ball("alpha", -2, 1, 4), ball("beta", 2, 1, 0), ball("a name that is long", 3.9, -1, 0)
+local beside = ball("beside", -1.3, 1, 4)
 local gone = ball("gone", 0, 50, 0)
 local bar = box { name = "bar", size = {2, 0.1, 0.1}, position = {0, 0, -0.75}, visible = false, collides_with = {}, static = true }
 local joined = body { name = "union", position = {0, 0, -0.75}, visible = false, collides_with = {}, static = true,
@@ -24,6 +25,7 @@ look("none", {})
 look("one", {labels = {a, gone}})
 look("two", {labels = {a, {b, "other"}}})
 look("edge", {labels = {edge}})
+look("beside", {labels = {a, {beside, "far wider"}}})
 look("bar", {labels = {bar}})
 look("union", {labels = {joined}})
 look("low", {text = {{"one\ntwo", at = {1, 0}}}})
@@ -54,6 +56,13 @@ for k, t in enumerate((0, 0.5, 1)):
 left, top, right, bottom = box("two/2", (200, 0, W, H))
 single = box("one/2", (200, 0, W, H))
 assert bottom - top > 1.8 * (single[3] - single[1]) and right - left < 60, "labels cover each other"
+# a line from the label that had to move, 40 px a metre, down to the body that it is of, and none from the other
+top = 100 - 40 * (1 + 0.25)
+raw = picture("beside/0.png")
+for x, wanted in ((160 - 40 * 1.3, True), (160 - 40 * 2, False)):
+    rows = [y for y in range(int(top) - 13, int(top) - 3) if max(raw[W * y + int(x) + d] for d in (-1, 0)) > 200]
+    # where the lower label is, the line may be behind letters
+    assert (len(rows) >= 8) == wanted, f"a line of {rows} at {x}"
 assert box("edge/0")[2] < W - 2, "a label is cut"
 near("the label of a bar that lies, below it", box("bar/0")[3], 100 + 40 * (0.75 - 0.05) - 4, 5)
 near("the label of a union whose highest part is small", box("union/0")[3], 100 + 40 * (0.75 - 0.3) - 4, 5)
@@ -67,7 +76,7 @@ near("the middle of a large text", (left + right) / 2, 160, 3)
 assert 20 < bottom - top < 45, f"a large text is {bottom - top} px high"
 END
 python3 look.py || fail "the pictures are wrong"
-mkdir again && mv none one two edge bar union low high large again
+mkdir again && mv none one two beside edge bar union low high large again
 exits 0 render texts.h5 -q
 for name in one two high large; do
 	for k in 0 1 2; do

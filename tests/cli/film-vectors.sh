@@ -74,6 +74,35 @@ for name in velocity/0 spring/2 joint/0 joint/1 joint/3 contact/1; do
 	cmp "$name.png" "again/$name.png" >/dev/null || fail "$name.png is another one from the recording"
 done
 
+# what is small for its distance, like planets, has arrows that are seen, and a dot if it has a label
+cat >small.lua <<'END'
+world { duration = 1, frame_rate = 1 }
+local a = sphere { name = "a", radius = 1e-4, position = {-5, 0, 0}, velocity = {0, 0, 2}, color = {1, 0, 0}, texture = "none" }
+local b = sphere { name = "b", radius = 1e-4, position = {5, 0, 0}, color = {1, 0, 0}, texture = "none" }
+local c = sphere { name = "c", radius = 1e-4, static = true, color = {1, 0, 0}, texture = "none" }
+for _, look in ipairs {{"none", {}}, {"velocity", {}}, {"label", {b, c}}} do
+	camera { name = look[1], projection = "orthographic", position = {0, -9, 0}, height = 8, background = {0, 0, 0}, size = {320, 200},
+		labels = look[2], vectors = look[1] == "velocity" and "velocity" or nil, png = "small/" .. look[1] .. "%d.png" }
+end
+END
+exits 0 small.lua -q
+cat >look.py <<'END'
+import subprocess
+W, H = 320, 200
+def picture(name):
+    return subprocess.run(["ffmpeg", "-v", "error", "-i", "small/" + name + "0.png", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"],
+                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, check=True).stdout
+plain, arrow, label = picture("none"), picture("velocity"), picture("label")
+rows = {i // W for i in range(W * H) if arrow[3 * i:3 * i + 3] != plain[3 * i:3 * i + 3]}
+# 25 px a metre: 1.5 quarters of 10 m / cbrt(2) are 2.98 m
+assert abs(len(rows) - 75) < 6, f"an arrow of {len(rows)} px"
+for x in (160, 285):
+    near = [3 * (W * y + i) for y in range(98, 104) for i in range(x - 4, x + 4)]
+    seen, bare = (sum(p[i] > 100 for i in near) for p in (label, plain))
+    assert seen > bare + 4, f"at {x} {seen} red points with a label, {bare} without"
+END
+python3 look.py || fail "the pictures of what is small are wrong"
+
 # fields that the scene states are kept; the warning is of films of the recording
 sed 's/^world.*/& record { fields = "position" }/' arrows.lua >few.lua
 exits 0 few.lua --camera contact --force
