@@ -48,8 +48,8 @@ static void look(struct rb_picture *picture)
 
 /*
  * Sets the camera for the next picture; makes a new take for what cannot be changed in one: the
- * size, or another camera of the scene. Trails and overlays are left out: they would be unreadable
- * in cells.
+ * size, or another camera of the scene. Trails and all that is written are left out: they would be
+ * unreadable in cells, and cover the bodies.
  */
 static enum rb_status aim(struct rb_picture *picture, const struct rb_viewer *viewer, int width,
                           int height, struct rb_error *err)
@@ -66,6 +66,9 @@ static enum rb_status aim(struct rb_picture *picture, const struct rb_viewer *vi
 	picture->camera.samples = SAMPLES;
 	picture->camera.overlay = 0;
 	picture->camera.trail_count = 0;
+	picture->camera.label_count = 0;
+	picture->camera.text_count = 0;
+	picture->camera.plot_count = 0;
 	picture->camera_index = viewer->camera_index;
 	return other ? picture->film->take_create(&picture->take, viewer->options.model,
 	                                          &picture->camera, err)

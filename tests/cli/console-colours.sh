@@ -65,3 +65,20 @@ sees '[@%#*+=:.]{20}'
 types q
 sees '^ready>'
 given_back
+
+# nothing is written in the picture, where cells would not show it and it would hide the bodies
+pictured()
+{
+	enters "clear; TERM=xterm-256color COLORTERM= LC_ALL=C.UTF-8 $RBSIM console $1.h5"
+	sees '^ at the end'
+	sees '▀{20}'
+	screen | sed -n 2,18p | cut -c 1-120 | sed 's/ *[a-z].*//' >"$1.screen"
+	types q
+	sees '^ready>'
+}
+sed 's/units = .*/units = {time = "ms"}, overlay = {"time", "title"}, labels = {"red", "blue"}, text = "text", plots = {"energy"} }/' \
+	s.lua >written.lua
+exits 0 written.lua
+pictured s
+pictured written
+cmp s.screen written.screen || fail "what a camera writes is in the cells: $(cat written.screen)"
