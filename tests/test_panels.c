@@ -143,18 +143,19 @@ static void numbers_that_are_not_known_are_dashes(void **state)
 	(void)state;
 	source_status.real_time_factor = (double)NAN;
 	source_status.collisions = 12, source_status.rollbacks = 34;
-	source_status.smallest_step_s = 0.001;
+	source_status.smallest_step_s = 0; /* none was taken */
 	viewer->frame.numbers.contacts = 56;
 	rb_panel_numbers(&screen, area, viewer);
 	static const char *const bare[] = {"recording",     "real time  -",  "collisions 12",
-	                                   "contacts   56", "rollbacks  34", "least step 0.001 s",
-	                                   "ring       -",  "disk       -",  ""};
+	                                   "contacts   56", "rollbacks  34", "least step -",
+	                                   "buffer     -",  "disk       -",  ""};
 	for (int i = 0; i < 9; i++)
 		assert_row(&screen, area, i, bare[i]);
 	assert_filled(&screen, area);
 
 	source_status.is_run = true;
 	source_status.real_time_factor = 2.5;
+	source_status.smallest_step_s = 0.001;
 	source_status.ring_used = 3, source_status.ring_slots = 16;
 	static const struct {
 		uint64_t bytes;
@@ -169,7 +170,8 @@ static void numbers_that_are_not_known_are_dashes(void **state)
 	}
 	assert_row(&screen, area, 0, "run");
 	assert_row(&screen, area, 1, "real time  2.5 x");
-	assert_row(&screen, area, 6, "ring       3 of 16");
+	assert_row(&screen, area, 5, "least step 0.001 s");
+	assert_row(&screen, area, 6, "buffer     3 of 16 frames");
 }
 
 static void the_time_line_ends_where_the_run_is(void **state)

@@ -501,12 +501,14 @@ static enum rb_status execute_status(const struct order *order)
 	              viewer->frame.index, status->frame_count > 0 ? status->frame_count - 1 : 0,
 	              viewer->drawn_count,
 	              rb_text_plural(viewer->drawn_count, "picture", "pictures"));
-	rb_viewer_say(viewer,
-	              "%" PRIu64 " %s, %" PRIu64 " %s, smallest step %.3g s, overlap up to %.3g m",
+	char step[48] = "";
+	if (status->smallest_step_s > 0)
+		snprintf(step, sizeof step, "smallest step %.3g s, ", status->smallest_step_s);
+	rb_viewer_say(viewer, "%" PRIu64 " %s, %" PRIu64 " %s, %soverlap up to %.3g m",
 	              status->collisions,
 	              rb_text_plural(status->collisions, "collision", "collisions"),
 	              status->rollbacks, rb_text_plural(status->rollbacks, "rollback", "rollbacks"),
-	              status->smallest_step_s, status->max_penetration_m);
+	              step, status->max_penetration_m);
 	rb_viewer_say(
 		viewer,
 		"%" PRIu64 " %s shown, %" PRIu64

@@ -113,10 +113,13 @@ void rb_panel_numbers(struct rb_screen *screen, rb_area area, const struct rb_vi
 	snprintf(line[rows++], 64, "collisions %" PRIu64, s->collisions);
 	snprintf(line[rows++], 64, "contacts   %" PRIu64, viewer->frame.numbers.contacts);
 	snprintf(line[rows++], 64, "rollbacks  %" PRIu64, s->rollbacks);
-	snprintf(line[rows++], 64, "least step %.3g s", s->smallest_step_s);
-	snprintf(line[rows], 64, "ring       -");
+	snprintf(line[rows], 64, "least step -");
+	if (s->smallest_step_s > 0)
+		snprintf(line[rows], 64, "least step %.3g s", s->smallest_step_s);
+	rows++;
+	snprintf(line[rows], 64, "buffer     -");
 	if (s->ring_slots > 0)
-		snprintf(line[rows], 64, "ring       %d of %d", s->ring_used, s->ring_slots);
+		snprintf(line[rows], 64, "buffer     %d of %d frames", s->ring_used, s->ring_slots);
 	rows++;
 	snprintf(line[rows++], 64, "disk       %s",
 	         s->bytes > 0 ? print_bytes(s->bytes, size) : "-");
