@@ -177,6 +177,24 @@ static void words_of_the_language_are_not_advised_against(void **state)
 	assert_non_null(strstr(rb_advice_for_global("gravity"), "world {"));
 }
 
+static void functions_of_mathematics_are_those_of_lua(void **state)
+{
+	static const char *const words[] = {"pi",   "sqrt", "sin",  "cos",   "tan", "asin",
+	                                    "acos", "atan", "exp",  "log",   "abs", "min",
+	                                    "max",  "huge", "ceil", "random"};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+		const char *const text = rb_advice_for_global(words[i]);
+
+		assert_non_null(text);
+		assert_memory_equal(text, "math.", 5);
+		assert_string_equal(text + 5, words[i]);
+	}
+	assert_string_equal(rb_advice_for_field("z"), "position.z");
+	assert_null(rb_advice_for_field("position"));
+}
+
 static void only_the_whole_word_counts(void **state)
 {
 	(void)state;
@@ -222,6 +240,7 @@ int main(void)
 		cmocka_unit_test(words_for_unions_lead_to_the_call_that_makes_them),
 		cmocka_unit_test(keys_that_are_advised_are_keys_of_the_call_that_is_named),
 		cmocka_unit_test(words_of_the_language_are_not_advised_against),
+		cmocka_unit_test(functions_of_mathematics_are_those_of_lua),
 		cmocka_unit_test(only_the_whole_word_counts),
 		cmocka_unit_test(other_words_lead_to_what_there_is),
 	};

@@ -16,6 +16,10 @@ static const char meshes[] = "of an STL or OBJ file, hull { file = ... } is the 
 			     "terrain { file = ... } its triangles, which are static";
 static const char outside[] = "scenes reach no files or programs; record { } says what is written";
 static const char of_material[] = "it belongs to a material: material { ... }";
+static const char of_solid[] = "hull { points = ... }, the convex solid of its corners";
+static const char of_body[] = "a key of bodies: sphere { forces = {{vector = {x, y, z}}} }; in "
+			      "on_step body:apply_force(f)";
+static const char to_radians[] = "deg(30) is 30 degrees in radians";
 static const char of_spin[] = "a vector in rad/s is 'angular_velocity'";
 
 static const struct advice globals[] = {
@@ -57,6 +61,31 @@ static const struct advice globals[] = {
 	{"floor", "plane { ... }; rounding down is math.floor"},
 	{"gravity", "a key of world: world { gravity = {0, 0, -9.81} }"},
 	{"gravitation", "a key of world: world { gravitation = {} }"},
+	{"force", of_body},
+	{"torque", of_body},
+	{"cone", of_solid},
+	{"pyramid", of_solid},
+	{"rad", to_radians},
+	{"radians", to_radians},
+	{"degrees", to_radians},
+	{"pi", "math.pi"},
+	{"sqrt", "math.sqrt"},
+	{"sin", "math.sin"},
+	{"cos", "math.cos"},
+	{"tan", "math.tan"},
+	{"asin", "math.asin"},
+	{"acos", "math.acos"},
+	{"atan", "math.atan"},
+	{"exp", "math.exp"},
+	{"log", "math.log"},
+	{"abs", "math.abs"},
+	{"min", "math.min"},
+	{"max", "math.max"},
+	{"huge", "math.huge"},
+	{"random", "math.random"},
+	{"ceil", "math.ceil"},
+	{"pow", "x ^ y"},
+	{"atan2", "math.atan(y, x)"},
 };
 
 static const struct advice keys[] = {
@@ -135,7 +164,32 @@ static const struct {
 	{"g", {"gravity"}},
 	{"end_time", {"duration"}},
 	{"t_end", {"duration"}},
+	{"time", {"duration"}},
+	{"dt", {"time_step"}},
+	{"timestep", {"time_step"}},
+	{"fps", {"frame_rate"}},
+	{"type", {"kind", "shape"}},
+	{"angle", {"orientation"}},
+	{"target", {"look_at"}},
+	{"eye", {"position"}},
 };
+
+/* Fields of bodies that are parts of others. */
+static const struct advice fields[] = {
+	{"x", "position.x"},
+	{"y", "position.y"},
+	{"z", "position.z"},
+	{"vx", "velocity.x"},
+	{"vy", "velocity.y"},
+	{"vz", "velocity.z"},
+	{"speed", "velocity:length()"},
+	{"energy", "kinetic_energy"},
+};
+
+const char *rb_advice_for_field(const char *word)
+{
+	return find(fields, sizeof fields / sizeof *fields, word);
+}
 
 const char *rb_advice_synonym(const char *word, int k)
 {

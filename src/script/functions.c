@@ -21,6 +21,7 @@
 #include "model/joints.h"
 #include "model/validate.h"
 #include "script/call.h"
+#include "script/globals.h"
 #include "script/handles.h"
 #include "script/joint_handles.h"
 #include "script/vector.h"
@@ -356,6 +357,8 @@ static enum rb_status ask(struct rb_script *script, int closure, struct request 
 	                                              script->callback_instructions, err);
 	script->phase = phase;
 	script->world = world;
+	if (status != RB_OK)
+		rb_globals_explain(script, err);
 	return status;
 }
 

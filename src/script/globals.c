@@ -131,3 +131,23 @@ void rb_globals_warn(lua_State *L)
 	}
 	lua_pop(L, 1);
 }
+
+void rb_globals_explain(const struct rb_script *script, struct rb_error *err)
+{
+	static const char mark[] = "a nil value (global '";
+	const struct rb_scene *const scene = script->scene;
+	const char *const found = strstr(err->text, mark);
+
+	if (!found)
+		return;
+	const char *const name = found + sizeof mark - 1;
+	const size_t size = strcspn(name, "'"), used = strlen(err->text);
+	for (int i = 0; i < scene->body_count; i++) {
+		const char *const body = scene->bodies[i].name;
+		if (body && strlen(body) == size && memcmp(body, name, size) == 0) {
+			snprintf(err->text + used, sizeof err->text - used,
+			         " (body \"%s\" gives the body of that name)", body);
+			return;
+		}
+	}
+}

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "script/advice.h"
 #include "script/describe.h"
 #include "script/nearest.h"
 
@@ -64,6 +65,10 @@ static int l_index(lua_State *L)
 		return kind->field[lua_tointeger(L, -1)].get(L, id);
 	if (type != LUA_TNIL)
 		return 1;
+	const char *const advice = rb_advice_for_field(key);
+	if (advice && strcmp(kind->word, "body") == 0)
+		return luaL_error(L, "%s %s has no field '%s' (did you mean '%s'?)", kind->word,
+		                  kind->label(rb_script_of(L)->scene, id, label), key, advice);
 	struct rb_nearest nearest = rb_nearest_to(key);
 	for (int i = 0; i < kind->field_count; i++)
 		rb_nearest_offer(&nearest, kind->field[i].name, strlen(kind->field[i].name));

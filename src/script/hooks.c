@@ -20,6 +20,7 @@
 #include "script/displaced.h"
 #include "script/expects.h"
 #include "script/functions.h"
+#include "script/globals.h"
 #include "script/handles.h"
 #include "script/joint_handles.h"
 #include "script/measures.h"
@@ -101,6 +102,8 @@ static enum rb_status ask(struct rb_script *script, struct rb_world *world, lua_
 	                                              script->callback_instructions, err);
 	script->phase = RB_PHASE_REST;
 	script->world = NULL;
+	if (status != RB_OK)
+		rb_globals_explain(script, err);
 	return status;
 }
 

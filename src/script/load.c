@@ -495,8 +495,10 @@ static enum rb_status run(struct rb_script *script, lua_CFunction part, struct r
 	lua_pushcfunction(L, check_originals);
 	if (lua_pcall(L, 0, 0, 0) != LUA_OK)
 		lua_pop(L, 1);
-	if (status == RB_ERR_SCENE)
+	if (status == RB_ERR_SCENE) {
+		rb_globals_explain(script, err);
 		note_error(script, err);
+	}
 	if (status != RB_OK || part != run_scene)
 		return status;
 	lua_pushcfunction(L, warn_of_globals);

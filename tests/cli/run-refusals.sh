@@ -75,6 +75,15 @@ exits 65 returns.lua --no-record
 says err "^returns.lua:6: 'motion' must return .*got \\{0, 0, 'x'\\}"
 ! grep -q 'stack traceback' err || fail 'a traceback of what no function of the scene called'
 
+# a body's name is no global: told also by what is called later
+cat >named.lua <<'END'
+world { duration = 0.1 }
+sphere { name = "s", radius = 1 }
+result("x", function() return s.position.x end)
+END
+exits 65 named.lua --no-record
+says err "named.lua:3: attempt to index a nil value \(global 's'\) \(body \"s\" gives the body of that name\)"
+
 # one expectation that is broken does not cost the others
 cat >broken.lua <<'END'
 world { duration = 0.1 }
