@@ -347,6 +347,11 @@ static enum rb_status open_recording(struct rb_reader *reader, struct rb_error *
 		return status;
 	reader->reading.version = rb_input_text(&reader->input, "/rbsim/version", &reader->arena,
 	                                        NULL);
+	if (!reader->reading.version && rb_input_has(&reader->input, "/points/state_hash"))
+		return RB_FAIL(err, RB_ERR_INPUT,
+		               "'%s' is the table of a sweep, not a recording: its runs are beside "
+		               "it, rbsim plot draws its columns",
+		               reader->path);
 	if (!reader->reading.version)
 		return rb_input_no_text(&reader->input, "/rbsim/version", reader->path, err);
 	status = read_changing(reader, err);

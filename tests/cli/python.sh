@@ -235,6 +235,18 @@ def main():
     assert len(set(plain.column("state_hash"))) == 5
     # an expectation that does not hold is a point that has failed: the table says so
     assert plain.status["failed"] == 1 and plain.column("e is small: ok").tolist() == [1, 1, 1, 1, 0]
+    for path, told in (("plain/sweep.h5", "is the table of a sweep: open_sweep"), ("plain", "is a folder: open_sweep"),
+                       ("none.h5", "cannot open 'none.h5': No such file or directory")):
+        try:
+            rbsim.open(path)
+            sys.exit(f"{path} was opened")
+        except rbsim.RbsimError as error:
+            assert error.status == 66 and told in str(error), error
+    try:
+        plain.runs[0].results["bounce"]
+        sys.exit("a result that there is not")
+    except KeyError as error:
+        assert "there are: bounces, energy kept" in str(error), error
     try:
         rbsim.sweep("drop.lua", {"e": ["1:2"]})
         sys.exit("a range within a list")

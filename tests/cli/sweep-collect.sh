@@ -46,6 +46,11 @@ sed '/^world/i record { fields = {"position"} }' s.lua >bare.lua
 exits 0 sweep bare.lua -p n=1,2 -o bare
 exits 0 collect bare
 says out 'sweep.h5: 2 points, 2 done, 2 recordings'
+
+# the table is no recording, and says what it is to who takes it for one
+exits 66 info bare/sweep.h5
+says err "'bare/sweep.h5' is the table of a sweep, not a recording: .*rbsim plot"
+
 /usr/bin/python3 -c 'import h5py' 2>/dev/null || { echo "no h5py"; exit 77; }
 mv deep moved
 cat >look.py <<'END'

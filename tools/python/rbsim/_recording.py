@@ -52,6 +52,13 @@ def _kinds(column: "h5py.Dataset") -> Dict[int, str]:
     return kinds
 
 
+class _Named(Dict[str, float]):
+    """Values by name; one that there is not is told with those that there are."""
+
+    def __missing__(self, name: str) -> float:
+        raise KeyError(f"no '{name}' (there are: {', '.join(self) or 'none'})")
+
+
 class _Lazy(Mapping[str, Any]):
     """Values by name, each read when it is asked for first."""
 
@@ -142,6 +149,9 @@ class Joint:
         return self.run._read(f"/joints/{name}")[self.index]
 
     def _column(self, name: str) -> Array:
+        if f"/joints/{name}/value" not in self.run._file:
+            raise AttributeError(f"'{self.run.path}' holds no motion of joints: ask for it with "
+                                 'record { fields = {"+", "joints"} }')
         return self.run._read(f"/joints/{name}/value")[:, self.index]
 
     @property
@@ -217,10 +227,15 @@ class Run:
                 # one that still grows, or whose run was killed
                 self._file = h5py.File(str(path), "r", libver="latest", swmr=True)
         except OSError as error:
-            raise RbsimError(66, f"cannot open '{path}': {error}") from None
+            if os.path.isdir(path):
+                raise RbsimError(66, f"'{path}' is a folder: open_sweep opens that of a sweep") from None
+            why = os.strerror(error.errno) if error.errno else str(error)
+            raise RbsimError(66, f"cannot open '{path}': {why}") from None
         if "/rbsim/version" not in self._file:
+            is_table = "/points/state_hash" in self._file
             self._file.close()
-            raise RbsimError(66, f"'{path}' is not a recording of rbsim")
+            raise RbsimError(66, f"'{path}' is the table of a sweep: open_sweep opens its folder" if is_table else
+                             f"'{path}' is not a recording of rbsim")
         self._closer = weakref.finalize(self, self._file.close)
         #: frames that all columns have: those of a run that was killed may differ
         self.frame_count = min((len(dataset) for dataset in self._columns()), default=0)
@@ -405,7 +420,8 @@ class Run:
     @property
     def results(self) -> Dict[str, float]:
         """The scene's results by name; NaN until the run has come to its end."""
-        return {_unescape(name): float(dataset[()]) for name, dataset in self._file.get("/results", {}).items()}
+        return _Named((_unescape(name), float(dataset[()]))
+                      for name, dataset in self._file.get("/results", {}).items())
 
     @property
     def units(self) -> Dict[str, str]:
