@@ -16,6 +16,8 @@ enum {
 
 /* Violation, relative to the speeds, above which a result is not accepted as a solution. */
 static const double failed_share = 1e-9;
+/* Share of a residual that a round of a probe must end. */
+static const double constant_share = 0.99;
 /* Energy beyond which there is no way out, as a multiple of that at hand: 1e4 times the speeds. */
 static const double way_out_max = 1e8;
 
@@ -343,12 +345,14 @@ static double rounding_of(const struct rb_cone *cone)
  * impulses could grow without bound. The points of two faces are more than the independent ones,
  * and their accelerations may contradict each other by more than rounding: then each Newton step
  * ends where it began. A small residual is accepted once it has not been halved in as many rounds
- * as there are rows, each of which could have opened one of them.
+ * as there are rows, each of which could have opened one of them. A probe ends where its residual
+ * does not change, whatever its size.
  */
 static double relax(struct rb_cone *cone, bool convex, double tolerance, int rounds)
 {
 	/* tolerances are at least twice the rounding of the scale */
 	const double accepted = failed_share / (2 * DBL_EPSILON) * tolerance;
+	const bool probes = cone->probes && convex;
 	double residual = residual_of(cone, cone->residual), smallest = residual;
 	int steps = FIRST_STEPS, stalled = 0, idle = 0;
 
@@ -357,6 +361,7 @@ static double relax(struct rb_cone *cone, bool convex, double tolerance, int rou
 	     round++) {
 		if (rb_cone_is_over(cone))
 			break;
+		const double last = residual;
 		residual = accelerated_steps(cone, steps, residual, tolerance);
 		if (!(residual > tolerance))
 			break;
@@ -370,8 +375,9 @@ static double relax(struct rb_cone *cone, bool convex, double tolerance, int rou
 		if (residual < 0.5 * smallest) {
 			stalled = idle = 0;
 		} else {
-			stalled += is_final || residual < 256 * fmax(tolerance, rounding_of(cone));
-			idle += residual < accepted;
+			stalled += is_final || (probes && residual > constant_share * last) ||
+			           residual < 256 * fmax(tolerance, rounding_of(cone));
+			idle += residual < accepted || probes;
 		}
 		smallest = fmin(residual, smallest);
 	}

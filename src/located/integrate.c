@@ -18,6 +18,7 @@
 #include "located/painleve.h"
 #include "located/rates.h"
 #include "located/event_set.h"
+#include "located/other_forces.h"
 #include "located/singular.h"
 #include "located/piece_scales.h"
 #include "located/work.h"
@@ -34,12 +35,12 @@ static const double nearly_open = 1e-6;
 /*
  * Pieces shorter than this share of the time in which loads would move a member by its size creep:
  * pieces of joined bodies are within 2^-8 of that time. CREPT_MAX: how many more creeping pieces
- * than others are too many.
+ * than others are too many; CREPT_LOCKED: if the joints' rows contradict each other.
  */
 static const double creeping = 0x1p-20;
 /* Factor for the length of a piece in which a slip turns: its deviation falls with the square. */
 static const double shorter_share = 0.25;
-enum { CREPT_MAX = 256 };
+enum { CREPT_MAX = 256, CREPT_LOCKED = 4 };
 
 /* Arrays for the next piece. */
 struct columns {
@@ -423,7 +424,7 @@ static bool begin_modes(struct rb_modes *w)
 	if (w->dense.least > 0 && !rb_rates_evaluate(w, w->origin_s, w->c->piece.start))
 		return false;
 	if (w->dense.least > 0 &&
-	    !(rb_modes_residual(w, w->origin_s) <= RB_CHECK_OTHERWISE * w->max)) {
+	    !(rb_modes_residual(w, w->origin_s) <= RB_OTHER_FORCES_SAME * w->max)) {
 		w->dense.least = 0;
 		if (!rb_rates_evaluate(w, w->origin_s, w->c->piece.start))
 			return false;
@@ -468,7 +469,9 @@ static bool count_crept(struct rb_modes *w, double length, double natural_s)
 		c->crept++;
 	else if (c->crept > 0)
 		c->crept--;
-	return c->crept < CREPT_MAX;
+	return c->crept < CREPT_MAX &&
+	       (c->crept % CREPT_LOCKED != 0 || c->crept == 0 ||
+	        !rb_other_forces_contradict(w, w->origin_s, c->piece.start));
 }
 
 /* Joints may end the piece before contacts do; then no contact changes its mode. */
@@ -770,8 +773,7 @@ bool rb_integrate_forces(struct rb_located *l, int cluster, double t, rb_vec3 *f
 			rest_values(&w, t, value);
 		good = rb_rates_evaluate(&w, t, value);
 		memcpy(force, w.force, (size_t)c->held_count * sizeof *force);
-		if (good && w.dense.open && !rb_modes_are_lawful(&w) &&
-		    rb_check_holds_otherwise(&w, t))
+		if (good && w.dense.open && !rb_modes_are_lawful(&w) && rb_other_forces_hold(&w, t))
 			memcpy(force, w.force, (size_t)c->held_count * sizeof *force);
 		if (good && w.joints.count > 0)
 			rb_joint_rows_wrenches(&w.joints, w.multiplier, t, l->world->joint_load);

@@ -9,10 +9,10 @@
 #include "base/error.h"
 
 #include <float.h>
-#include <string.h>
 
 #include "located/follow.h"
 #include "located/joint_drives.h"
+#include "located/other_forces.h"
 #include "located/rates.h"
 #include "located/event_set.h"
 
@@ -26,53 +26,6 @@ enum { AT_ONCE = 1024 };
 enum { SAMPLES = 8, GAP_SAMPLES = 16, BISECTIONS = 80, HIT_ULP = 8 };
 /* Rounding of time in ulp: shorter pieces have no length. */
 enum { RISE_ULP = 2 };
-
-/*
- * Directs creeping slips opposite to all of their friction. The friction that turning has left
- * across them is far larger than the difference of two solutions for the same motion.
- */
-static void oppose_creeping(struct rb_modes *w)
-{
-	for (int k = 0; k < w->c->held_count; k++) {
-		const rb_vec3 friction = rb_vec3_reject(w->force[k], w->contact_point[k].normal);
-
-		if (w->c->held[k].creeps)
-			w->contact[k].slip = rb_vec3_unit(rb_vec3_neg(friction),
-			                                  w->contact[k].slip);
-	}
-}
-
-bool rb_check_holds_otherwise(struct rb_modes *w, double t)
-{
-	const struct rb_cluster *c = w->c;
-	const size_t count = (size_t)c->member_count;
-	const rb_arena_mark here = rb_arena_here(w->l->arena);
-	rb_vec3 *const linear_before = rb_arena_take(w->l->arena, count, sizeof *linear_before);
-	struct rb_solver_body *found = NULL;
-	double max = 0, off = 0;
-
-	if (!linear_before)
-		return false;
-	rb_vec3 *const angular_before = rb_arena_take(w->l->arena, count, sizeof *angular_before);
-
-	if (!angular_before)
-		return false;
-	memcpy(linear_before, w->linear, count * sizeof *linear_before);
-	memcpy(angular_before, w->angular, count * sizeof *angular_before);
-	oppose_creeping(w);
-	if (!rb_rates_external(w, t, &max) || !rb_modes_solve_any(w, t, &found))
-		return false;
-	for (size_t k = 0; k < count; k++) {
-		max = fmax(max, rb_vec3_max_abs(found[k].linear));
-		off = fmax(off, rb_vec3_max_abs(rb_vec3_sub(found[k].linear, linear_before[k])));
-		if (w->l->top)
-			off = fmax(off, rb_model_reach(w->l->model, w->c->member[k]) *
-			                        rb_vec3_max_abs(rb_vec3_sub(found[k].angular,
-			                                                    angular_before[k])));
-	}
-	rb_arena_back(w->l->arena, here);
-	return off <= RB_CHECK_OTHERWISE * max;
-}
 
 double rb_check_excess(const struct rb_modes *w, int k)
 {
@@ -267,7 +220,7 @@ static int broken(struct rb_modes *w, double s, double *value)
 		if (m->on_rim != held->on_rim || rb_event_set_has_left(w->l, m) || w->hits)
 			return k;
 		if (!inspected && !is_lawful(w, k)) {
-			if (!w->dense.open || !rb_check_holds_otherwise(w, t))
+			if (!w->dense.open || !rb_other_forces_hold(w, t))
 				return k;
 			inspected = true;
 		}
@@ -433,7 +386,7 @@ bool rb_check_creeping_breaks_laws(struct rb_modes *w)
 	}
 	if (!creeps || !(excess > RB_CHECK_DOUBTFUL * max))
 		return false;
-	return !w->dense.open || !rb_check_holds_otherwise(w, w->origin_s) ||
+	return !w->dense.open || !rb_other_forces_hold(w, w->origin_s) ||
 	       !rb_rates_evaluate(w, w->origin_s, w->c->piece.start);
 }
 
@@ -710,7 +663,7 @@ static signed char *broken_drive(struct rb_modes *w, const double *value, signed
 			continue;
 		*then = stop ? RB_STOP_OPEN : w->multiplier[k] > 0 ? RB_DRIVE_HIGH : RB_DRIVE_LOW;
 		/* if forces are open, others than the smallest may be admissible */
-		if (w->dense.open && rb_check_holds_otherwise(w, w->time_s))
+		if (w->dense.open && rb_other_forces_hold(w, w->time_s))
 			break;
 		return &l->drive_next[RB_JOINT_PARTS_HELD * row->joint + row->drive];
 	}
@@ -768,7 +721,7 @@ static bool has_held(const struct rb_modes *w)
 double rb_check_drives_within(struct rb_modes *w, double length, double *value)
 {
 	double good = 0, bad = length;
-	signed char *next_mode = NULL, then = 0;
+	signed char *next_mode = NULL, then = 0, at_once = 0;
 
 	if (!has_held(w))
 		return length;
@@ -780,6 +733,13 @@ double rb_check_drives_within(struct rb_modes *w, double length, double *value)
 	}
 	if (!next_mode || w->l->status != RB_OK)
 		return length;
+	/* at once, where stops open and hold again in turn */
+	const double least = fmin(nextafter(w->origin_s, HUGE_VAL) - w->origin_s, bad);
+	signed char *const first = good > 0 ? NULL : broken_drive_at(w, least, value, &at_once);
+	if (first) {
+		*first = at_once;
+		return least;
+	}
 	for (int round = 0; round < BISECTIONS && bad - good > 0; round++) {
 		const double middle = good + 0.5 * (bad - good);
 		signed char mode;

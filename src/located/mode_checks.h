@@ -8,18 +8,8 @@
 
 #include "located/modes.h"
 
-/* Relative difference of accelerations between two solutions for the same motion. */
-#define RB_CHECK_OTHERWISE 1e-10
-
 /* Excess relative to forces that may be the solver's residual, with the mode still holding. */
 #define RB_CHECK_DOUBTFUL 1e-8
-
-/*
- * If modes leave forces open, those that were found may be outside the cones while others are
- * within: are there lawful forces with the same motion of all bodies? If so, these become the
- * forces.
- */
-bool rb_check_holds_otherwise(struct rb_modes *w, double t);
 
 /* Excess of a contact's force over the limit of its mode, N; below zero: it is within. */
 double rb_check_excess(const struct rb_modes *w, int k);

@@ -118,6 +118,15 @@ static rb_vec3 point_acceleration(const struct rb_modes *w, int body, rb_vec3 ar
 	                   rb_vec3_cross(rb_mechanics_turning(w->l, body, t), arm));
 }
 
+static rb_vec3 relative_acceleration(const struct rb_modes *w, int i, double t)
+{
+	const struct rb_contact_point *m = &w->contact_point[i];
+
+	return rb_vec3_add(rb_vec3_sub(point_acceleration(w, m->b, m->arm_b, t),
+	                               point_acceleration(w, m->a, m->arm_a, t)),
+	                   w->contact[i].bias);
+}
+
 static double axis(rb_vec3 v, int k)
 {
 	return k == 0 ? v.x : k == 1 ? v.y : v.z;
@@ -139,9 +148,7 @@ static void fill_row(struct rb_modes *w, int i, int row, double t)
 	const struct rb_cluster *c = w->c;
 	const struct rb_contact_point *m = &w->contact_point[i];
 	const int n = w->dense.n, rows = rb_modes_unknowns(&c->held[i]);
-	rb_vec3 free = rb_vec3_add(rb_vec3_sub(point_acceleration(w, m->b, m->arm_b, t),
-	                                       point_acceleration(w, m->a, m->arm_a, t)),
-	                           w->contact[i].bias);
+	rb_vec3 free = relative_acceleration(w, i, t);
 	int column = 0;
 
 	for (int r = 0; r < rows; r++)
@@ -161,15 +168,6 @@ static void fill_row(struct rb_modes *w, int i, int row, double t)
 	}
 	for (int r = 0; r < rows; r++)
 		w->dense.right[row + r] = -component_of(w, i, r, free);
-}
-
-static rb_vec3 relative_acceleration(const struct rb_modes *w, int i, double t)
-{
-	const struct rb_contact_point *m = &w->contact_point[i];
-
-	return rb_vec3_add(rb_vec3_sub(point_acceleration(w, m->b, m->arm_b, t),
-	                               point_acceleration(w, m->a, m->arm_a, t)),
-	                   w->contact[i].bias);
 }
 
 /* The k-th unknown of a contact as a row of the coupled system. */
@@ -665,7 +663,11 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **fo
 	struct rb_located *l = w->l;
 	const struct rb_cluster *c = w->c;
 	const rb_arena_mark here = rb_arena_here(l->arena);
-	struct rb_simultaneous problem = {.arena = l->arena, .contact_count = c->held_count};
+	struct rb_simultaneous problem = {.arena = l->arena,
+	                                  .contact_count = c->held_count,
+	                                  .body_count = c->member_count,
+	                                  .interrupt = &l->world->interrupt,
+	                                  .probes = found != NULL};
 
 	problem.body = rb_arena_take(
 		l->arena, (size_t)(c->member_count + 2 * c->held_count + 2 * w->joints.count),
@@ -677,9 +679,6 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **fo
 	if (!problem.body || !problem.contact || !root || !problem.joint_row)
 		return false;
 	problem.root = root;
-	problem.body_count = c->member_count;
-	problem.interrupt = &l->world->interrupt;
-	problem.products_max = rb_modes_move(w) ? rb_located_products(l, c->held_count) : 0;
 	for (int k = 0; k < c->member_count; k++) {
 		problem.body[k] = rb_mechanics_body(l, c->member[k], w->linear[k], w->angular[k]);
 		root[k] = rb_mechanics_root(l, c->member[k], &w->pose[k]);
@@ -691,15 +690,16 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **fo
 		problem.contact[k].b = body_of(w, &problem, c->held[k].b, t);
 		problem.contact[k].impulse = c->held[k].force;
 	}
-	problem.probes = found != NULL;
 	problem.joint_count = rb_joint_rows_pose_problem(&w->joints, true, problem.joint_row,
 	                                                 problem.body, &problem.body_count);
 	if (found) /* for forces other than the known ones */
 		rb_joint_rows_guess(&w->joints, true, w->multiplier, problem.joint_row);
+	const int rows = problem.contact_count + problem.joint_count;
+	problem.products_max = rb_modes_move(w) ? rb_located_products(l, rows) : 0;
 	rb_simultaneous_forces(&problem);
 	rb_joint_rows_read_problem(&w->joints, true, problem.joint_row, w->multiplier);
 	if (rb_modes_move(w))
-		rb_located_count(l, problem.products, c->held_count);
+		rb_located_count(l, problem.products, rows);
 	for (int k = 0; k < c->held_count; k++)
 		w->force[k] = problem.contact[k].impulse;
 	if (found)
