@@ -279,6 +279,8 @@ static enum rb_status largest_external(const struct rb_world *world, double t, d
 	return status;
 }
 
+enum { STEPS_PER_FALL = 8 };
+
 /*
  * Longest step of `auto`, s: an eighth of the time in which a body of the mean size falls by its
  * size. A time_step chosen for locating may be far too long for steps; the smallest body would
@@ -295,9 +297,12 @@ static enum rb_status longest_step(const struct rb_world *world, double t, doubl
 	const enum rb_status status = largest_external(world, t, &external, err);
 
 	if (external > 0)
-		*step = sqrt(2 * world->model->size_mean_m / external) / 8;
+		*step = sqrt(2 * world->model->size_mean_m / external) / STEPS_PER_FALL;
 	return status;
 }
+
+/* Steps of an interval beyond which a run takes hours: as of a frame (model/validate). */
+static const double steps_max = 1e9;
 
 /* Steps from `start`, the time of the state, to `stop`. */
 static enum rb_status run_steps(struct rb_world *world, double start, double stop,
@@ -308,6 +313,11 @@ static enum rb_status run_steps(struct rb_world *world, double start, double sto
 	RB_ASSERT(stop > start);
 	world->has_shown = false;
 	enum rb_status status = longest_step(world, start, &max, err);
+	if (status == RB_OK && stop - start > steps_max * max)
+		return RB_FAIL(err, RB_ERR_PHYSICS,
+		               "steps after t = %.9g s are too short to reach %.9g s: in %.3g s what "
+		               "acts moves bodies by their size",
+		               start, stop, STEPS_PER_FALL * max);
 	const int64_t count = stop - start > max ? rb_step_count(stop - start, max) : 1;
 
 	for (int64_t k = 0; k < count && status == RB_OK; k++) {
@@ -318,6 +328,8 @@ static enum rb_status run_steps(struct rb_world *world, double start, double sto
 
 		const struct rb_counts before = world->frame_counts;
 
+		if (!(to > from)) /* parts of an ulp of the time */
+			continue;
 		status = method_of(world)->steps->step(world, from, to - from, err);
 		if (status != RB_OK)
 			break;

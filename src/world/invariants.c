@@ -123,13 +123,15 @@ enum rb_status rb_validate_contacts(const struct rb_world *world,
 /* False if energies and momenta may overflow, of which a run is told, but does not end. */
 static bool has_energies(const struct rb_world *world)
 {
-	const double *const v = world->state.velocity;
+	const struct rb_state *const state = &world->state;
 	static const double max = 1e100;
 
 	for (int k = 0; k < 3 * world->model->body_count; k++) {
 		const double mass = world->model->mass[k / 3]; /* infinite: driven */
 
-		if (!(fabs(v[k]) < max) || (isfinite(mass) && mass >= max))
+		if (!(fabs(state->velocity[k]) < max && fabs(state->position[k]) < max) ||
+		    (state->spin && !(fabs(state->spin[k]) < max)) ||
+		    (isfinite(mass) && mass >= max))
 			return false;
 	}
 	return true;

@@ -207,3 +207,15 @@ LUA
 exits 76 taut.lua --no-record --quiet --method located
 says err "^rbsim: taut.lua:7: rod #4 cannot be kept together"
 exits 0 taut.lua --no-record --quiet --method auto
+
+# what acts is so strong that the steps of a frame are without number: that ends the run, and is said
+cat >strong.lua <<'LUA'
+world { duration = 0.3, frame_rate = 1, gravity = {0, param("g", 1e155), -7.5} }
+plane {}
+cylinder { radius = 0.09, length = 0.2, position = {0, 0, 0.6}, velocity = {1, 0, -1}, angular_velocity = {1, 3, 0} }
+on_step(function() end)
+LUA
+for g in 1e20 1e60 1e155; do
+	exits 76 strong.lua -p g=$g --no-record --quiet
+	says err '^rbsim: steps after t = [0-9.e-]+ s are too short to reach'
+done
