@@ -56,7 +56,8 @@ static double depth_of_parts(const struct rb_model *model, struct rb_candidates 
 	double least_clearance = (double)INFINITY;
 	bool bounded = false;
 
-	RB_ASSERT_COSTLY(path >= 0 && pair.a != pair.b);
+	/* NaN: of an attempt that fails, or came after one: it proves nothing apart */
+	RB_ASSERT_COSTLY(!(path < 0) && pair.a != pair.b);
 	for (int i = 0; i < count_a; i++) {
 		const rb_placed *const pa = &candidates->placed[a + i];
 		struct rb_near_parts near;
