@@ -163,9 +163,10 @@ static void a_frame_that_fails_is_not_shown(void **state)
 	struct rbsim_error error;
 
 	(void)state;
-	scene_file("world { duration = 1, frame_rate = 8 }\n"
-	           "sphere { radius = 1, velocity = {1, 0, 0} }\n"
-	           "probe('p', function() if time() > 0.4 then error('enough') end return 1 end)\n");
+	scene_file(
+		"world { duration = 1, frame_rate = 8 }\n"
+		"sphere { radius = 1, velocity = {1, 0, 0} }\n"
+		"probe('p', function() if time() > 0.4 then error('enough') end return 1 end)\n");
 	assert_int_equal(rbsim_open(&simulation, path, NULL, &error), RBSIM_OK);
 	const struct rbsim_frame *const now = rbsim_frame(simulation);
 	const double *const position = now->position;

@@ -90,7 +90,8 @@ void rb_balance_print(FILE *file, const struct rb_balance *balance,
 	if (!balance->kept)
 		return;
 	print_causes(file, last);
-	rb_print(file, "  unexplained   %s, %s of what moved; of momentum %s, of angular momentum %s\n",
+	rb_print(file,
+	         "  unexplained   %s, %s of what moved; of momentum %s, of angular momentum %s\n",
 	         rb_text_measure("", balance->unexplained, 3, "J at most", text[0]),
 	         rb_text_measure("", share(balance->unexplained, balance->energy_scale), 2, "",
 	                         text[1]),

@@ -314,10 +314,11 @@ static enum rb_status run_steps(struct rb_world *world, double start, double sto
 	world->has_shown = false;
 	enum rb_status status = longest_step(world, start, &max, err);
 	if (status == RB_OK && stop - start > steps_max * max)
-		return RB_FAIL(err, RB_ERR_PHYSICS,
-		               "steps after t = %.9g s are too short to reach %.9g s: in %.3g s what "
-		               "acts moves bodies by their size",
-		               start, stop, STEPS_PER_FALL * max);
+		return RB_FAIL(
+			err, RB_ERR_PHYSICS,
+			"steps after t = %.9g s are too short to reach %.9g s: in %.3g s what "
+			"acts moves bodies by their size",
+			start, stop, STEPS_PER_FALL * max);
 	const int64_t count = stop - start > max ? rb_step_count(stop - start, max) : 1;
 
 	for (int64_t k = 0; k < count && status == RB_OK; k++) {
