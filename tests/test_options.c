@@ -140,7 +140,10 @@ static void what_is_not_known_gets_the_nearest_name(void **state)
 	(void)state;
 	assert_wrong("s.lua --durration 1",
 	             "unknown option '--durration' (did you mean '--duration'?)");
-	assert_wrong("s.lua --xyzzyxyzzy", "unknown option '--xyzzyxyzzy'");
+	assert_wrong("s.lua --xyzzyxyzzy",
+	             "unknown option '--xyzzyxyzzy' (parameters of scenes are given "
+	             "by --param NAME=VALUE)");
+	assert_wrong("info a.h5 --xyzzyxyzzy", "unknown option '--xyzzyxyzzy'");
 	assert_wrong("s.lua -z", "unknown option '-z'");
 	assert_wrong("chekc s.lua", "unknown verb 'chekc' (did you mean 'check'?)");
 	assert_wrong("s.lua --method clasic", "is not one of: auto, classic, located");

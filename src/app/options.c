@@ -319,6 +319,16 @@ bool rb_text_number(const char *text, double *value)
 	return *end == '\0' && isfinite(*value);
 }
 
+/* Whether the verb, as far as it is known, has the option. */
+static bool is_of_verb(const struct parse *parse, const char *name)
+{
+	for (int i = 0; i < rb_option_row_count; i++)
+		if (strcmp(rb_option_rows[i].name, name) == 0 &&
+		    rb_option_rows[i].verbs & 1u << parse->options->verb)
+			return true;
+	return false;
+}
+
 static enum rb_status unknown_option(struct parse *parse, const char *name, size_t length)
 {
 	char word[64];
@@ -332,7 +342,10 @@ static enum rb_status unknown_option(struct parse *parse, const char *name, size
 	if (*nearest.best)
 		return RB_FAIL(parse->err, RB_ERR_USAGE,
 		               "unknown option '--%s' (did you mean '--%s'?)", word, nearest.best);
-	return RB_FAIL(parse->err, RB_ERR_USAGE, "unknown option '--%s'", word);
+	const bool has_parameters = is_of_verb(parse, "param");
+	return RB_FAIL(parse->err, RB_ERR_USAGE, "unknown option '--%s'%s", word,
+	               has_parameters ? " (parameters of scenes are given by --param NAME=VALUE)"
+	                              : "");
 }
 
 static enum rb_status bad_number(struct parse *parse, const struct rb_option_row *row,
@@ -517,6 +530,12 @@ static enum rb_status check_not_verb(struct parse *parse, const char *word)
 	if (*nearest.best)
 		return RB_FAIL(parse->err, RB_ERR_USAGE, "unknown verb '%s'%s", word,
 		               rb_nearest_hint(&nearest, hint));
+	char scene[128];
+	snprintf(scene, sizeof scene, "%.100s.lua", word);
+	if (access(scene, F_OK) == 0)
+		return RB_FAIL(parse->err, RB_ERR_USAGE,
+		               "'%s' is neither a verb nor a scene (did you mean '%s'?)", word,
+		               scene);
 	return RB_FAIL(parse->err, RB_ERR_USAGE, "'%s' is neither a verb nor a scene", word);
 }
 

@@ -429,25 +429,28 @@ static void cut(struct box *box, const struct box *moving, double room)
 }
 
 /*
- * Extends the box by what is static, `per` corners each. What is larger than a whole map, like a
- * slab that is the ground, only as far as the moving ones are large: it would leave them no texels.
+ * Extends the box by that of a static caster. What is larger than a whole map, like a slab that is
+ * the ground, only as far as the moving ones are large: it would leave them no texels.
  */
-static void grow_still(struct box *box, const float (*corner)[4], int count, int per, double full,
-                       const struct axes *axes, rb_vec3 origin)
+static void grow_still(struct box *box, struct box one, const struct box *moving, double full)
 {
-	const struct box moving = *box;
-
-	for (int k = 0; k + per <= count; k += per) {
-		struct box one = {.any = false};
-		grow_corners(&one, corner + k, per, axes, origin);
-		if (moving.any && room_of(&one) > full)
-			cut(&one, &moving, room_of(&moving));
-		for (int c = 0; c < 3; c++) {
-			box->low[c] = box->any ? fmin(box->low[c], one.low[c]) : one.low[c];
-			box->high[c] = box->any ? fmax(box->high[c], one.high[c]) : one.high[c];
-		}
-		box->any = true;
+	if (moving->any && room_of(&one) > full)
+		cut(&one, moving, room_of(moving));
+	for (int c = 0; c < 3; c++) {
+		box->low[c] = box->any ? fmin(box->low[c], one.low[c]) : one.low[c];
+		box->high[c] = box->any ? fmax(box->high[c], one.high[c]) : one.high[c];
 	}
+	box->any = true;
+}
+
+/* Box of so many corners. */
+static struct box box_of(const float (*corner)[4], int count, const struct axes *axes,
+                         rb_vec3 origin)
+{
+	struct box box = {.any = false};
+
+	grow_corners(&box, corner, count, axes, origin);
+	return box;
 }
 
 /* Box of the casters that are at least a fraction of a pixel large, relative to `origin`. */
@@ -470,8 +473,10 @@ static struct box bounds(const struct rb_view *view, const struct rb_casters *ca
 			grow_corners(&box, casters->solids + k, 8, axes, origin);
 	const struct box moving = box;
 	const double full = full_side(view, casters, whole);
-	grow_still(&box, casters->corners, casters->corner_count, 4, full, axes, origin);
-	grow_still(&box, casters->still, casters->still_count, 8, full, axes, origin);
+	for (int k = 0; k + 4 <= casters->corner_count; k += 4)
+		grow_still(&box, box_of(casters->corners + k, 4, axes, origin), &moving, full);
+	for (int k = 0; k + 8 <= casters->still_count; k += 8)
+		grow_still(&box, box_of(casters->still + k, 8, axes, origin), &moving, full);
 	if (moving.any)
 		cut(&box, &moving, fmax(room_of(&moving), 0.5 * (full - room_of(&moving))));
 	return box;

@@ -15,8 +15,8 @@ void rb_globals_watch(lua_State *L);
 void rb_globals_warn(lua_State *L);
 
 /*
- * Where a message of Lua's tells of a global that is nil and a body has its name, says behind it how
- * the scene comes to that body: a name makes no global.
+ * Where a message of Lua's tells of a global that is nil and a body has its name, says behind it
+ * how the scene comes to that body: a name makes no global.
  */
 void rb_globals_explain(const struct rb_script *script, struct rb_error *err);
 

@@ -51,6 +51,13 @@ void rb_input_look(struct rb_input *input)
 		input->size_bytes = (uint64_t)found.st_size;
 }
 
+static bool is_scene(const char *name)
+{
+	const char *const ending = strrchr(name, '.');
+
+	return ending && strcmp(ending, ".lua") == 0;
+}
+
 /*
  * Checks what HDF5 itself does not, or not clearly: that this is a file of its kind and all there.
  * In SWMR mode it reads zeros beyond the end of a file that was cut off.
@@ -72,7 +79,10 @@ static enum rb_status check_file(struct rb_input *input, struct rb_error *err)
 			return RB_FAIL(err, RB_ERR_INPUT, "'%s' is empty", input->name);
 		if (size < (ssize_t)sizeof signature ||
 		    memcmp(head, signature, sizeof signature) != 0)
-			return RB_FAIL(err, RB_ERR_INPUT, "'%s' is not an HDF5 file", input->name);
+			return RB_FAIL(err, RB_ERR_INPUT, "'%s' is not an HDF5 file%s", input->name,
+			               is_scene(input->name)
+			                       ? " (a scene: its run makes a recording)"
+			                       : "");
 		const bool known = (head[8] == 2 || head[8] == 3) && head[9] == 8 && head[10] == 8;
 		if (!known)
 			return size < SUPERBLOCK_SIZE

@@ -20,6 +20,11 @@ says err "'-1' is not a finite number, 0 or more"
 exits 64 help nonsense
 says err "'nonsense' is neither a verb nor a scene"
 says_nothing out
+echo 'world { duration = 0.1 } sphere { radius = 1 }' >fall.lua
+exits 64 fall
+says err "'fall' is neither a verb nor a scene \(did you mean 'fall.lua'\?\)"
+exits 66 info fall.lua
+says err "'fall.lua' is not an HDF5 file \(a scene: its run makes a recording\)"
 exits 64 --durration 3 s.lua
 says err "unknown option '--durration' \(did you mean '--duration'\?\)"
 exits 64 render a.h5 --sheed # of its own options, not those of other verbs
