@@ -403,7 +403,7 @@ static double nearest_of(const struct rb_view *view, const struct rb_casters *ca
 	return nearest;
 }
 
-/* Side of what a map of so many texels shows with the texels that the nearest caster asks for, m. */
+/* Side of what a map of so many texels shows, each as fine as the nearest caster asks for, m. */
 static double full_side(const struct rb_view *view, const struct rb_casters *casters, int whole)
 {
 	const double nearest = nearest_of(view, casters);
