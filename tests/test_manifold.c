@@ -103,6 +103,45 @@ static void a_wide_band_hides_no_lower_corner(void **slot)
 	shapes_release(&rod);
 }
 
+/*
+ * A turned box comes with its edge towards a face, near the border of that: the edge is what
+ * touches, not the border, which is within the band of it. As boxes and as hulls.
+ */
+static void a_wide_band_takes_no_border_beside_for_what_touches(void **slot)
+{
+	const double c = cos(0.58), s = sin(0.58);
+	const rb_mat3 turn = {{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}};
+	shape box = shapes_box(0.5, 0.5, 0.5), wall = shapes_box(0.5, 0.5, 0.6);
+	struct rb_polytope other = *wall.core.polytope;
+
+	(void)slot;
+	other.box = false;
+	rb_core hull = wall.core;
+	hull.polytope = &other;
+	for (double off = -0.5; off <= 0.5; off += 0.03125) {
+		/* the edge is at this height of the wall's face */
+		const rb_placed p = {&box.core, {-1.24, off - 0.5 * (s - c), 0}, turn};
+
+		for (int k = 0; k < 2; k++) {
+			const rb_placed q = {k ? &hull : &wall.core, {0, 0, 0}, shapes_upright};
+			rb_manifold m;
+			int low = 0;
+
+			rb_manifold_with_nearest(&m, &p, &q, 0.1, 1e-6, 1);
+			assert_near(m.normal.x, 1, 1e-12);
+			for (int i = 0; i < m.count; i++) {
+				if (m.point[i].gap > m.gap + 1e-9)
+					continue;
+				low++;
+				assert_near(m.point[i].on_a.y, off, 1e-9);
+			}
+			assert_int_equal(low, 2);
+		}
+	}
+	shapes_release(&box);
+	shapes_release(&wall);
+}
+
 static void a_leaning_box_has_the_edge_or_the_corner_that_touches(void **slot)
 {
 	const rb_placed plane = ground();
@@ -494,6 +533,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_box_flat_on_a_plane_has_four_corners_mirrored_to_the_bit),
 		cmocka_unit_test(a_wide_band_hides_no_lower_corner),
+		cmocka_unit_test(a_wide_band_takes_no_border_beside_for_what_touches),
 		cmocka_unit_test(a_leaning_box_has_the_edge_or_the_corner_that_touches),
 		cmocka_unit_test(boxes_face_on_face_share_the_corners_of_their_overlap),
 		cmocka_unit_test(

@@ -7,7 +7,7 @@
 static rb_overlay_point point[RB_OVERLAY_MAX];
 static rb_patch low, high;
 
-static const rb_overlay_def up = {{0, 0, 1}, 1e-9, 1e-9};
+static const rb_overlay_def up = {{0, 0, 1}, 1e-9, 1e-9, 1e-9};
 
 /* The top of one box and the bottom of another that stands `gap` above it, moved by x, y and turned about z. */
 static int faces(double x, double y, double turn, double gap)
@@ -95,7 +95,7 @@ static void an_upright_stick_shares_itself(void **state)
 		rb_patch_of(&high, &b, (rb_vec3){0, 0, -1}, 1, 0);
 		assert_int_equal(high.kind, RB_PATCH_SEGMENT);
 		assert_int_equal(rb_overlay(&low, &high, &up, point), wanted);
-		const rb_overlay_def below = {{0, 0, -1}, up.along, up.aside};
+		const rb_overlay_def below = {{0, 0, -1}, up.along, up.aside, up.past};
 		assert_int_equal(rb_overlay(&high, &low, &below, point), wanted);
 		for (int i = 0; i < wanted; i++) {
 			assert_near(point[i].on_a.x, x, 1e-12);

@@ -33,7 +33,7 @@ typedef struct {
 
 typedef struct {
 	const flat *a, *b;
-	double aside, along;
+	double aside, along, past;
 	int count;
 	flat_point point[POINTS_MAX];
 	bool full;
@@ -158,30 +158,34 @@ static void see(const flat *f, const flat *p, rb_lanes off[CORNERS])
 		off[i] = f->rx[i] * (p->y - f->y[i]) - f->ry[i] * (p->x - f->x[i]);
 }
 
-/* Whether corner j of `p` lies within `f`, to the tolerance. */
-static bool is_within(const flat *f, const flat *p, int j, const rb_lanes off[CORNERS],
-                      double aside)
-{
-	if (f->count == 2) {
-		const double dx = p->x[j] - f->x[0], dy = p->y[j] - f->y[0];
-		const double far = dx * f->rx[0] + dy * f->ry[0], more = aside * f->length[0];
+/* Where a corner is: past the border, past it by less than the tolerance, or over the other. */
+enum place { PAST, BESIDE, OVER };
 
-		return fabs(off[0][j]) <= more && far >= -more &&
-		       far <= f->length[0] * f->length[0] + more;
+/* Where corner j of `p` is, seen from `f`. */
+static enum place place_of(const table *t, const flat *f, const flat *p, int j,
+                           const rb_lanes off[CORNERS])
+{
+	double past = 0; /* m */
+
+	if (f->count == 2) {
+		const double length = f->length[0];
+		const double dx = p->x[j] - f->x[0], dy = p->y[j] - f->y[0];
+		const double far = (dx * f->rx[0] + dy * f->ry[0]) / length;
+
+		past = fmax(fabs(off[0][j]) / length, fmax(-far, far - length));
 	}
-	for (int i = 0; i < f->count; i++)
-		if (f->sense * off[i][j] < -aside * f->length[i])
-			return false;
-	return true;
+	for (int i = 0; i < f->count && f->count > 2; i++)
+		past = fmax(past, -f->sense * off[i][j] / f->length[i]);
+	return past <= t->past ? OVER : past <= t->aside ? BESIDE : PAST;
 }
 
-/* Corners of one that lie over the other. */
-static void put_corners(table *t, bool of_a, const rb_lanes off[CORNERS])
+/* Corners of one in that place of the other. */
+static void put_corners(table *t, bool of_a, const rb_lanes off[CORNERS], enum place place)
 {
 	const flat *const own = of_a ? t->a : t->b, *const other = of_a ? t->b : t->a;
 
 	for (int j = 0; j < own->count; j++) {
-		if (!is_within(other, own, j, off, t->aside))
+		if (place_of(t, other, own, j, off) != place)
 			continue;
 		const double there = height_at(other, own->x[j], own->y[j]);
 		const rb_part corner = rb_part_of(RB_PART_VERTEX, own->vertex[j]);
@@ -241,7 +245,10 @@ static void put_crossing(table *t, int i, int j, const rb_lanes *to, const rb_la
 		put(t, between(t, (const int[2]){i, j}, at));
 }
 
-/* A face and another, or an edge. */
+/*
+ * A face and another, or an edge. What they share comes first: of points beside each other the
+ * first stays, and one past a border touches nothing.
+ */
 static void faces(table *t)
 {
 	const flat *const a = t->a, *const b = t->b;
@@ -250,12 +257,14 @@ static void faces(table *t)
 
 	see(a, b, to);
 	see(b, a, from);
-	put_corners(t, false, to);
-	put_corners(t, true, from);
+	put_corners(t, false, to, OVER);
+	put_corners(t, true, from, OVER);
 	for (int i = 0; i < a_sides; i++)
 		for (int j = 0; j < b_sides; j++)
 			if (straddles(to[i][j], to[i][next_of(b, j)]))
 				put_crossing(t, i, j, to, from);
+	put_corners(t, false, to, BESIDE);
+	put_corners(t, true, from, BESIDE);
 }
 
 /* A corner, over whatever the other one has, unless that is a face and it is past its border. */
@@ -266,7 +275,8 @@ static void corner(table *t, bool of_a)
 
 	if (other->count > 2) {
 		see(other, own, off);
-		put_corners(t, of_a, off);
+		put_corners(t, of_a, off, OVER);
+		put_corners(t, of_a, off, BESIDE);
 		return;
 	}
 	const double there = height_at(other, own->x[0], own->y[0]);
@@ -345,6 +355,7 @@ int rb_box_overlay(const rb_placed *a, const rb_placed *b, double depth, const d
 	t.b = &fb;
 	t.aside = def->aside;
 	t.along = def->along;
+	t.past = fmin(def->past, def->aside);
 	t.count = 0;
 	t.full = false;
 	if (!overlay(&t))

@@ -43,7 +43,7 @@ rb_convex_touch rb_convex_gap(const rb_placed *a, const rb_placed *b)
 
 	rb_patch_of(&pa, &near_a, s.normal, s.noise, 0);
 	rb_patch_of(&pb, &near_b, rb_vec3_neg(s.normal), s.noise, 0);
-	const rb_overlay_def def = {s.normal, s.noise, s.noise};
+	const rb_overlay_def def = {s.normal, s.noise, s.noise, s.noise};
 	const int count = rb_overlay(&pa, &pb, &def, point);
 	/* patches that miss each other by rounding: the support point of one, and its foot */
 	if (count > 0) {

@@ -98,7 +98,8 @@ static int corners_within(const find *f, double depth, double band, bool round,
 	const double tilt_a = f->tilt * f->a.core->reach, tilt_b = f->tilt * f->b.core->reach;
 	/* as below, where nothing is round */
 	const double gap = fmax(f->s.gap, 0);
-	const rb_overlay_def sharp = {f->s.normal, band, sqrt(band * band + 2 * gap * band)};
+	const rb_overlay_def sharp = {f->s.normal, band, sqrt(band * band + 2 * gap * band),
+	                              fmax(f->fine, f->s.noise)};
 	rb_patch pa, pb;
 
 	if (f->boxes) {
@@ -124,7 +125,7 @@ static int corners_within(const find *f, double depth, double band, bool round,
 	 */
 	if (!round && radii > 0 && (pa.kind == RB_PATCH_SEGMENT || pb.kind == RB_PATCH_SEGMENT))
 		aside = fmin(aside, fmax(sqrt(2 * radii * f->fine), f->s.noise));
-	const rb_overlay_def def = {f->s.normal, aside, along};
+	const rb_overlay_def def = {f->s.normal, aside, along, fmax(f->fine, f->s.noise)};
 	return rb_overlay(&pa, &pb, &def, point);
 }
 

@@ -226,19 +226,29 @@ static void put_crossing(table *t, int i, int j, const double at[2])
 	                          side_of(t->b, j)});
 }
 
-/* Two patches with sides, not both segments. */
+/* The corners of one patch that lie over the other, or else those beside its border. */
+static void put_corners(table *t, bool from_a, const outline *own, const outline *other, bool over)
+{
+	const double aside = t->def->aside, past = fmin(t->def->past, aside);
+	const rb_patch *const patch = from_a ? t->a : t->b;
+
+	for (int i = 0; i < own->count; i++)
+		if (inside(other, own->x[i], own->y[i], past) == over &&
+		    (over || inside(other, own->x[i], own->y[i], aside)))
+			put_from(t, from_a, patch->point[i], patch->id[i]);
+}
+
+/*
+ * Two patches with sides, not both segments. What they share comes first: of points beside each
+ * other the first stays, and one past a border touches nothing.
+ */
 static void polygons(table *t)
 {
 	const outline a = outline_of(t, t->a), b = outline_of(t, t->b);
-	const double aside = t->def->aside;
 	double at[2];
 
-	for (int j = 0; j < b.count; j++)
-		if (inside(&a, b.x[j], b.y[j], aside))
-			put_from(t, false, t->b->point[j], t->b->id[j]);
-	for (int i = 0; i < a.count; i++)
-		if (inside(&b, a.x[i], a.y[i], aside))
-			put_from(t, true, t->a->point[i], t->a->id[i]);
+	put_corners(t, false, &b, &a, true);
+	put_corners(t, true, &a, &b, true);
 	const int a_sides = a.count > 2 ? a.count : 1, b_sides = b.count > 2 ? b.count : 1;
 	for (int i = 0; i < a_sides; i++) {
 		double before = side_of_line(&a, i, b.x[0], b.y[0]);
@@ -253,6 +263,8 @@ static void polygons(table *t)
 			before = after;
 		}
 	}
+	put_corners(t, false, &b, &a, false);
+	put_corners(t, true, &a, &b, false);
 }
 
 /*

@@ -19,11 +19,12 @@ enum { RB_OVERLAY_MAX = 4 * RB_PATCH_MAX };
 /*
  * `n`: unit, from a to b. Points that lie apart by no more than `aside` across n count as over each
  * other, and of two segments points by no more than `along`, the way by which parallel curved
- * bodies may be off (m). None: they share no point.
+ * bodies may be off (m). None: they share no point. Corners that are past the other's border by
+ * more than `past` (m) do not count beside points that the patches share.
  */
 typedef struct {
 	rb_vec3 n;
-	double aside, along;
+	double aside, along, past;
 } rb_overlay_def;
 
 int rb_overlay(const rb_patch *a, const rb_patch *b, const rb_overlay_def *def,

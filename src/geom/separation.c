@@ -107,7 +107,7 @@ static rb_vec3 middle_of(const rb_patch *patch)
 static double shared_margin(const rb_axis *axis, const rb_patch *a, const rb_patch *b)
 {
 	const rb_vec3 n = axis->normal;
-	const rb_overlay_def def = {n, axis->noise, axis->noise};
+	const rb_overlay_def def = {n, axis->noise, axis->noise, axis->noise};
 	rb_overlay_point point[RB_OVERLAY_MAX];
 	rb_vec3 sum = {0, 0, 0};
 	double margin = rb_overlay_margin(a, middle_of(b), n);

@@ -91,7 +91,7 @@ bool rb_internal_edge_possible(const rb_manifold *manifold, double band, double 
 /* Whether the extreme features of both, along n from a to b, do not overlap in projection. */
 static bool misses(const struct parts *parts, rb_vec3 n, double depth)
 {
-	const rb_overlay_def def = {n, 0, 0};
+	const rb_overlay_def def = {n, 0, 0, 0};
 	rb_overlay_point point[RB_OVERLAY_MAX];
 	rb_patch a, b;
 
