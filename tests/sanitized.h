@@ -20,6 +20,9 @@
 #define tried(all, address, thread) (all)
 #endif
 
+/* Whether bits are compared with those of one thread, which races with nobody. */
+#define compares_threads tried(true, true, false)
+
 /*
  * Runs all tests of an array; under the thread sanitizer those whose names contain one of the given
  * parts, because the others use one thread, which races with nobody. A part that no name contains

@@ -2,6 +2,7 @@
 /* src/constraint/simultaneous.c, cone.c, exact_sum.h */
 #include "patience.h"
 #include "piles.h"
+#include "sanitized.h"
 
 #include "base/hash.h"
 #include "base/memory.h"
@@ -30,7 +31,7 @@ static void a_sum_does_not_depend_on_order_and_is_odd(void **state)
 	uint64_t seed = 1;
 
 	(void)state;
-	for (int round = 0; round < 2000; round++) {
+	for (int round = 0; round < tried(2000, 500, 500); round++) {
 		double term[64] = {0}, other[64];
 		const int count = 1 + (int)(chance(&seed) * 64);
 
@@ -311,7 +312,7 @@ static void open_lattice(struct pile *p, int n, double friction)
 static void lattices_in_a_box_stay(void **state)
 {
 	(void)state;
-	for (int n = 2; n <= 10; n += 4) {
+	for (int n = 2; n <= tried(10, 6, 6); n += 4) {
 		for (int rough = 0; rough <= 1; rough++) {
 			struct pile p;
 
@@ -501,7 +502,7 @@ static void random_clusters_keep_the_laws(void **state)
 	int unsettled = 0;
 
 	(void)state;
-	for (int round = 0; round < 600; round++) {
+	for (int round = 0; round < tried(600, 150, 150); round++) {
 		struct pile p;
 
 		open_random(&p, &seed, round % 4 == 0 ? 0 : 1.5);
@@ -532,7 +533,7 @@ static void random_clusters_find_their_forces(void **state)
 	uint64_t seed = 8;
 
 	(void)state;
-	for (int round = 0; round < 200; round++) {
+	for (int round = 0; round < tried(200, 50, 50); round++) {
 		struct pile p;
 
 		open_random(&p, &seed, 0.7);
@@ -628,7 +629,7 @@ static void any_order_and_any_mirror_image_give_the_same_bits(void **state)
 	uint64_t seed = 9;
 
 	(void)state;
-	for (int round = 0; round < 160; round++) {
+	for (int round = 0; round < tried(160, 40, 40); round++) {
 		struct pile p, image;
 		int body_at[16], contact_at[128];
 		const int mirror = round % 4;

@@ -7,13 +7,15 @@
 small_scene 'on_frame(function() end)
 local e = param("e", 0.5)' >s.lua
 # as in run-out-of-memory.sh
-case ${RBSIM_MODE:-release} in tsan) every=6 ;; *) every=1 ;; esac
+case ${RBSIM_MODE:-release} in tsan) every=6 ;; asan) every=3 ;; *) every=1 ;; esac
+first=1
 # with a socket a restart that fails would pause the run for somebody who can say play
 for way in '' '--listen s'; do
 	restart=restart
 	[ -z "$way" ] || restart=status
 	printf 'status\nbody left\nat 0.03 set e 0.25\nat 0.05 %s\n' $restart >commands
-	k=1 fine=0
+	k=$first fine=0
+	first=$((first % every + 1))
 	while [ $((fine * every)) -lt 20 ]; do
 		# shellcheck disable=SC2086
 		RBSIM_FAIL_ALLOCATION=$k timeout -s KILL "$PATIENCE" "$RBSIM" s.lua -q --duration 0.1 --no-record $way --commands commands \
