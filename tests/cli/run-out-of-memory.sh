@@ -16,12 +16,15 @@ for k = 1, 3 do
 	last = link
 end
 END
-# what fails in the end does so by the same ways from all threads: where only they are looked at, every sixth will do
-case ${RBSIM_MODE:-release} in tsan) every=6 ;; *) every=1 ;; esac
+# what fails in the end does so by the same ways from all threads: where only they are looked at, every sixth will do; a program
+# with a sanitizer tries every third, in each kind of run other ones, which have the reading of the scene in common
+case ${RBSIM_MODE:-release} in tsan) every=6 ;; asan) every=3 ;; *) every=1 ;; esac
+first=1
 # what is left behind is read each time in release; a program with a sanitizer, which is slow to start, reads some
 case ${RBSIM_MODE:-release} in release) read_every=1 ;; *) read_every=12 ;; esac
-for args in "s.lua --no-record" "s.lua --no-record --method stepped" "j.lua --no-record" "s.lua -o r.h5"; do
-	k=1
+for args in "j.lua --no-record" "s.lua --no-record" "s.lua --no-record --method stepped" "s.lua -o r.h5"; do
+	k=$first
+	first=$((first % every + 1))
 	while :; do
 		rm -f r.h5
 		# shellcheck disable=SC2086
