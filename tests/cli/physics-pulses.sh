@@ -54,13 +54,13 @@ field(function(t) return of == "lifted" and {0, 0, force(t)} or {force(t), 0, 0}
 expect("seen", function() return math.abs(got() / wanted - 1), bound end)
 END
 for of in ball box resting stack slider; do
-	for shape in square ramp gauss bump; do
+	for shape in $(tried square ramp gauss bump); do
 		exits 0 force.lua --no-record --method located -p of=$of -p shape=$shape -p at=3.6067
 		exits 0 force.lua --no-record --method located -p of=$of -p shape=$shape -p at=8.2 -p width=0.3 -p rate=0.1
 	done
 done
 for of in ball box resting rough lifted stack slider; do
-	for at in 0.71 3.6067 8.2; do
+	for at in $(tried 0.71 3.6067 8.2); do
 		exits 0 force.lua --no-record --method located -p of=$of -p at=$at -p rate=1.0
 	done
 	# no reason for `auto` to take steps
@@ -77,7 +77,7 @@ local ball = sphere { radius = 1, mass = 1, position = {param("from", -5.0), 0, 
 field(function(_, x) return {x.x > 0 and x.x < 0.04 and 1 or 0, 0, 0} end)
 expect("seen", function() return math.abs(ball.velocity.x / math.sqrt(1 + 2 * 0.04) - 1), 1e-9 end)
 END
-for from in -1.7 -4.02 -8.13; do
+for from in $(tried -1.7 -4.02 -8.13); do
 	exits 0 sheet.lua --no-record --method located -p from=$from
 done
 
@@ -111,7 +111,7 @@ end
 END
 for by in motion poses motor angles; do
 	for rate in 60.0 1.0 0.1; do
-		for at in 0.71 3.6067 8.2; do
+		for at in $(tried 0.71 3.6067 8.2); do
 			exits 0 motion.lua --no-record --method located -p by=$by -p rate=$rate -p at=$at
 		done
 	done
