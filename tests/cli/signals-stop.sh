@@ -14,7 +14,9 @@ ticks() # of processor time that $pid has had
 }
 works_on() # for a fifth of a second and more since it had $before
 {
-	[ "$(ticks)" -ge $((before + 20)) ]
+	now=$(ticks 2>/dev/null)
+	[ -n "$now" ] || fail "the run has ended after a signal that it goes on after"
+	[ "$now" -ge $((before + 20)) ]
 }
 begun() # a scene has said so
 {
