@@ -646,6 +646,25 @@ static void fail_blocked(struct impact *s)
 	                    rb_scene_body_label(scene, other, label[1]), s->t, fastest);
 }
 
+/*
+ * Sets the body to rest if all that is left of its motion is rounding. Weight keeps such a body at
+ * its contacts; without, they would be struck again and again, each time by the rounding of the
+ * last impact.
+ */
+static void stop_rounding(const struct rb_located *l, int i, const struct rb_pose *before,
+                          struct rb_solver_body *body)
+{
+	static const double rounding = 8 * DBL_EPSILON;
+	const double reach = rb_model_reach(l->model, i);
+	const double was = rb_vec3_max_abs(before->velocity) +
+	                   reach * rb_vec3_max_abs(before->spin);
+
+	if (l->weight > 0 || rb_vec3_max_abs(body->linear) > rounding * was ||
+	    reach * rb_vec3_max_abs(body->angular) > rounding * was)
+		return;
+	body->linear = body->angular = (rb_vec3){0, 0, 0};
+}
+
 /* Solves the impact, ends series, anchors the members. */
 static void collide(struct impact *s)
 {
@@ -682,6 +701,7 @@ static void collide(struct impact *s)
 	for (int k = 0; k < l->set_count; k++) {
 		const int i = l->set[k];
 
+		stop_rounding(l, i, &s->pose[k], &s->problem.body[k]);
 		s->pose[k].velocity = s->problem.body[k].linear;
 		s->pose[k].spin = s->problem.body[k].angular;
 		/* provisional: rb_resolve_contacts finds their forces */
