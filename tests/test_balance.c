@@ -116,6 +116,12 @@ static void causes_are_told_with_the_sign_of_what_bodies_got(void **state)
 		"3 J at most, 0.15 of what moved; of momentum 0.12, of angular momentum 0.12"));
 	last = (struct rb_ledger_values){.energy = {0}};
 	assert_non_null(strstr(printed(&balance, &last, false), "nothing gave or took energy\n"));
+	/* and what is rounding of what moved, 20 J here */
+	last.energy[RB_ENERGY_SLIDING] = 4e-15;
+	assert_non_null(strstr(printed(&balance, &last, false), "nothing gave or took energy\n"));
+	last.energy[RB_ENERGY_SLIDING] = 5e-15;
+	assert_non_null(strstr(printed(&balance, &last, false), "sliding -5e-15 J\n"));
+	last.energy[RB_ENERGY_SLIDING] = 0;
 	assert_string_equal(printed(&(struct rb_balance){0}, &last, false), "");
 	assert_string_equal(printed(&(struct rb_balance){0}, &last, true), "\"ledger\":null");
 }

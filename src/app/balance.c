@@ -5,6 +5,7 @@
  */
 #include "app/balance.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "app/common.h"
@@ -61,15 +62,20 @@ double rb_balance_momentum_share(const struct rb_balance *balance)
 	return rb_larger(momentum_share(balance, 0), momentum_share(balance, 1));
 }
 
-/* The causes that gave or took energy, with what takes it shown as positive. */
-static void print_causes(FILE *file, const struct rb_ledger_values *last)
+/*
+ * The causes that gave or took energy, with what takes it shown as positive. What is rounding of
+ * all that moved is not worth a word: joints alone have impacts of 1e-29 J when they are assembled.
+ */
+static void print_causes(FILE *file, const struct rb_balance *balance,
+                         const struct rb_ledger_values *last)
 {
+	const double rounding = DBL_EPSILON * balance->energy_scale;
 	char text[64];
 	int count = 0;
 
 	fputs("  ledger        ", file);
 	for (int k = 0; k < RB_ENERGY_CAUSES; k++) {
-		if (last->energy[k] == 0)
+		if (last->energy[k] == 0 || fabs(last->energy[k]) <= rounding)
 			continue;
 		fputs(count++ > 0 ? ", " : "", file);
 		for (const char *c = rb_ledger_energy_name(k); *c; c++)
@@ -89,7 +95,7 @@ void rb_balance_print(FILE *file, const struct rb_balance *balance,
 
 	if (!balance->kept)
 		return;
-	print_causes(file, last);
+	print_causes(file, balance, last);
 	rb_print(file,
 	         "  unexplained   %s, %s of what moved; of momentum %s, of angular momentum %s\n",
 	         rb_text_measure("", balance->unexplained, 3, "J at most", text[0]),

@@ -381,8 +381,12 @@ static void print_text(const char *path, const struct rb_reading *reading,
 	if (isfinite(course->max_penetration))
 		rb_print(stdout, "  overlap     %.3g m at most\n", course->max_penetration);
 	if (isfinite(course->collisions))
-		rb_print(stdout, "  work        %.0f impacts, %.0f rollbacks, %.0f substeps",
-		         course->collisions, course->rollbacks, course->substeps);
+		rb_print(stdout, "  work        %.0f %s, %.0f %s, %.0f %s", course->collisions,
+		         rb_text_plural((uint64_t)course->collisions, "impact", "impacts"),
+		         course->rollbacks,
+		         rb_text_plural((uint64_t)course->rollbacks, "rollback", "rollbacks"),
+		         course->substeps,
+		         rb_text_plural((uint64_t)course->substeps, "substep", "substeps"));
 	if (course->smallest_step > 0)
 		rb_print(stdout, ", smallest step %.3g s", course->smallest_step);
 	if (course->stepped > 0)
