@@ -351,8 +351,11 @@ static void follow_run(struct rb_viewer *viewer)
 			fetch(viewer, to);
 		viewer->has_goal = viewer->row < viewer->goal &&
 		                   rb_source_status(viewer->options.source)->grows;
-	} else if (viewer->live && viewer->playing && last != viewer->row) {
-		fetch(viewer, last);
+	} else if (viewer->live && viewer->playing) {
+		if (last != viewer->row)
+			fetch(viewer, last);
+		else if (!rb_source_status(viewer->options.source)->grows)
+			viewer->playing = viewer->live = false;
 	}
 }
 

@@ -178,6 +178,7 @@ enters "clear; $RBSIM attach run.sock"
 sees '^ live'
 exits 0 ctl run.sock quit
 sees 'the run has ended'
+sees '^ at the end '
 types Home
 sees 't 0\.'
 types q
