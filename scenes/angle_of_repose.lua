@@ -77,4 +77,4 @@ if mu >= 0.3 and R >= 0.1 and steep >= 45 and seconds >= 3 then
 	expect("nor steeper than 40 degrees", function() return angle(), 40 end)
 	expect("the heap has come to rest, m/s", function() return fastest(), 0.02 end)
 end
-expect("overlap stays within the tolerance", function() return max_penetration(), 1e-4 * r end)
+expect("overlap stays within the tolerance", function() return max_penetration(), penetration_tolerance() end)

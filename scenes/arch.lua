@@ -27,18 +27,18 @@ camera { name = "main", position = {1.6, -4.2, 1.3}, look_at = {0, 0, 0.75}, fov
 
 local start = {}
 for i, wedge in ipairs(arch) do start[i] = vec3(wedge.position) end
--- Every joint may close by the tolerance of steps, 1e-4 of the least half width: 6e-6 m, eighteen of them in a row.
+-- Every joint may close by the tolerance, 6e-6 m by steps (1e-4 of the least half width), eighteen of them in a row.
 if thickness >= 0.2 then
 	expect("the arch stands, m", function()
 		local far = 0
 		for i, wedge in ipairs(arch) do far = math.max(far, (wedge.position - start[i]):length()) end
-		return far, 18 * 6e-6
+		return far, 18 * penetration_tolerance()
 	end)
-	expect("the stone lies on it, m", function() return math.abs(stone.position.z - top - s / 2), 18 * 6e-6 end)
+	expect("the stone lies on it, m", function() return math.abs(stone.position.z - top - s / 2), 18 * penetration_tolerance() end)
 end
 expect("at rest", function()
 	local most = stone.velocity:length()
 	for _, wedge in ipairs(arch) do most = math.max(most, wedge.velocity:length()) end
 	return most, thickness >= 0.2 and 1e-6 or math.huge
 end)
-expect("overlap stays within the tolerance", function() return max_penetration(), 1e-4 * 0.25 end)
+expect("overlap stays within the tolerance", function() return max_penetration(), penetration_tolerance() end)

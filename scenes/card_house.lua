@@ -33,4 +33,4 @@ on_frame(function(t)
 	for i, card in ipairs(cards) do moved = math.max(moved, (card.position - start[i]):length()) end
 end)
 expect("it stands until it is hit, m", function() return moved, mu >= 0.58 and 1e-6 or math.huge end)
-expect("overlap stays within the tolerance", function() return max_penetration(), 1e-4 * 0.002 end)
+expect("overlap stays within the tolerance", function() return max_penetration(), penetration_tolerance() end)

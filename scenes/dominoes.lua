@@ -50,4 +50,4 @@ expect("one after the other", function()
 end)
 -- The push does less than force times the way of the edge while it lasts.
 expect("no energy from nowhere", function() return energy() - start, push * size[3] end)
-expect("overlap stays within the tolerance", function() return max_penetration(), 1e-4 * size[1] end)
+expect("overlap stays within the tolerance", function() return max_penetration(), penetration_tolerance() end)

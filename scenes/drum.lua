@@ -80,4 +80,4 @@ expect("none is lost", function()
 	end
 	return lost, 0
 end)
-expect("overlap stays within the tolerance", function() return max_penetration(), 1e-4 * r end)
+expect("overlap stays within the tolerance", function() return max_penetration(), penetration_tolerance() end)

@@ -47,4 +47,4 @@ expect("every axis has its share", function()
 	end
 	return math.abs(3 * x / all - 1), 4 * math.sqrt(2 / count) * 1.5
 end)
-expect("no overlap beyond the tolerance", function() return max_penetration(), 1e-6 * radius end)
+expect("no overlap beyond the tolerance", function() return max_penetration(), penetration_tolerance() end)

@@ -34,4 +34,4 @@ local function fastest()
 end
 -- With restitution a ball may still roll in a trough of others: nothing here brakes rolling.
 expect("the heap is at rest, m/s", function() return fastest(), e == 0 and 1e-6 or math.huge end)
-expect("overlap stays within the tolerance", function() return max_penetration(), 1e-4 * radius end)
+expect("overlap stays within the tolerance", function() return max_penetration(), penetration_tolerance() end)

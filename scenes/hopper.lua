@@ -77,4 +77,4 @@ expect("none is lost through a wall", function()
 	end
 	return out, 0
 end)
-expect("overlap stays within the tolerance", function() return max_penetration(), 1e-4 * r end)
+expect("overlap stays within the tolerance", function() return max_penetration(), penetration_tolerance() end)

@@ -32,4 +32,4 @@ on_frame(function(t)
 	for i, one in ipairs(bodies) do early = math.max(early, (one.position - start[i]):length()) end
 end)
 expect("it stands, over its height", function() return early / high, 1e-9 end)
-expect("overlap stays within the tolerance", function() return max_penetration(), 1e-4 * 0.025 end)
+expect("overlap stays within the tolerance", function() return max_penetration(), penetration_tolerance() end)

@@ -76,4 +76,4 @@ expect_always("energy is only lost", function()
 	start = start or energy()
 	return energy() / start - 1, 1e-9
 end)
-expect("overlap stays within the tolerance", function() return max_penetration(), 1e-4 * r end)
+expect("overlap stays within the tolerance", function() return max_penetration(), penetration_tolerance() end)

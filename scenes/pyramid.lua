@@ -42,4 +42,4 @@ if ball then
 	expect("the top is off", function() return (top.position - start[#boxes]):length() > size[1] end)
 	expect("the lowest row stays, m", function() return moved(1, rows), 1e-3 end)
 end
-expect("overlap stays within the tolerance", function() return max_penetration(), 1e-4 * size[3] / 2 end)
+expect("overlap stays within the tolerance", function() return max_penetration(), penetration_tolerance() end)

@@ -69,4 +69,4 @@ if mu >= 0.3 and n >= 400 and wide <= 6 then
 elseif mu == 0 then
 	expect("the floor carries all", function() return math.abs(share() - 1), 0.02 end)
 end
-expect("overlap stays within the tolerance", function() return max_penetration(), 1e-4 * r end)
+expect("overlap stays within the tolerance", function() return max_penetration(), penetration_tolerance() end)

@@ -79,4 +79,4 @@ if gamma > 1 and gamma < 3 and e == 0 then
 elseif gamma < 1 and e == 0 then
 	expect("it does not leave the plate, m", function() return low, 1e-3 * r end)
 end
-expect("overlap stays within the tolerance", function() return max_penetration(), 1e-4 * r end)
+expect("overlap stays within the tolerance", function() return max_penetration(), penetration_tolerance() end)

@@ -63,4 +63,4 @@ if mass >= 500 and lift >= 0.9 and rows <= 8 then
 		return gone >= #bricks / 3
 	end)
 end
-expect("overlap stays within the tolerance", function() return max_penetration(), 1e-4 * size[1] / 2 end)
+expect("overlap stays within the tolerance", function() return max_penetration(), penetration_tolerance() end)

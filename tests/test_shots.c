@@ -244,6 +244,8 @@ static void a_camera_can_look_and_change_nothing(void **state)
 		{"collisions()", "collisions is not available in the function of a camera"},
 		{"max_penetration()",
 	         "max_penetration is not available in the function of a camera"},
+		{"penetration_tolerance()",
+	         "penetration_tolerance is not available in the function of a camera"},
 		{"body 'bal'", "body: no body is named 'bal' (did you mean 'ball'?)"},
 		{"body { radius = 1 }", "body: only while the scene is loaded"},
 		{"while true do end", "the script ran longer than 100000 instructions"},

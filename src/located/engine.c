@@ -740,15 +740,6 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	return l->status = rb_inspect_finite(l, start);
 }
 
-/*
- * Largest permitted overlap of a located frame, m. Arcs keep overlaps that steps have left between
- * bodies in contact, so from the first step on the tolerance of steps applies.
- */
-static double overlap_max(const struct rb_located *l)
-{
-	return l->world->dense_steps > 0 ? l->model->stepped_tolerance_m : l->model->tolerance_m;
-}
-
 /* Finds the deepest overlap, m; RB_ERR_PHYSICS if it exceeds the tolerance. */
 static enum rb_status check(struct rb_located *l, double *depth, struct rb_error *err)
 {
@@ -760,7 +751,7 @@ static enum rb_status check(struct rb_located *l, double *depth, struct rb_error
 	if (!(l->model->features & RB_FEATURE_CONTACT))
 		return RB_OK;
 	*depth = rb_inspect_overlap(l, t, &a, &b);
-	if (*depth <= overlap_max(l))
+	if (*depth <= rb_world_tolerance(l->world))
 		return RB_OK;
 	return l->status = RB_FAIL(
 		       err, RB_ERR_PHYSICS,
@@ -768,7 +759,7 @@ static enum rb_status check(struct rb_located *l, double *depth, struct rb_error
 		       rb_scene_body_source(l->model->scene, l->model->id_of[a], source),
 		       rb_scene_body_label(l->model->scene, l->model->id_of[a], first),
 		       rb_scene_body_label(l->model->scene, l->model->id_of[b], second), *depth, t,
-		       overlap_max(l));
+		       rb_world_tolerance(l->world));
 }
 
 enum rb_status rb_engine_check(struct rb_located *l, struct rb_error *err)

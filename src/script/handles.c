@@ -372,6 +372,14 @@ static int l_max_penetration(lua_State *L)
 	return 1;
 }
 
+static int l_penetration_tolerance(lua_State *L)
+{
+	(void)rb_moment_numbers(L, "penetration_tolerance",
+	                        true); /* raises where there is no world */
+	lua_pushnumber(L, rb_world_tolerance(rb_script_of(L)->world));
+	return 1;
+}
+
 void rb_handles_open(lua_State *L)
 {
 	static const luaL_Reg world[] = {{"time", l_time},
@@ -380,6 +388,7 @@ void rb_handles_open(lua_State *L)
 	                                 {"angular_momentum", l_angular_momentum},
 	                                 {"collisions", l_collisions},
 	                                 {"max_penetration", l_max_penetration},
+	                                 {"penetration_tolerance", l_penetration_tolerance},
 	                                 {NULL, NULL}};
 
 	rb_handle_kind_open(L, &kind);

@@ -53,6 +53,12 @@ double rb_world_time(const struct rb_world *world)
 	return world->state.time_s;
 }
 
+double rb_world_tolerance(const struct rb_world *world)
+{
+	return world->dense_steps > 0 ? world->model->stepped_tolerance_m
+	                              : world->model->tolerance_m;
+}
+
 double rb_world_mass(const struct rb_world *world, int id)
 {
 	return world->model->mass[world->model->index_of[id]];

@@ -43,7 +43,7 @@ for scene in arch "heap --param balls=20" "hopper --param n=40 --param seconds=1
 	by_default=$cost
 	[ "$by_steps" != 0 ] || fail "$scene has not been stepped"
 	awk -v a="$located" -v b="$stepped" 'BEGIN { exit !(b > 50 * a || a == b) }' || fail "$scene: $located and $stepped"
-	# the scenes themselves expect the overlap of steps: more does not fail
+	# the scenes themselves expect what is stated
 	# shellcheck disable=SC2086
 	keeps $scene --tolerance "$(awk -v s="$stepped" 'BEGIN { printf "%.17g", s / 100 }')"
 	awk -v a="$by_default" -v b="$cost" 'BEGIN { exit !(a < 1.1 * b) }' || fail "$scene: $by_default row sweeps, at a ppm $cost"
@@ -61,3 +61,25 @@ says out 'tolerance  *1e-05 m$'
 # joints are solved to rounding: they keep a ppm
 exits 0 check "$TOP/scenes/trebuchet.lua" --json
 [ "$(value tolerance)" = "$(value stepped_tolerance)" ] || fail "joints: $(value tolerance) and $(value stepped_tolerance)"
+
+# a scene can ask for it; auto's is that of steps from the first one on, which the scenes above expect of it
+cat >asks.lua <<'END'
+world { duration = 0.1, frame_rate = 10, gravity = {0, 0, -9.81} }
+for i = 1, 40 do box { size = {0.2, 0.2, 0.2}, position = {0.13 * (i % 5), 0.11 * (i % 7), 0.3 * i}, angular_velocity = {i, 2 * i, 3} } end
+plane {}
+local before = nil
+on_step(function() before = before or penetration_tolerance() end)
+expect("before, m", function() return before, BEFORE end)
+expect("not less before, m", function() return -before, -BEFORE end)
+expect("then, m", function() return penetration_tolerance(), THEN end)
+expect("not less then, m", function() return -penetration_tolerance(), -THEN end)
+END
+asks() # asks BEFORE THEN OPTION...
+{
+	sed "s/BEFORE/$1/; s/THEN/$2/" asks.lua >asked.lua
+	shift 2
+	exits 0 asked.lua --no-record "$@"
+}
+asks 1e-7 1e-7 --method located
+asks 1e-5 1e-5 --method stepped
+asks 2e-3 2e-3 --method stepped --tolerance 2e-3
