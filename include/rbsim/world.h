@@ -109,8 +109,8 @@ bool rb_world_stopped(const struct rb_world *world);
 
 uint64_t rb_world_frame(const struct rb_world *world); /* k */
 uint64_t rb_world_frame_count(
-	const struct rb_world *world);                /* of the whole run, frame 0 included */
-double rb_world_time(const struct rb_world *world);   /* s */
+	const struct rb_world *world);              /* of the whole run, frame 0 included */
+double rb_world_time(const struct rb_world *world); /* s */
 /*
  * Largest overlap that a frame may show by now, m: of auto that of steps once there was one, since
  * arcs keep what steps have left between bodies in contact.
