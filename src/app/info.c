@@ -313,6 +313,12 @@ static void print_changes(const struct course *course)
 		                         "kg m^2/s", last));
 }
 
+/* As rb_text_plural, of a count in a recording, which may be any number. */
+static const char *count_name(double count, const char *one, const char *many)
+{
+	return count == 1 ? one : many;
+}
+
 static void print_text(const char *path, const struct rb_reading *reading,
                        const struct course *course)
 {
@@ -382,11 +388,9 @@ static void print_text(const char *path, const struct rb_reading *reading,
 		rb_print(stdout, "  overlap     %.3g m at most\n", course->max_penetration);
 	if (isfinite(course->collisions))
 		rb_print(stdout, "  work        %.0f %s, %.0f %s, %.0f %s", course->collisions,
-		         rb_text_plural((uint64_t)course->collisions, "impact", "impacts"),
-		         course->rollbacks,
-		         rb_text_plural((uint64_t)course->rollbacks, "rollback", "rollbacks"),
-		         course->substeps,
-		         rb_text_plural((uint64_t)course->substeps, "substep", "substeps"));
+		         count_name(course->collisions, "impact", "impacts"), course->rollbacks,
+		         count_name(course->rollbacks, "rollback", "rollbacks"), course->substeps,
+		         count_name(course->substeps, "substep", "substeps"));
 	if (course->smallest_step > 0)
 		rb_print(stdout, ", smallest step %.3g s", course->smallest_step);
 	if (course->stepped > 0)

@@ -16,7 +16,7 @@ enum {
 
 /* Violation, relative to the speeds, above which a result is not accepted as a solution. */
 static const double failed_share = 1e-9;
-/* Share of a residual that a round of a probe must end. */
+/* A round of a probe that leaves more than this share of the residual does not change it. */
 static const double constant_share = 0.99;
 /* Energy beyond which there is no way out, as a multiple of that at hand: 1e4 times the speeds. */
 static const double way_out_max = 1e8;

@@ -647,9 +647,9 @@ static void fail_blocked(struct impact *s)
 }
 
 /*
- * Sets the body to rest if all that is left of its motion is rounding. Weight keeps such a body at
- * its contacts; without, they would be struck again and again, each time by the rounding of the
- * last impact.
+ * Sets the body to rest if all that is left of its motion is rounding. Without weight the noise of
+ * its contacts would be that of what is left, and it would be struck again and again, each time by
+ * the rounding of the last impact.
  */
 static void stop_rounding(const struct rb_located *l, int i, const struct rb_pose *before,
                           struct rb_solver_body *body)
